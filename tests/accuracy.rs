@@ -107,8 +107,8 @@ fn without_blockers_a_sphere_light_has_its_closed_form() {
     let (albedo, radiance) = (Vec3::new(0.2, 0.5, 0.8), Vec3::new(3.0, 2.0, 1.0));
     // Above the floor, half sunk into its horizon, and almost below.
     for (height, radius) in [(3.0, 0.5), (0.3, 1.0), (-0.9, 1.0)] {
-        let ball = Sphere { center: Vec3::new(1.0, height, -2.0), radius };
-        let scene = floor(Lambert { albedo }.into(), SphereLight::new(ball, radiance));
+        let sphere = Sphere { center: Vec3::new(1.0, height, -2.0), radius };
+        let scene = floor(Lambert { albedo }.into(), SphereLight::new(sphere, radiance));
         let world = World::new(&scene);
         let g = GBuffer::new(&world, scene.width, scene.height, 1);
         let (test, stats) = shade(&scene, &g, &CpuShader::new(Unshadowed), 0.005, 0.0);
@@ -117,7 +117,7 @@ fn without_blockers_a_sphere_light_has_its_closed_form() {
             .receivers
             .iter()
             .map(|at| {
-                let to = (ball.center - at.position).as_dvec3();
+                let to = (sphere.center - at.position).as_dvec3();
                 let sin = f64::from(radius) / to.length();
                 let e = if sin >= 1.0 {
                     core::f64::consts::PI
@@ -137,11 +137,11 @@ fn without_blockers_a_sphere_light_has_its_closed_form() {
 
 #[test]
 fn a_small_bright_light_is_a_small_light() {
-    let ball = Sphere { center: Vec3::new(0.0, 4.0, 0.0), radius: 1e-6 * 4.0 };
+    let sphere = Sphere { center: Vec3::new(0.0, 4.0, 0.0), radius: 1e-6 * 4.0 };
     let material: Material = ModifiedPhong { kd: Vec3::splat(0.4), ks: Vec3::splat(0.3), exponent: 60.0 }.into();
     let flux = Vec3::splat(100.0);
-    let tiny = floor(material.clone(), SphereLight::with_flux(ball, flux));
-    let small = floor(material, SphereLight::with_flux(Sphere { radius: 0.01, ..ball }, flux));
+    let tiny = floor(material.clone(), SphereLight::with_flux(sphere, flux));
+    let small = floor(material, SphereLight::with_flux(Sphere { radius: 0.01, ..sphere }, flux));
     let view = |scene: &Scene| {
         let world = World::new(scene);
         let g = GBuffer::new(&world, scene.width, scene.height, 1);
@@ -158,9 +158,9 @@ fn metals_are_as_accurate_as_promised() {
     for roughness in [0.2, 0.5] {
         let gold = MetallicRoughness::new(Vec3::new(1.0, 0.77, 0.34), 1.0, roughness).expect("a metal");
         let mut scene = floor(gold.into(), light);
-        let ball = |x: f32, y: f32, z: f32, radius: f32| Sphere { center: Vec3::new(x, y, z), radius };
-        let balls = vec![ball(0.0, 0.9, -1.0, 0.4), ball(0.6, 0.5, -2.0, 0.3), ball(-0.7, 0.4, 0.3, 0.4)];
-        scene.objects.push(Object::spheres("balls", balls, 0));
+        let sphere = |x: f32, y: f32, z: f32, radius: f32| Sphere { center: Vec3::new(x, y, z), radius };
+        let shapes = vec![sphere(0.0, 0.9, -1.0, 0.4), sphere(0.6, 0.5, -2.0, 0.3), sphere(-0.7, 0.4, 0.3, 0.4)];
+        scene.objects.push(Object::spheres("balls", shapes, 0));
         let set = posed(&scene);
         let world = World::new(&scene);
         let g = GBuffer::new(&world, scene.width, scene.height, 1);

@@ -25,7 +25,7 @@ const TOLERANCE: f32 = 0.005;
 /// A slab, a post and a sphere on a floor.
 fn scene(lights: Vec<Light>, material: Material) -> Scene {
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 5.0, Vec3::NEG_Z * 5.0);
-    let ball = Sphere { center: Vec3::new(0.75, 0.3, 0.4), radius: 0.3 };
+    let sphere = Sphere { center: Vec3::new(0.75, 0.3, 0.4), radius: 0.3 };
     Scene {
         camera: Camera {
             eye: Vec3::new(0.3, 2.2, 3.0),
@@ -40,7 +40,7 @@ fn scene(lights: Vec<Light>, material: Material) -> Scene {
             Object::mesh("floor", floor, 0, Proxy::None),
             Object::mesh("slab", Mesh::cuboid(Vec3::new(-0.5, 0.6, 0.0), Vec3::new(0.4, 0.03, 0.3)), 0, Proxy::None),
             Object::mesh("post", Mesh::cuboid(Vec3::new(0.2, 0.35, -0.3), Vec3::new(0.05, 0.35, 0.05)), 0, Proxy::None),
-            Object::spheres("ball", vec![ball], 0),
+            Object::spheres("ball", vec![sphere], 0),
         ],
         lights,
         ..Scene::default()
@@ -66,8 +66,8 @@ fn shade(scene: &Scene, tolerance: f32, by_rays: bool) -> Vec<Vec3> {
     let mut silhouettes = SceneSilhouettes::new(scene, |_| true);
     silhouettes.refit(scene);
     let meshes = SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |o| o < 3));
-    let Proxy::Spheres(balls) = &scene.objects[3].proxy else { panic!("a ball") };
-    let spheres = SphereBlockers::new(balls, &[3], &[1e-4; 4]);
+    let Proxy::Spheres(proxy) = &scene.objects[3].proxy else { panic!("a sphere") };
+    let spheres = SphereBlockers::new(proxy, &[3], &[1e-4; 4]);
     run(scene, tolerance, MaskVisibility::new(Mixture::new(spheres, meshes)))
 }
 

@@ -87,7 +87,7 @@ pub(crate) fn advise(scene: &Scene, animation: &Animation, number: usize, set: O
     let object = &scene.objects[number];
     let advice = |strategy, reason: String| Advice { strategy, reason };
     let mesh = match &object.shape {
-        Shape::Spheres(_) => return advice(Strategy::Spheres, "balls are exact as spheres, and cheapest".to_owned()),
+        Shape::Spheres(_) => return advice(Strategy::Spheres, "spheres are exact, and cheapest".to_owned()),
         Shape::Mesh(mesh) => mesh,
     };
     if is_backdrop(scene, animation, number, mesh) {
@@ -157,7 +157,9 @@ fn is_backdrop(scene: &Scene, animation: &Animation, number: usize, mesh: &Mesh)
         (0..8).map(pick)
     });
     let mut points: Vec<(DVec3, f64)> = corners.map(|p| (p.as_dvec3(), 0.0)).collect();
-    points.extend(scene.lights.iter().map(|l| l.bounds()).map(|ball| (ball.center.as_dvec3(), f64::from(ball.radius))));
+    points.extend(
+        scene.lights.iter().map(|l| l.bounds()).map(|sphere| (sphere.center.as_dvec3(), f64::from(sphere.radius))),
+    );
     let own = mesh.bounds();
     let slack = 1e-4 * f64::from((own.max - own.min).length());
     let eye = scene.camera.eye.as_dvec3();

@@ -135,7 +135,7 @@ fn requirements(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Re
     let objects_json = scene.objects.iter().zip(objects).map(|(o, needs)| {
         let (kind, primitives) = match &o.shape {
             Shape::Mesh(m) => ("triangles", m.triangles.len()),
-            Shape::Spheres(s) => ("balls", s.len()),
+            Shape::Spheres(s) => ("spheres", s.len()),
         };
         json!({
             "name": o.name,
@@ -246,7 +246,7 @@ fn residuals(material: &Material) -> String {
 fn describe(o: &Object, needs: &Requirement, of_scene: bool) -> String {
     let shape = match &o.shape {
         Shape::Mesh(m) => counted(m.triangles.len(), "triangle"),
-        Shape::Spheres(s) => counted(s.len(), "ball"),
+        Shape::Spheres(s) => counted(s.len(), "sphere"),
     };
     let seen = if o.visible { "" } else { ", not seen by the camera" };
     let Advice { strategy, reason } = &needs.advice;

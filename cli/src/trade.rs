@@ -142,14 +142,14 @@ fn scene_name(args: &TradeArgs) -> String {
 /// The requested strategies, or all that block with the geometry of the reference.
 fn strategies(args: &TradeArgs, scene: &Scene) -> Result<Vec<Visibility>, Failure> {
     let blocks = |s: &&cosine_lobes::scene::Object| s.proxy != Proxy::None;
-    let balls = scene.objects.iter().filter(blocks).all(|o| matches!(o.shape, Shape::Spheres(_)));
+    let is_of_spheres = scene.objects.iter().filter(blocks).all(|o| matches!(o.shape, Shape::Spheres(_)));
     let mut good = vec![Visibility::Spheres];
     if args.geometry == TradeGeometry::Mesh && Plan::new(Visibility::ShadowMap.strategy(), scene).wants_maps(scene) {
         // The mixture that `render` uses, then each strategy for all objects.
         good.insert(0, Visibility::Scene);
         good.extend([Visibility::ShadowMap, Visibility::Silhouettes]);
     }
-    if args.geometry == TradeGeometry::Mesh || balls {
+    if args.geometry == TradeGeometry::Mesh || is_of_spheres {
         good.push(Visibility::Rays);
     }
     if args.visibility.is_empty() {

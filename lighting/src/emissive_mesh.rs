@@ -56,7 +56,7 @@ impl core::fmt::Display for EmissiveMeshError {
         match self {
             Self::Degenerate => f.write_str("the surface has no area"),
             Self::Parts => write!(f, "the surface is of more than {MOST} flat faces and separate parts"),
-            Self::Shape(error) => write!(f, "balls and tubes in place of the surface err by {:.0} %", 100.0 * error),
+            Self::Shape(error) => write!(f, "spheres and tubes in place of the surface err by {:.0} %", 100.0 * error),
         }
     }
 }

@@ -1,6 +1,6 @@
-//! Frames of a floor under a blob of spheres on the GPU, visible points given: by points, spheres, lights and strategy. Times are the
-//! GPU's own, by timestamps, where it has them; else those of the call, transfers included. Without a GPU nothing is measured, and that
-//! is said. `cargo bench -p cosine-lobes-render-gpu --bench gpu`.
+//! Frames of a floor under a blob of spheres on the GPU, with given visible points: by points, spheres, lights and strategy. Times
+//! are the GPU's own timestamps, if it has them; else those of the call, transfers included. Without a GPU it measures nothing and
+//! prints so. `cargo bench -p cosine-lobes-render-gpu --bench gpu`.
 
 use brdf::Material;
 use core::time::Duration;
@@ -16,7 +16,7 @@ use visibility_shadowmap::{MapOptions, ShadowMap, ShadowMapBlockers};
 use visibility_silhouettes::{GpuSilhouettes, SilhouetteMesh};
 use visibility_spheres::SphereBlockers;
 
-/// A square of the floor, in tiles of 8 × 8 as a G-buffer lists them.
+/// A square of the floor, in tiles of 8 × 8 as in a G-buffer.
 fn points(side: usize) -> ShadingPoints {
     let mut points = ShadingPoints::default();
     let tiles = side / 8;
@@ -33,7 +33,7 @@ fn points(side: usize) -> ShadingPoints {
     points
 }
 
-/// A sphere of spheres, of the same coverage for every count.
+/// Small spheres that fill a sphere, with the same coverage for every count.
 fn blob(count: usize) -> Vec<Sphere> {
     let radius = 0.7 * (count as f32).powf(-1.0 / 3.0);
     let one = |i: usize| {
@@ -54,7 +54,7 @@ fn lights(count: usize) -> Vec<Light> {
     (0..count).map(one).collect()
 }
 
-/// What the GPU spent, by its own clock if it has one.
+/// The GPU's time, by its own clock if it has one.
 fn spent(stats: &ShadeStats) -> Duration {
     let gpu = stats.stages.lighting + stats.stages.mask;
     Duration::from_secs_f64(if gpu > 0.0 { gpu } else { stats.seconds })
@@ -107,7 +107,7 @@ fn curves(c: &mut Criterion, gpu: &Gpu) {
     let lights = lights(1);
     let cube = Mesh::cuboid(Vec3::Y * 0.8, Vec3::splat(0.9));
     let options = MapOptions { resolution: 1024, ..MapOptions::default() };
-    let map = ShadowMap::build(&cube.positions, &cube.triangles, lights[0].sphere().expect("a ball"), &options)
+    let map = ShadowMap::build(&cube.positions, &cube.triangles, lights[0].sphere().expect("a sphere"), &options)
         .expect("a map");
     let maps = ShadowMapBlockers::new(vec![map]).pack();
     let scene = Scene {

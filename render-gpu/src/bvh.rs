@@ -22,11 +22,11 @@ const STACK_STEP: u32 = 32;
 
 /// The geometry of a scene on a GPU, ready for rays: triangles and exact spheres in one hierarchy of two children a node.
 ///
-/// Holds what `render_cpu::World` holds, by the same rules: the objects that the camera sees and those that block light;
-/// no triangles without area. The kernels know them in units that bring the scene's size to about 2²⁰.
+/// Holds the same as `render_cpu::World`: the objects that the camera sees and those that block light, without triangles that have
+/// no area. Kernels use units in which the scene's size is about 2²⁰.
 ///
-/// Building takes about 1.5 µs a triangle on the CPU, [`update`](Self::update) 0.3 µs, upload included (250 000 triangles). There
-/// may be as many as fit a binding of 48 bytes each: 2.8 million in 128 MiB.
+/// Building takes about 1.5 µs a triangle on the CPU, [`update`](Self::update) 0.3 µs, upload included (250 000 triangles). All
+/// triangles must fit a binding with 48 bytes each: 2.8 million in 128 MiB.
 #[derive(Debug)]
 pub struct GpuWorld {
     gpu: Gpu,
@@ -36,7 +36,7 @@ pub struct GpuWorld {
     normals: Memory,
     scale: f32,
     uploaded: usize,
-    /// For each object on what it casts shadows; empty when all do on all.
+    /// For each object the receivers that it casts shadows on; empty if all objects cast on all.
     casting: Vec<ShadowCasting>,
 }
 
@@ -49,8 +49,8 @@ impl GpuWorld {
         Self::make(gpu, scene, Vec::new())
     }
 
-    /// The same where only those objects block that `blocks` says yes to by their number: for the `rays` strategy beside
-    /// others that have the rest.
+    /// As [`new`](Self::new), but only objects whose number `blocks` accepts block light: for the `rays` strategy beside strategies
+    /// that take the other objects.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -58,7 +58,7 @@ impl GpuWorld {
         Self::with_casting(gpu, scene, |o| if blocks(o) { ShadowCasting::All } else { ShadowCasting::None })
     }
 
-    /// The same where each object, by its number, casts shadows on some receivers.
+    /// As [`new`](Self::new), but `casting` gives for each object's number the receivers that it casts shadows on.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -82,8 +82,8 @@ impl GpuWorld {
         Ok(world)
     }
 
-    /// Takes the scene as it is now. Where objects have only moved boxes are refitted, and the hierarchy is built anew only
-    /// when they have grown to twice their area; only bytes that differ are uploaded.
+    /// Updates the geometry to the scene. Boxes are refitted if objects have only moved; the hierarchy is built again if the boxes
+    /// have grown to twice their area. Only bytes that differ are uploaded.
     ///
     /// # Errors
     /// As [`new`](Self::new).

@@ -2,10 +2,10 @@ use crate::{Gpu, GpuError};
 use scene::StageSeconds;
 use wgpu::BufferUsages;
 
-/// Passes that are timed in one submission; those after them are not.
+/// Passes that are timed in one submission; further passes are not timed.
 const PASSES: u32 = 512;
 
-/// What a pass belongs to.
+/// The stage of shading that a pass belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stage {
     Cull,
@@ -13,7 +13,7 @@ pub(crate) enum Stage {
     Penumbra,
 }
 
-/// The GPU's own clock, where it has one.
+/// The GPU's own clock, if it has one.
 #[derive(Debug)]
 pub(crate) struct Clock {
     queries: wgpu::QuerySet,
@@ -45,7 +45,7 @@ impl Clock {
         Some(Self { queries, resolved, staging, stages: Vec::new(), period })
     }
 
-    /// For a new submission.
+    /// Begins a new submission.
     pub(crate) fn restart(&mut self) {
         self.stages.clear();
     }
@@ -63,7 +63,7 @@ impl Clock {
         })
     }
 
-    /// Records that the timestamps are to be read.
+    /// Records the commands that read the timestamps.
     pub(crate) fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
         let count = 2 * self.stages.len() as u32;
         if count > 0 {
@@ -72,7 +72,8 @@ impl Clock {
         }
     }
 
-    /// Adds the seconds of a submission that is done: lists and penumbrae are masks, what classifies points is lighting.
+    /// Adds the seconds of a submission that is done. Culling and penumbrae count as masks, the classification of points as
+    /// lighting.
     pub(crate) fn read(&self, gpu: &Gpu, stages: &mut StageSeconds) -> Result<(), GpuError> {
         let bytes = self.stages.len() as u64 * 16;
         if bytes == 0 {

@@ -1,4 +1,4 @@
-/// Why the GPU could not do it.
+/// Why the GPU could not do the work.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GpuError {
@@ -7,7 +7,7 @@ pub enum GpuError {
         "no GPU adapter: {reason}; install a Vulkan driver (software: package mesa-vulkan-drivers), or use the CPU"
     )]
     NoAdapter {
-        /// What the search said.
+        /// The message of the search.
         reason: String,
     },
     /// The adapter gave no device.
@@ -15,17 +15,17 @@ pub enum GpuError {
     NoDevice {
         /// The adapter's name.
         adapter: String,
-        /// What it said.
+        /// The adapter's message.
         reason: String,
     },
     /// The device's limits are too small for this.
     #[error("the GPU's limits are too small: {what} takes {needed}, it allows {allowed}; use the CPU")]
     Limits {
-        /// What does not fit.
+        /// The item that does not fit.
         what: &'static str,
-        /// How much it takes.
+        /// The amount that it takes.
         needed: u64,
-        /// How much there may be.
+        /// The amount that the device allows.
         allowed: u64,
     },
     /// The device has no more memory.
@@ -34,24 +34,24 @@ pub enum GpuError {
     /// The device was lost or destroyed.
     #[error("the GPU device was lost: {reason}")]
     Lost {
-        /// What is known of it.
+        /// The known cause of the loss.
         reason: String,
     },
-    /// The driver ended loops before they were done: Mesa's software one after 65 535 rounds of all loops of a thread.
+    /// The driver ended loops before they were done. Mesa's software driver does so after 65 535 rounds of all loops of a thread.
     #[error(
         "the GPU's driver ended the loops of {threads} threads too early, as Mesa's software driver does after 65 535 rounds; \
          use fewer blockers, another device, or the CPU"
     )]
     LoopsCut {
-        /// How many threads.
+        /// Number of such threads.
         threads: u32,
     },
     /// A shader or a command was refused: a defect of this crate or of the driver.
     #[error("the GPU refused {what}: {reason}")]
     Refused {
-        /// What was refused.
+        /// The shader or command that was refused.
         what: &'static str,
-        /// What the device said.
+        /// The device's message.
         reason: String,
     },
     /// A pose does not fit the spheres that follow it.

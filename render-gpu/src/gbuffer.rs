@@ -19,12 +19,12 @@ use lobe_core::Receiver;
 use scene::{Camera, Scene, ShadingPoints};
 use wgpu::BufferUsages;
 
-/// What the camera sees, found on the GPU and left there: the points of `render_cpu::GBuffer` with one ray a pixel, through
+/// The camera's visible points, found on the GPU and left there: the points of `render_cpu::GBuffer` with one ray a pixel, through
 /// its centre. (Several rays a pixel are left to the CPU.)
 ///
-/// The camera's ray of each pixel goes through the hierarchy of a [`GpuWorld`] by itself. Points come tile by tile as in
-/// `GBuffer`, but each tile has 64 places: a pixel that sees nothing, or lies outside the window, has a receiver whose
-/// material is [`NO_MATERIAL`], which shading passes over.
+/// Each pixel's ray is traced through the hierarchy of a [`GpuWorld`]. Points come tile by tile as in `GBuffer`, but each tile has
+/// 64 places: a pixel that sees nothing, or lies outside the window, has a receiver whose material is [`NO_MATERIAL`], which
+/// shading skips.
 ///
 /// # Accuracy
 /// Positions are off the surface by rounding in f32 of the largest coordinate of the triangle; normals agree with
@@ -43,21 +43,21 @@ pub struct GpuGBuffer {
 pub struct GpuPoints<'a> {
     /// Array of [`GpuReceiver`]s.
     pub buffer: &'a wgpu::Buffer,
-    /// How many there are, those that are none counted too: a multiple of 64.
+    /// Number of places, those without a point included: a multiple of 64.
     pub count: u32,
     view: GpuView,
 }
 
 impl GpuPoints<'_> {
-    /// The number of a place's pixel in the window, `row·width + column`; none outside.
+    /// The number of a place's pixel in the window, `row·width + column`; `None` outside the window.
     ///
-    /// Place `(tile·8 + row)·8 + column`, tiles from left to right, top to bottom, those of the whole image.
+    /// Place `(tile·8 + row)·8 + column`. Tiles lie from left to right, top to bottom, as in the whole image.
     #[must_use]
     pub fn pixel(&self, place: u32) -> Option<u32> {
         self.view.pixel(place)
     }
 
-    /// Waits for them and reads them back.
+    /// Waits for the points and reads them back.
     fn receivers(&self, gpu: &Gpu) -> Result<Vec<GpuReceiver>, GpuError> {
         let bytes = u64::from(self.count) * size_of::<GpuReceiver>() as u64;
         if bytes == 0 {
@@ -88,7 +88,7 @@ impl GpuGBuffer {
         Ok(Self { world, view, points, kernel: None })
     }
 
-    /// Takes the scene as it is now: [`GpuWorld::update`].
+    /// Updates the geometry to the scene: [`GpuWorld::update`].
     ///
     /// # Errors
     /// As [`GpuWorld::update`].
@@ -102,8 +102,8 @@ impl GpuGBuffer {
         &self.world
     }
 
-    /// Finds the visible points of a window of a `width`×`height` image. They are there when the queue has come so far; the
-    /// next call overwrites them. Images with more points than a buffer holds are asked for in windows.
+    /// Finds the visible points of a window of a `width`×`height` image. They are in the buffer once the queue has run this work;
+    /// the next call overwrites them. Trace an image with more points than a buffer holds in several windows.
     ///
     /// # Errors
     /// [`GpuError::Limits`] when the window has too many points for the device, [`GpuError::Refused`],
@@ -128,8 +128,8 @@ impl GpuGBuffer {
         Ok(points)
     }
 
-    /// The same commands written into an encoder of the caller's, who submits them before the next call. The points are there when the
-    /// queue has come so far.
+    /// As [`trace`](Self::trace), but writes the commands into the caller's encoder, which the caller submits before the next call.
+    /// The points are in the buffer once the queue has run them.
     ///
     /// # Errors
     /// As [`trace`](Self::trace).
@@ -186,8 +186,8 @@ impl GpuGBuffer {
         })
     }
 
-    /// [`trace`](Self::trace), waited for and read back, as `GBuffer` lists them: the points that are there, and the
-    /// number of each one's pixel.
+    /// As [`trace`](Self::trace), but waits for the points and reads them back, as `GBuffer` lists them: only places that have a
+    /// point, with the number of each one's pixel.
     ///
     /// # Errors
     /// As [`trace`](Self::trace).
@@ -225,7 +225,7 @@ const BINDINGS: &[(Slot, Access)] = &[
     (Slot::Normals, Access::Read),
 ];
 
-/// The kernel of visible points for hierarchies as deep as its stack.
+/// The text of the kernel of visible points, for hierarchies that are no deeper than its stack.
 #[must_use]
 pub(crate) fn trace_text(stack: u32) -> String {
     let stack = format!("const STACK = {stack}u;");

@@ -4,25 +4,25 @@ use lobe_core::gpu::GpuPages;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-/// Storage buffers that a kernel may have: what every adapter allows.
+/// Storage buffers that a kernel may have on every adapter.
 const STORAGE_BUFFERS: u32 = 8;
 
-/// Storage buffers of a kernel beside one in pages, at most: 4 of points and results, 3 of another strategy, 2 of rays, the paper's
-/// tables, and the light's on software devices.
+/// The most storage buffers that a kernel has beside one in pages: 4 of points and results, 3 of another strategy, 2 of rays, the
+/// paper's tables, and on software devices the light's.
 const BESIDE_PAGES: u32 = 11;
 
-/// How long another thread that waits for the same device may take to pass on what it was told.
+/// How long another thread that waits for the same device may take to pass on a result.
 const TELLING: Duration = Duration::from_secs(10);
 
-/// Which adapter to take.
+/// Which adapter to use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GpuOptions {
-    /// Only a software implementation.
+    /// Use only a software implementation.
     pub software: bool,
 }
 
-/// A GPU: device, queue, and what is known of them. Cheap to clone; several may exist at once. Kernels that were compiled stay
-/// with it, for all shaders, until its last clone is gone.
+/// A GPU: device, queue, name and compiled kernels. Cheap to clone; several may exist at once. All shaders of a device share its
+/// compiled kernels, which are kept until its last clone is dropped.
 ///
 /// ```no_run
 /// let gpu = render_gpu::Gpu::blocking(&render_gpu::GpuOptions::default())?;
@@ -39,7 +39,7 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// The strongest adapter that is there. `WGPU_BACKEND` in the environment chooses the backend.
+    /// Opens the strongest adapter. The environment variable `WGPU_BACKEND` chooses the backend.
     ///
     /// # Errors
     /// [`GpuError::NoAdapter`], [`GpuError::NoDevice`].
@@ -55,7 +55,7 @@ impl Gpu {
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("render-gpu"),
             required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
-            // All that there is: what a frame needs is checked against it.
+            // All that the adapter has: each frame's needs are checked against it.
             required_limits: adapter.limits(),
             ..Default::default()
         };
@@ -73,7 +73,7 @@ impl Gpu {
         Ok(gpu)
     }
 
-    /// [`new`](Self::new), waited for.
+    /// As [`new`](Self::new), but waits.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -81,8 +81,8 @@ impl Gpu {
         pollster::block_on(Self::new(options))
     }
 
-    /// A caller's device and queue. No feature beyond compute shaders is needed; with `TIMESTAMP_QUERY` stages are timed.
-    /// The caller keeps its own callbacks for a lost device.
+    /// Uses a caller's device and queue. No feature beyond compute shaders is needed; with `TIMESTAMP_QUERY` stages are timed. The
+    /// caller keeps its own callbacks for a lost device.
     #[must_use]
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
         Self { device, queue, lost: Arc::default(), kernels: KernelLog::default(), compiled: KernelCache::default() }
@@ -106,25 +106,25 @@ impl Gpu {
         self.device.adapter_info().name
     }
 
-    /// Whether it runs on the CPU: right, but slower than the CPU's own path.
+    /// Whether the device runs on the CPU: its pictures are right, but slower than those of the CPU's own path.
     #[must_use]
     pub fn is_software(&self) -> bool {
         self.device.adapter_info().device_type == wgpu::DeviceType::Cpu
     }
 
-    /// The kernels that were compiled for it, and those that are being compiled.
+    /// The kernels that were compiled for this device, and those that are being compiled.
     #[must_use]
     pub const fn kernels(&self) -> &KernelLog {
         &self.kernels
     }
 
-    /// The kernels themselves: a text is compiled once for all shaders of the device.
+    /// The compiled kernels: a text is compiled once for all shaders of the device.
     pub(crate) const fn kernel_cache(&self) -> &KernelCache {
         &self.compiled
     }
 
-    /// The most bytes of a buffer in [pages](lobe_core::gpu::GpuContents::Pages), such as shadow maps, that kernels can read. What else a
-    /// kernel reads is taken for the most that it can be.
+    /// The most bytes that a buffer in [pages](lobe_core::gpu::GpuContents::Pages), such as shadow maps, may have for kernels to
+    /// read it. Assumes that a kernel's other buffers are as many as they can be.
     #[must_use]
     pub fn room_for_pages(&self) -> u64 {
         let limits = self.device.limits();
@@ -142,7 +142,7 @@ impl Gpu {
         Ok(())
     }
 
-    /// Does something and tells what the device says to it.
+    /// Runs `work`, and returns the device's errors as a result.
     pub(crate) fn scoped<T>(&self, what: &'static str, work: impl FnOnce() -> T) -> Result<T, GpuError> {
         use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
         let scopes = [Validation, OutOfMemory, Internal].map(|filter| self.device.push_error_scope(filter));
@@ -159,7 +159,7 @@ impl Gpu {
     }
 
     fn explain(&self, what: &'static str, error: &wgpu::Error) -> GpuError {
-        // A loss is told when the device is looked after.
+        // The device reports a loss only when it is polled.
         let _ = self.device.poll(wgpu::PollType::Poll);
         if let Some(reason) = self.lost() {
             return GpuError::Lost { reason };
@@ -168,36 +168,36 @@ impl Gpu {
         let reason = chain.last().map_or_else(|| error.to_string(), ToString::to_string);
         match error {
             wgpu::Error::OutOfMemory { .. } => GpuError::OutOfMemory,
-            // A caller's device has the caller's callback.
+            // On a caller's device the callback for losses is the caller's.
             _ if reason.contains("device is lost") => GpuError::Lost { reason },
             _ => GpuError::Refused { what, reason: error.to_string() },
         }
     }
 
-    /// Waits until everything that was submitted is done.
+    /// Waits until all submitted work is done.
     pub(crate) fn wait(&self) -> Result<(), GpuError> {
         let lost = |error: wgpu::PollError| GpuError::Lost { reason: self.lost().unwrap_or(error.to_string()) };
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(lost)?;
         Ok(())
     }
 
-    /// What is known of the device's loss.
+    /// The known cause of the device's loss, if it is lost.
     pub(crate) fn lost(&self) -> Option<String> {
         self.lost.lock().ok().and_then(|lost| lost.clone())
     }
 
-    /// Waits for what was copied to a read-back buffer.
+    /// Waits for the bytes that were copied to a read-back buffer.
     pub(crate) fn read(&self, staging: &wgpu::Buffer, bytes: u64, take: impl FnOnce(&[u8])) -> Result<(), GpuError> {
         let lost = |reason: String| GpuError::Lost { reason: self.lost().unwrap_or(reason) };
         let (sender, receiver) = std::sync::mpsc::channel();
         self.scoped("a read-back", || {
             staging.slice(..bytes).map_async(wgpu::MapMode::Read, move |result| {
-                // Nobody listens any more when waiting has failed.
+                // The receiver is gone if waiting has failed.
                 let _ = sender.send(result);
             });
         })?;
         self.wait()?;
-        // Whoever else waits for this device may be the one that is about to tell.
+        // Another thread that waits for this device may be the one that passes on the result.
         match receiver.recv_timeout(TELLING) {
             Ok(Ok(())) => {}
             Ok(Err(error)) => return Err(lost(error.to_string())),

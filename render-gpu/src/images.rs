@@ -1,15 +1,15 @@
-//! What the lights of a frame show.
+//! The images that the lights of a frame show.
 
 use crate::memory::Memory;
 use crate::{Gpu, GpuError};
 use lobe_core::LightImage;
 use wgpu::BufferUsages;
 
-/// Images on the GPU, and where each light's begins.
+/// Images on the GPU, and the place where each light's begins.
 #[derive(Debug)]
 pub(crate) struct Images {
     memory: Memory,
-    /// What is there.
+    /// The images that are on the GPU.
     known: Vec<LightImage>,
     starts: Vec<u32>,
 }
@@ -22,7 +22,7 @@ impl Default for Images {
 }
 
 impl Images {
-    /// Makes them those of the lights of a frame, of which some have none. What is there already stays.
+    /// Uploads the images of the lights of a frame; a light may have none. Uploads nothing if the same images are there.
     pub(crate) fn hold<'i>(
         &mut self,
         gpu: &Gpu,
@@ -45,12 +45,12 @@ impl Images {
         Ok(())
     }
 
-    /// Where a light's begins.
+    /// Where a light's image begins.
     pub(crate) fn start(&self, light: u32) -> u32 {
         self.starts.get(light as usize).copied().unwrap_or(0)
     }
 
-    /// All of them, to be bound.
+    /// The whole buffer, as a binding.
     pub(crate) fn whole(&self) -> Option<wgpu::BufferBinding<'_>> {
         self.memory.whole()
     }

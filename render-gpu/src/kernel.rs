@@ -8,7 +8,7 @@ use crate::module::Text;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The compiled kernels of a device, by what they are compiled from. Clones share them.
+/// The compiled kernels of a device, by their sources. Clones share them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct KernelCache {
     kernels: Arc<Mutex<HashMap<Source, Entry>>>,
@@ -16,11 +16,11 @@ pub(crate) struct KernelCache {
 
 /// Entry point, text and bindings.
 type Source = (&'static str, String, Vec<Binding>);
-/// Locked while it is compiled, so that other threads wait for it instead of compiling it again.
+/// Locked while it is compiled, so that other threads wait instead of compiling the kernel again.
 type Entry = Arc<Mutex<Option<Kernel>>>;
 
 impl KernelCache {
-    /// The kernel of this text, compiled if it is new. Errors are not kept.
+    /// Returns the kernel of this text; compiles it if it is new. Errors are not kept.
     fn get(&self, text: &Text, compile: impl FnOnce() -> Result<Kernel, GpuError>) -> Result<Kernel, GpuError> {
         let source = (text.entry, text.text.clone(), text.bindings.clone());
         let entry = {
@@ -35,7 +35,7 @@ impl KernelCache {
     }
 }
 
-/// One compiled entry point and the buffers that it wants. Clones are the same kernel.
+/// One compiled entry point and its list of buffers. Clones are the same kernel.
 #[derive(Clone, Debug)]
 pub(crate) struct Kernel {
     label: &'static str,
@@ -45,7 +45,7 @@ pub(crate) struct Kernel {
 }
 
 impl Kernel {
-    /// Whether it reads the frame, whose slot is chosen when it runs.
+    /// Whether the kernel reads the frame, whose slot is chosen for each dispatch.
     pub(crate) fn has_frame(&self) -> bool {
         self.slots.contains(&Slot::Frame)
     }

@@ -1,4 +1,4 @@
-//! The texts of the kernels, and what they count.
+//! The texts of the kernels, and their counters.
 
 pub(crate) mod queue;
 
@@ -21,7 +21,7 @@ pub(crate) fn count(header: &[u32], which: usize) -> u32 {
     header.get(1 + which).copied().unwrap_or(0)
 }
 
-/// What kernels have counted, from the head of the queue.
+/// The kernels' counts, from the head of the queue.
 pub(crate) fn counts(header: &[u32]) -> Counts {
     let count = |which| count(header, which).into();
     Counts {

@@ -1,10 +1,10 @@
-//! What the kernels read, as Rust writes it: the same structs as in WGSL, byte for byte.
+//! The structs that the kernels read, as Rust writes them: byte for byte the same as in WGSL.
 
 use bytemuck::{Pod, Zeroable};
 use lobe_core::Receiver;
 use lobe_core::gpu::GPU_SHAPE;
 
-/// Material number of a point that is none: kernels pass over it.
+/// Material number of a place without a point: kernels skip it.
 pub const NO_MATERIAL: u32 = u32::MAX;
 
 /// A [`Receiver`] and the number of its material: `Receiver` of WGSL, 64 bytes.
@@ -21,16 +21,16 @@ pub struct GpuReceiver {
     pub material: u32,
     /// Geometric normal.
     pub face: [f32; 3],
-    /// Nothing.
+    /// Unused.
     pub pad0: u32,
     /// Direction toward the eye.
     pub view: [f32; 3],
-    /// Nothing.
+    /// Unused.
     pub pad1: u32,
 }
 
 impl GpuReceiver {
-    /// A receiver of a material.
+    /// A receiver with its material's number.
     #[must_use]
     pub fn new(at: &Receiver, material: u32) -> Self {
         Self {
@@ -56,11 +56,11 @@ pub(crate) struct GpuFrame {
     pub(crate) threshold: f32,
     pub(crate) point_count: u32,
     pub(crate) queue_stride: u32,
-    /// 2.
+    /// Always 2. `note_cut_loops` of queue.wgsl counts to it, to find loops that the driver ended early.
     pub(crate) rounds: u32,
     pub(crate) image: u32,
     pub(crate) number: u32,
     pub(crate) pad: [u32; 2],
-    /// What else the kind of light is told by.
+    /// Parameters of the kind of light.
     pub(crate) shape: [[f32; 4]; GPU_SHAPE],
 }

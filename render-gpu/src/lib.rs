@@ -1,11 +1,12 @@
 //! Shading on the GPU through wgpu: the same lobe sums in WGSL.
 //!
-//! - [`Gpu`]: a device, one's own or the strongest that is there; [`KernelLog`] tells what its driver compiles.
-//! - [`GpuShader`]: shades points, as `CpuShader` does; materials, lights and own blockers come by the parts of
+//! - [`Gpu`]: a device, the caller's or the strongest adapter's; [`KernelLog`] lists the kernels that its driver compiles.
+//! - [`GpuShader`]: shades points, as `CpuShader` does; materials, lights and custom blockers come by the parts of
 //!   [`lobe_core::gpu`].
-//! - [`Occlusion`]: what blocks: spheres, shadow maps, and any [`GpuBlockers`](lobe_core::gpu::GpuBlockers); [`GpuWorld`]: the scene that
-//!   their rays meet.
-//! - [`GpuGBuffer`]: visible points found on the GPU; [`GpuPose`]: spheres that follow bones; [`GpuTextureWriter`]: radiance to a texture.
+//! - [`Occlusion`]: the blockers: spheres, shadow maps, and any [`GpuBlockers`](lobe_core::gpu::GpuBlockers); [`GpuWorld`]: the
+//!   scene that their rays meet.
+//! - [`GpuGBuffer`]: visible points found on the GPU; [`GpuPose`]: spheres that follow bones; [`GpuTextureWriter`]: radiance to a
+//!   texture.
 //!
 //! ```no_run
 //! use lobe_core::Accuracy;

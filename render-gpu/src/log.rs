@@ -5,16 +5,16 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// A kernel that the driver has compiled.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompiledKernel {
-    /// Its entry point, and what the text was made for, such as `penumbra (spheres, depth 5)`.
+    /// Its entry point and its variant, such as `penumbra (spheres, depth 5)`.
     pub name: String,
-    /// How long it took; the longest time where it was compiled several times.
+    /// The time it took; the longest one if it was compiled several times.
     pub time: Duration,
 }
 
-/// The kernels of a [`Gpu`](crate::Gpu): which are being compiled, and which have been. Clones tell the same; none keeps
-/// the device.
+/// The kernels of a [`Gpu`](crate::Gpu): which are being compiled, and which have been. Clones share one log; none keeps the device
+/// alive.
 ///
-/// A driver may take seconds for a kernel, and says nothing meanwhile: whoever waits can ask here from another thread.
+/// A driver may take seconds for a kernel without any message. While a call waits for it, another thread can read this log.
 #[derive(Clone, Debug, Default)]
 pub struct KernelLog {
     entries: Arc<Mutex<Entries>>,
@@ -44,7 +44,7 @@ impl KernelLog {
         done
     }
 
-    /// Does the work of compiling a kernel, and notes how long it took if that went well.
+    /// Runs `work`, which compiles a kernel, and records its time if it succeeds.
     pub(crate) fn compile<T, E>(&self, name: &str, work: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
         let since = Stopwatch::start();
         let key = {
@@ -67,13 +67,13 @@ impl KernelLog {
         result
     }
 
-    /// A list is whole whatever a thread that held it died of.
+    /// The list stays valid even if a thread panicked while it held the lock.
     fn entries(&self) -> MutexGuard<'_, Entries> {
         self.entries.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// The time since, also by a clock of the caller's that goes backward.
+/// The time since then; zero if the caller's clock has gone backward.
 fn time(since: &Stopwatch) -> Duration {
     Duration::try_from_secs_f64(since.seconds()).unwrap_or_default()
 }

@@ -1,19 +1,19 @@
 use crate::{Gpu, GpuError};
 use wgpu::BufferUsages;
 
-/// A buffer that grows, and knows what it was told last.
+/// A buffer that grows and knows its last upload.
 #[derive(Debug)]
 pub(crate) struct Memory {
     label: &'static str,
     usage: BufferUsages,
-    /// Whether it is bound in parts, and may be larger than a binding.
+    /// Whether it is bound in parts, so that it may be larger than a binding.
     is_paged: bool,
     buffer: Option<wgpu::Buffer>,
-    /// What was uploaded last; only what differs is uploaded again.
+    /// The bytes of the last upload; only bytes that differ are uploaded again.
     last: Vec<u8>,
 }
 
-/// Parts that are compared and uploaded as one.
+/// Bytes that are compared and uploaded as one part.
 const CHUNK: usize = 256;
 
 impl Memory {
@@ -21,14 +21,14 @@ impl Memory {
         Self { label, usage, is_paged: false, buffer: None, last: Vec::new() }
     }
 
-    /// The same where it is bound in parts: the caller sees to it that each may be bound.
+    /// The same buffer, bound in parts. The caller ensures that each part fits a binding.
     pub(crate) fn paged(self) -> Self {
         Self { is_paged: true, ..self }
     }
 
-    /// The buffer, at least so large.
+    /// The buffer, with at least this size.
     ///
-    /// A buffer that grows loses what is in it.
+    /// A buffer that grows loses its contents.
     pub(crate) fn sized(&mut self, gpu: &Gpu, size: u64) -> Result<&wgpu::Buffer, GpuError> {
         let size = size.max(16).next_multiple_of(16);
         if self.buffer.as_ref().is_none_or(|buffer| buffer.size() < size) {
@@ -50,7 +50,7 @@ impl Memory {
         self.buffer.as_ref().ok_or(GpuError::OutOfMemory)
     }
 
-    /// Makes these its first bytes. Uploads what differs from the last time; returns how many bytes that were.
+    /// Uploads `bytes` to the buffer's beginning where they differ from the last upload. Returns the number of bytes uploaded.
     pub(crate) fn hold(&mut self, gpu: &Gpu, bytes: &[u8]) -> Result<usize, GpuError> {
         debug_assert!(bytes.len().is_multiple_of(4), "buffers are written by words");
         self.sized(gpu, bytes.len() as u64)?;
@@ -81,7 +81,7 @@ impl Memory {
         Ok(uploaded)
     }
 
-    /// Somebody else has written to it: all is uploaded the next time.
+    /// Call this after a kernel has written to the buffer: the next upload sends all bytes.
     pub(crate) fn forget(&mut self) {
         self.last.clear();
     }
@@ -91,7 +91,7 @@ impl Memory {
         self.buffer.as_ref()
     }
 
-    /// All of it, to be bound.
+    /// The whole buffer, as a binding.
     pub(crate) fn whole(&self) -> Option<wgpu::BufferBinding<'_>> {
         self.buffer.as_ref().map(wgpu::Buffer::as_entire_buffer_binding)
     }

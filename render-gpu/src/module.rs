@@ -1,4 +1,4 @@
-//! The texts of the kernels: each is a module of its own, of the pieces that a frame uses and no other.
+//! The texts of the kernels. Each is a module of its own, made of the pieces that a frame uses and no others.
 
 use crate::binding::{
     Access::{self, Read, Uniform, Write},
@@ -9,11 +9,11 @@ use lobe_core::gpu::{GpuBlockers, GpuLight, GpuPages, GpuPass};
 use lobe_core::wgsl as lobes;
 use visibility_mask::{Fineness, wgsl as masks};
 
-/// What the kernels of a frame depend on.
+/// The properties of a frame that its kernels depend on.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Variant {
     pub(crate) depth: u32,
-    /// What broad lobes and narrow ones see.
+    /// Resolution of the masks for broad lobes and for narrow ones.
     pub(crate) fineness: [Fineness; 2],
     pub(crate) materials: MaterialText,
     /// Name and text of the kind of light.
@@ -21,9 +21,9 @@ pub(crate) struct Variant {
     pub(crate) shown: Shown,
     /// The strategies that block something.
     pub(crate) own: Vec<OwnText>,
-    /// Size of the stack of the rays that they ask for.
+    /// Size of the stack for the rays that they trace.
     pub(crate) stack: Option<u32>,
-    /// By the paper's method, and not by moments.
+    /// Whether the paper's method is used instead of moments.
     pub(crate) paper: bool,
 }
 
@@ -36,7 +36,7 @@ pub(crate) struct MaterialText {
     pub(crate) has_microfacets: bool,
 }
 
-/// What a light may be seen as.
+/// The shape in which a light may appear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Shown {
     /// A cone.
@@ -70,7 +70,7 @@ impl Shown {
 pub(crate) struct OwnBuffer {
     /// The first number of its slots.
     pub(crate) first: u32,
-    /// Of one that is read by words.
+    /// The pages, if the buffer is read by words.
     pub(crate) pages: Option<GpuPages>,
     pub(crate) name: &'static str,
     pub(crate) element: &'static str,
@@ -138,7 +138,7 @@ impl Variant {
         [SHADED.as_slice(), &own, world, tables, images].concat()
     }
 
-    /// The purpose of the kernel, in words.
+    /// The name of the kernel, for messages and the log.
     fn name(&self) -> String {
         let strategies: Vec<&str> = self.own.iter().map(|own| own.name).collect();
         let strategies = if strategies.is_empty() { "no blockers".to_owned() } else { strategies.join(" + ") };
@@ -169,7 +169,7 @@ impl Variant {
         pieces
     }
 
-    /// How a point sees the light, and integrals of it in the queue.
+    /// How a point sees the light, and the light's integrals in the queue.
     fn light(&self) -> Vec<&'static str> {
         let light = self.light[1];
         match self.shown {
@@ -179,7 +179,7 @@ impl Variant {
         }
     }
 
-    /// How masks show what emits.
+    /// How masks show the emitting region.
     const fn window(&self) -> &'static str {
         match self.shown {
             Shown::Cone => masks::ROUND,
@@ -187,7 +187,7 @@ impl Variant {
         }
     }
 
-    /// What lobes see through masks.
+    /// The visible fraction of lobes, from masks.
     fn fractions(&self) -> Vec<&'static str> {
         let MaterialText { is_lambert, has_microfacets, .. } = self.materials;
         let mut pieces = vec![masks::FRACTION, masks::VISIBILITY];
@@ -208,7 +208,7 @@ impl Variant {
         !self.own.is_empty()
     }
 
-    /// What answers questions about rays.
+    /// Ray queries of strategies against the scene.
     fn world(&self) -> Vec<String> {
         let of = |size: u32| vec![format!("const STACK = {size}u;"), wgsl::BVH.to_owned(), wgsl::ANY_HIT.to_owned()];
         self.stack.map_or_else(Vec::new, of)
@@ -219,14 +219,14 @@ impl Variant {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Text {
     pub(crate) entry: &'static str,
-    /// The entry point, and what the text was made for.
+    /// The entry point and the variant.
     pub(crate) name: String,
     pub(crate) text: String,
     pub(crate) bindings: Vec<Binding>,
 }
 
 impl Text {
-    /// Pieces that several parts need are there once.
+    /// Pieces that several parts need are included once.
     pub(crate) fn new(entry: &'static str, pieces: &[&str], bindings: &[Binding]) -> Self {
         let mut once: Vec<&str> = Vec::with_capacity(pieces.len());
         for piece in pieces {
@@ -242,17 +242,17 @@ impl Text {
     }
 }
 
-/// The points where a kernel declares nothing else of [`kernels::POINTS`].
+/// Declares the points for a kernel that declares nothing else of [`kernels::POINTS`].
 pub(crate) const POINTS_ALONE: &str = "@group(0) @binding(1) var<storage, read> points: array<Receiver>;\n";
 
-/// A strategy's own pass.
+/// The text of a strategy's own pass.
 pub(crate) fn pass(pass: &GpuPass, declarations: &str, bindings: &[Binding]) -> Text {
     let mut pieces = vec![kernels::FRAME, lobes::GEOMETRY, declarations, &pass.text];
     pieces.extend(&pass.needs);
     Text::new(pass.entry, &pieces, bindings)
 }
 
-/// The size of the penumbra kernel's dispatch.
+/// The kernel that computes the size of the penumbra kernel's dispatch.
 pub(crate) fn args() -> Text {
     let pieces = [kernels::FRAME, kernels::QUEUE, kernels::ARGS];
     Text::new("args_of_queue", &pieces, &[(Slot::Frame, Uniform), (Slot::Queue, Write), (Slot::Indirect, Write)])
@@ -271,7 +271,7 @@ const OVER_CONES: &str =
     "fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cap_integral(at, lobe, cone); }";
 const IMAGES: &str = "@group(0) @binding(8) var<storage, read> light_images: array<u32>;";
 
-/// What every point sees of a light.
+/// The kernel that classifies each point as lit, dark or in penumbra for a light.
 pub(crate) fn classify(variant: &Variant) -> Text {
     let reflectance = &variant.materials.wgsl;
     let (integral, kernel) = if variant.paper {
@@ -314,7 +314,7 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     Text::new("classify", &pieces, &variant.bindings()).of(variant)
 }
 
-/// What the points in a penumbra see.
+/// The kernel that shades the points in a light's penumbra.
 pub(crate) fn penumbra(variant: &Variant) -> Text {
     let reflectance = &variant.materials.wgsl;
     let [broad, narrow] = variant.fineness;

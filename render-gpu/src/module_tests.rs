@@ -1,4 +1,4 @@
-//! Every kernel that can be put together, without a GPU.
+//! Tests of every kernel that can be composed, without a GPU.
 
 use super::*;
 use crate::binding::Access;
@@ -17,12 +17,12 @@ use visibility_shadowmap::PackedMaps;
 use visibility_silhouettes::{GpuSilhouettes, SilhouetteMesh};
 use visibility_spheres::SphereBlockers;
 
-/// Validates a kernel, and that it is told of just the buffers that it declares.
+/// Validates a kernel. Its bindings must be exactly the buffers that it declares.
 #[track_caller]
 fn check(name: &str, text: &Text) -> naga::Module {
     let Text { entry, text, bindings, .. } = text;
     let (module, info) = validated::with_info(name, text, Capabilities::all());
-    // What every device has.
+    // The limit that every device has.
     let shared = module.global_variables.iter().filter(|(_, g)| g.space == AddressSpace::WorkGroup);
     let shared: u32 = shared.map(|(_, g)| module.types[g.ty].inner.size(module.to_ctx())).sum();
     assert!(shared <= 16384, "{name}: {shared} bytes of a workgroup's memory");
@@ -30,7 +30,7 @@ fn check(name: &str, text: &Text) -> naga::Module {
     let mut declared: Vec<(u32, Access)> = Vec::new();
     for (handle, variable) in module.global_variables.iter() {
         let Some(binding) = &variable.binding else { continue };
-        // The frame comes along with the queue.
+        // The frame is always declared with the queue.
         if variable.name.as_deref() != Some("frame") && info.get_entry_point(number)[handle].is_empty() {
             panic!("{name}: {:?} is declared and not used", variable.name);
         }
@@ -161,13 +161,13 @@ fn kernels_of_flat_lights_are_valid() {
     }
 }
 
-/// A strategy that this crate does not know, of its own passes and rays.
+/// A strategy unknown to this crate, with passes and rays of its own.
 #[test]
 fn kernels_of_silhouettes_are_valid() {
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
     let blockers = GpuSilhouettes::new(&[SilhouetteMesh::new(0, &corners, &[[0, 1, 2]])]);
     let mut own = own(&blockers, 8, GpuPages::ONE);
-    // Of ten million edges in a thousand objects.
+    // As for ten million edges in a thousand objects.
     own.shared = own.shared.replace("DEPTH = 4u", "DEPTH = 12u");
     let is_some = |v: &Variant| v.stack.is_none() && [1, 5, 6].contains(&v.depth);
     for variant in variants().chain(flat_variants()).filter(is_some) {

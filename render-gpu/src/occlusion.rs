@@ -14,19 +14,20 @@ use wgpu::BufferUsages;
 
 const NO_SCENE: &str = "blockers that ask what rays meet need `any_hit`";
 
-/// What hides lights from points: any of these strategies together; nothing by default.
+/// The blockers that hide lights from points: any of these strategies together; none by default.
 ///
-/// The spheres of `visibility-spheres`, the packed maps of `visibility-shadowmap`, silhouettes, rays, and anybody's own.
+/// Strategies are the spheres of `visibility-spheres`, the packed maps of `visibility-shadowmap`, silhouettes, rays, and custom
+/// ones.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Occlusion<'a> {
     /// The strategies.
     pub blockers: &'a [&'a dyn GpuBlockers],
-    /// The scene that rays of those meet: the objects that block there. Given anew after each of its updates.
+    /// The scene for the rays of these strategies: its objects that block. Pass it again after each of its updates.
     pub any_hit: Option<&'a GpuWorld>,
 }
 
 impl<'a> Occlusion<'a> {
-    /// Strategies that ask no rays.
+    /// Strategies that trace no rays.
     #[must_use]
     pub const fn of(blockers: &'a [&'a dyn GpuBlockers]) -> Self {
         Self { blockers, any_hit: None }
@@ -38,15 +39,15 @@ impl<'a> Occlusion<'a> {
 struct Part {
     name: &'static str,
     memory: Memory,
-    /// Bytes that are there.
+    /// Bytes that the buffer holds.
     bytes: u64,
-    /// Bytes for each tile of a slice, of those that have no fixed size.
+    /// Bytes for each tile of a slice, if the buffer has no fixed size.
     per_tile: u64,
     pages: GpuPages,
     /// The first number of its slots.
     first: u32,
     revision: Option<u64>,
-    /// Whether it is new, or something was written to it that passes do not know of.
+    /// Whether the buffer is new, or its contents have changed since the passes last ran.
     has_changed: bool,
 }
 
@@ -85,7 +86,7 @@ impl Part {
     }
 
     fn upload(&mut self, gpu: &Gpu, words: &[u32]) -> Result<(), GpuError> {
-        // Until it is uploaded.
+        // No revision is valid until the upload succeeds.
         self.revision = None;
         let bytes = size_of_val(words) as u64;
         let uploaded = self.memory.hold(gpu, bytemuck::cast_slice(words))?;
@@ -96,13 +97,13 @@ impl Part {
 
     fn room(&mut self, gpu: &Gpu, bytes: u64) -> Result<(), GpuError> {
         self.memory.sized(gpu, bytes)?;
-        // A buffer that grows loses what passes have written.
+        // A buffer that grows loses the results of passes.
         self.has_changed |= bytes != self.bytes;
         self.bytes = bytes;
         Ok(())
     }
 
-    /// What a slot of it is bound to: just what it holds.
+    /// The binding of a slot: only the bytes that the buffer holds.
     fn binding(&self, page: u32) -> Option<wgpu::BufferBinding<'_>> {
         let Range { start, end } = self.pages.range(page, self.bytes);
         let size = NonZeroU64::new(end.checked_sub(start)?);
@@ -128,12 +129,12 @@ pub(crate) struct Blockers {
     own: Vec<OwnText>,
     parts: Vec<Part>,
     passes: Vec<Pass>,
-    /// Size of the stack of rays, nodes and primitives of what they meet.
+    /// Size of the rays' stack, and the nodes and primitives of their scene.
     world: Option<(u32, [wgpu::Buffer; 2])>,
 }
 
 impl Blockers {
-    /// Takes over what blocks now; after an error nothing does.
+    /// Uploads the blockers. After an error nothing blocks.
     pub(crate) fn hold(&mut self, gpu: &Gpu, occlusion: Occlusion<'_>) -> Result<(), GpuError> {
         let held = self.try_hold(gpu, occlusion);
         if held.is_err() {
@@ -190,7 +191,7 @@ impl Blockers {
         Ok(())
     }
 
-    /// Makes ready for slices of so many tiles.
+    /// Allocates the buffers for slices of this many tiles.
     pub(crate) fn prepare(&mut self, gpu: &Gpu, tiles: u64) -> Result<(), GpuError> {
         for part in self.parts.iter_mut().filter(|part| part.per_tile > 0) {
             part.room(gpu, part.per_tile * tiles)?;
@@ -198,7 +199,7 @@ impl Blockers {
         Ok(())
     }
 
-    /// Compiles what runs for each light.
+    /// Compiles the passes that run for each light.
     pub(crate) fn compile_all(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
         self.compile(gpu, |_| true)
     }
@@ -208,12 +209,12 @@ impl Blockers {
         &self.own
     }
 
-    /// Size of the stack of the rays that they ask for.
+    /// Size of the stack for the strategies' rays.
     pub(crate) fn stack(&self) -> Option<u32> {
         self.world.as_ref().map(|(stack, _)| *stack)
     }
 
-    /// The most bytes that a strategy wants for a tile.
+    /// The most bytes that a strategy needs for a tile.
     pub(crate) fn bytes_per_tile(&self) -> u64 {
         self.parts.iter().map(|part| part.per_tile).max().unwrap_or(0)
     }
@@ -230,7 +231,7 @@ impl Blockers {
         Ok(())
     }
 
-    /// Its buffer for a slot.
+    /// The strategies' buffer for a slot.
     pub(crate) fn resource(&self, slot: Slot) -> Option<wgpu::BufferBinding<'_>> {
         let world = self.world.as_ref().map(|(_, buffers)| buffers);
         match slot {
@@ -244,21 +245,21 @@ impl Blockers {
         }
     }
 
-    /// Whether each pass that follows changes has to run. They are forgotten.
+    /// For each pass, whether it must run because a buffer of it has changed. Clears the changes.
     pub(crate) fn take_changes(&mut self) -> Vec<bool> {
         let parts = &self.parts;
         let is_changed = |slot: Slot| match slot {
             Slot::Own(number) => parts.iter().any(|part| part.has_changed && part.slots().contains(&number)),
             _ => false,
         };
-        // What it writes, too: a buffer may be a new one.
+        // Buffers that the pass writes count too: such a buffer may be new.
         let of = |pass: &Pass| pass.text.bindings.iter().any(|(slot, _)| is_changed(*slot));
         let changes = self.passes.iter().map(|pass| pass.run != GpuRun::Tiles && of(pass)).collect();
         self.parts.iter_mut().for_each(|part| part.has_changed = false);
         changes
     }
 
-    /// The kernels of those passes that have changed, and their workgroups.
+    /// The kernels of the passes to run again, and their workgroups.
     pub(crate) fn followers(&self, changes: &[bool]) -> impl Iterator<Item = (&Kernel, u64)> {
         let changed = self.passes.iter().zip(changes).filter(|(_, changed)| **changed);
         changed.filter_map(|(pass, _)| match pass.run {
@@ -267,13 +268,13 @@ impl Blockers {
         })
     }
 
-    /// The kernels that run for each light, a workgroup a tile.
+    /// The kernels that run for each light, with one workgroup a tile.
     pub(crate) fn of_tiles(&self) -> impl Iterator<Item = &Kernel> {
         self.passes.iter().filter(|pass| pass.run == GpuRun::Tiles).filter_map(|pass| pass.kernel.as_ref())
     }
 }
 
-/// The text of a pass of the strategy that has these buffers.
+/// The text of a pass of a strategy with these buffers.
 pub(crate) fn pass_text(pass: &GpuPass, buffers: &[OwnBuffer]) -> Result<Text, GpuError> {
     let mut bindings: Vec<Binding> = vec![(Slot::Frame, Uniform)];
     let mut declarations = String::new();

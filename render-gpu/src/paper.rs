@@ -4,7 +4,7 @@ use lobe_core::paper::Tables;
 use visibility_mask::PaperWeights;
 use wgpu::BufferUsages;
 
-/// The paper's tables on the GPU, and behind them the weights of the depth that was asked for last.
+/// The paper's tables on the GPU, followed by the weights of the depth that was last used.
 #[derive(Debug)]
 pub(crate) struct Paper {
     tables: Tables,
@@ -18,12 +18,12 @@ impl Paper {
         Self { tables: tables.clone(), depth: None, memory }
     }
 
-    /// Whether it was made of these tables.
+    /// Whether it was made from these tables.
     pub(crate) fn is_of(&self, tables: &Tables) -> bool {
         self.tables.products == tables.products
     }
 
-    /// Solves for the weights of a depth, if it is another one.
+    /// Solves for the weights of a depth, if it is not the last one.
     pub(crate) fn hold(&mut self, gpu: &Gpu, depth: u32) -> Result<(), GpuError> {
         if self.depth != Some(depth) {
             let mut pairs = self.tables.pack();

@@ -9,11 +9,11 @@ use wgpu::BufferUsages;
 
 /// Blocker spheres that follow bones on the GPU: a pose uploads its bones, 48 bytes a joint, and no spheres.
 ///
-/// The same as [`BoundSet::pose`](sphere_sets::BoundSet::pose) to within f32's rounding. Used by
-/// [`GpuShader::pose`](crate::GpuShader::pose), or alone on a buffer of one's own.
+/// Gives the same spheres as [`BoundSet::pose`](sphere_sets::BoundSet::pose) to within f32's rounding. Used by
+/// [`GpuShader::pose`](crate::GpuShader::pose), or alone on a caller's buffer.
 ///
-/// The spheres keep the order that they had when the blockers were made. A pose in which neighbours have come far apart
-/// costs time, nothing else; blockers made anew in that pose mend it.
+/// The spheres keep the order that they had when the blockers were made. A pose that moves neighbours far apart only costs time;
+/// blockers made in that pose restore the speed.
 ///
 /// ```no_run
 /// # fn of(gpu: &render_gpu::Gpu, shader: &mut render_gpu::GpuShader, blockers: &visibility_spheres::SphereBlockers,
@@ -40,10 +40,10 @@ pub struct GpuPose {
 const GROUP: u32 = 64;
 
 impl GpuPose {
-    /// The buffer of [`SphereBlockers`](visibility_spheres::SphereBlockers) that it writes to.
+    /// The buffer of [`SphereBlockers`](visibility_spheres::SphereBlockers) that poses are written to.
     pub(crate) const BUFFER: &str = "spheres";
 
-    /// Compiles the kernel and uploads what never changes.
+    /// Compiles the kernel and uploads the data that never changes.
     ///
     /// # Errors
     /// [`GpuError`].
@@ -68,13 +68,13 @@ impl GpuPose {
     }
 
     /// Writes the spheres of a pose to a storage buffer that holds the blockers as
-    /// [`SphereBlockers::pack`](visibility_spheres::SphereBlockers::pack) wrote them: of each part of the rig its joints,
-    /// bind space to the world, and the weights of its morph targets. Submits to the queue and does not wait.
+    /// [`SphereBlockers::pack`](visibility_spheres::SphereBlockers::pack) wrote them. `poses` has, for each part of the rig, its
+    /// joints (from bind space to the world) and the weights of its morph targets. Submits to the queue and does not wait.
     ///
-    /// Whatever the bones are, the spheres are finite; where that takes it, they are of radius 0.
+    /// The spheres are finite for all bones; a sphere that could not be gets radius 0.
     ///
     /// # Errors
-    /// [`GpuError::Bind`] for fewer joints or weights than the rig needs; nothing is changed then.
+    /// [`GpuError::Bind`] for fewer joints or weights than the rig needs; the buffer is then unchanged.
     pub fn submit(
         &mut self,
         gpu: &Gpu,

@@ -19,33 +19,35 @@ use scene::{Cancel, Frame, Shade, ShadeStats, ShadingPoints, Stopwatch};
 use visibility_mask::{Fineness, MAX_DEPTH};
 use wgpu::BufferUsages;
 
-/// Points that are culled together: as in `render-cpu`.
+/// Points that are culled together, as in `render-cpu`.
 const TILE: u64 = (crate::TILE * crate::TILE) as u64;
-/// Points of a slice, at most: what the buffers of a frame are sized for, and what one submission works on.
+/// The most points of a slice. One submission works on a slice, and buffers are sized for it.
 const SLICE: u64 = 1 << 20;
-/// The same on a software device, whose kernels are no faster for more.
+/// The same on a software device, whose kernels do not get faster with more points.
 const SOFTWARE_SLICE: u64 = 1 << 16;
 /// Bytes of the queue before its items.
 const HEADER: u64 = 4 * QUEUE_HEADER as u64;
-/// From one light's uniform to the next: a multiple of the largest alignment that a device may ask for.
+/// Bytes from one light's uniform to the next: a multiple of the largest alignment that a device may require.
 const FRAME_STRIDE: u64 = 512;
-const FLAT_BY_PAPER: &str = "the paper's method knows lights that are balls alone";
+const FLAT_BY_PAPER: &str = "the paper's method supports sphere lights only";
 const MICROFACETS_BY_PAPER: &str = "the paper's method knows cosine lobes alone: materials need a `gpu_cosine_set`";
 
 /// Shades points with lobe sums on the GPU: the same sums as `render_cpu::CpuShader`, in WGSL.
 ///
 /// # Method
-/// Per light, four kernels: tiles of 64 points are culled against the blockers; each point takes its unshadowed integrals
-/// and asks how much of the light it sees; points in a penumbra are queued; each of these gets its mask and its shares from
-/// a workgroup of its own, one thread a row. Kernels are put together from what a frame uses (its reflectance models,
-/// strategies, depth), compiled when they are first used, and kept.
+/// Each light takes four kernels. The first culls tiles of 64 points against the blockers. The second computes each point's
+/// unshadowed integrals, classifies it as lit, dark or in penumbra, and queues points in penumbra. The third sizes the dispatch of
+/// the fourth, which gives each queued point a workgroup: it draws the mask, one thread a row, and sums the visible fractions.
+/// Kernels are composed from the pieces that a frame uses (its reflectance models, strategies, depth), compiled at first use, and
+/// kept.
 ///
 /// # Accuracy
-/// That of the CPU's path to within rounding: a sample at the end of a mask's row may fall to the other side.
+/// That of the CPU's path to within rounding: rounding may decide whether a sample at the end of a mask's row is blocked.
 ///
 /// # Cost
-/// Memory for a slice of at most 2²⁰ points, whatever the frame's size: per point 64 bytes, 16 of radiance, 4 for each of
-/// its lobes and 4, and 32 for its tile's list. Only what differs from the last call is uploaded.
+/// Memory for a slice of at most 2²⁰ points, whatever the frame's size: per point 64 bytes for the point, 16 for its radiance, 4
+/// and 4 for each of its lobes in the queue, and 32 for its part of the tile's list. Only bytes that differ from the last call are
+/// uploaded.
 ///
 /// ```no_run
 /// use lobe_core::Accuracy;
@@ -63,7 +65,7 @@ pub struct GpuShader {
     slice: u64,
     blockers: Blockers,
     kernels: Vec<(Variant, Kernels)>,
-    /// The paper's method, where that is asked for.
+    /// The paper's method, if requested.
     paper: Option<Paper>,
     materials: Memory,
     images: Images,
@@ -73,7 +75,7 @@ pub struct GpuShader {
     queue: Memory,
     indirect: Memory,
     clock: Option<Clock>,
-    /// Of points that come from the CPU.
+    /// Points that come from the CPU.
     points: Memory,
     radiance: Memory,
     staging: Memory,
@@ -88,7 +90,7 @@ struct Kernels {
 }
 
 impl GpuShader {
-    /// A shader with these blockers. Kernels are compiled with the first frame.
+    /// A shader with these blockers. The first frame compiles the kernels.
     ///
     /// # Errors
     /// [`GpuError`] where the device is too small for the blockers, or lost.
@@ -116,8 +118,8 @@ impl GpuShader {
         Ok(shader)
     }
 
-    /// Other blockers, or the same ones moved: only what differs is uploaded, and shadow maps that were there before are not
-    /// packed anew.
+    /// Replaces the blockers, or moves them: only bytes that differ are uploaded, and shadow maps that are already there are not
+    /// packed again.
     ///
     /// # Errors
     /// As [`new`](Self::new); nothing blocks then.
@@ -125,11 +127,11 @@ impl GpuShader {
         self.blockers.hold(&self.gpu, occlusion)
     }
 
-    /// The blockers in another pose, of which `pose` was made: the spheres that follow bones are moved on the GPU, and stay
-    /// so until they are posed again or [`occlude`](Self::occlude) says something else. Bytes of bones are uploaded.
+    /// Moves the spheres that follow bones, on the GPU; `pose` must be made from the current blockers. The spheres stay so until
+    /// the next pose or [`occlude`](Self::occlude). Uploads only the bones.
     ///
     /// # Errors
-    /// [`GpuError::Bind`] for fewer joints or morph weights than the spheres need; nothing has moved then.
+    /// [`GpuError::Bind`] for fewer joints or morph weights than the spheres need; no sphere has moved then.
     pub fn pose(&mut self, pose: &mut GpuPose, poses: &[(&[Mat4], &[f32])]) -> Result<(), GpuError> {
         self.blockers.pose(&self.gpu, pose, poses)
     }
@@ -140,7 +142,7 @@ impl GpuShader {
         &self.gpu
     }
 
-    /// The paper's method, with its tables (4.3 MB), which go to the GPU: the same as `PaperVisibility` with
+    /// Uses the paper's method and uploads its tables (4.3 MB): the same as `PaperVisibility` with
     /// [`PaperIntegrator`](lobe_core::paper::PaperIntegrator) on the CPU. The first frame of a depth solves for the weights.
     #[must_use]
     pub fn with_paper(mut self, tables: &Tables) -> Self {
@@ -148,14 +150,14 @@ impl GpuShader {
         self
     }
 
-    /// The paper's method, or the default without tables, from the next frame on. Tables that are there already stay.
+    /// Uses the paper's method from the next frame on, or without tables the default one. Keeps the same tables if they are there.
     pub fn set_paper(&mut self, tables: Option<&Tables>) {
         let known = self.paper.take();
         self.paper =
             tables.map(|tables| known.filter(|known| known.is_of(tables)).unwrap_or_else(|| Paper::new(tables)));
     }
 
-    /// At most so many points in one submission (made a multiple of 64): for tests and small memories.
+    /// Shades at most this many points in one submission (made a multiple of 64): for tests and small memories.
     #[must_use]
     pub fn with_slice(self, points: u32) -> Self {
         Self { slice: u64::from(points).max(1).next_multiple_of(TILE).min(SLICE), ..self }
@@ -172,7 +174,7 @@ impl GpuShader {
         self.slice.min((fits / TILE).max(1) * TILE)
     }
 
-    /// The kernels for a light, compiled if they are new.
+    /// The kernels for a light; compiles them if they are new.
     fn kernels(
         &mut self,
         accuracy: Accuracy,
@@ -209,7 +211,8 @@ impl GpuShader {
         Ok(self.kernels.len() - 1)
     }
 
-    /// What does not depend on the slice: kernels, materials, images; returns each light's number of kernels and the words of a queue item.
+    /// Prepares everything that does not depend on the slice: kernels, materials, images. Returns the number of each light's
+    /// kernels, and the words of a queue item.
     fn prepare<M: GpuMaterials, L: GpuLight>(
         &mut self,
         frame: &Frame<'_, M, L>,
@@ -220,8 +223,7 @@ impl GpuShader {
         if let Some(paper) = &mut self.paper {
             paper.hold(&self.gpu, frame.accuracy.depth.clamp(1, MAX_DEPTH))?;
         }
-        // The paper's products are of lobes of directions.
-        // The paper's products are of cosine lobes.
+        // The paper's products are products of cosine lobes.
         let set = if self.paper.is_some() { M::gpu_cosine_set(frame.materials) } else { M::gpu_set(frame.materials) };
         let set = set.map_err(GpuError::Unsupported)?;
         if self.paper.is_some() && set.has_microfacets {
@@ -242,15 +244,15 @@ impl GpuShader {
         Ok((kernels, 1 + words * u64::from(max_lobes)))
     }
 
-    /// Shades points that are on the GPU, `count` [`GpuReceiver`]s from the beginning of `points`, and writes each one's
-    /// radiance (RGB and a zero) to `radiance`. Submits to the queue and does not wait.
+    /// Shades `count` [`GpuReceiver`]s from the beginning of the GPU buffer `points`, and writes each one's radiance (RGB and a
+    /// zero) to `radiance`. Submits to the queue and does not wait.
     ///
-    /// Both are storage buffers of the same device; their sizes are the caller's care. Points whose material is
-    /// [`NO_MATERIAL`](crate::NO_MATERIAL) get zero. Materials and lights are checked by nobody: a number out of range gives
-    /// some other material's lobes.
+    /// Both are storage buffers of the same device; the caller ensures that they are large enough. Points whose material is
+    /// [`NO_MATERIAL`](crate::NO_MATERIAL) get zero. Numbers of materials and lights are not checked: one out of range gives
+    /// another material's lobes.
     ///
     /// # Errors
-    /// [`GpuError`], but never [`GpuError::LoopsCut`]: nobody waits for it here.
+    /// [`GpuError`], but never [`GpuError::LoopsCut`], since this call does not wait for the kernels.
     pub fn submit<M: GpuMaterials, L: GpuLight>(
         &mut self,
         frame: &Frame<'_, M, L>,
@@ -271,12 +273,12 @@ impl GpuShader {
         Ok(())
     }
 
-    /// The same commands written into an encoder of the caller's, who submits them, once and before anything else is asked of this
-    /// shader: lights, materials and blockers are uploaded now, in the buffers of the last call. Kernels that are new are compiled
-    /// here; an empty [`shade`](Shade::shade) with such a frame does so before.
+    /// As [`submit`](Self::submit), but writes the commands into the caller's encoder, which the caller submits once and before any
+    /// other call of this shader. Lights, materials and blockers are uploaded now, into the buffers of the last call. New kernels
+    /// are compiled here; to compile them earlier, call [`shade`](Shade::shade) with such a frame and no points.
     ///
     /// # Errors
-    /// As [`submit`](Self::submit). What is in the encoder by then does no harm.
+    /// As [`submit`](Self::submit). Commands that are then in the encoder are harmless.
     pub fn record<M: GpuMaterials, L: GpuLight>(
         &mut self,
         frame: &Frame<'_, M, L>,
@@ -288,7 +290,7 @@ impl GpuShader {
         let (kernels, stride) = self.prepare(frame)?;
         let count = u64::from(count);
         let slice = self.slice(stride).min(count);
-        // All slices but the last one are alike.
+        // All slices but the last one have the same size.
         let last = if slice > 0 { (count - 1) % slice + 1 } else { 0 };
         self.hold_uniforms(frame, &[slice, last])?;
         let mut part = Part { first: 0, count: slice, stride, uniforms: 0, points, radiance };
@@ -306,7 +308,7 @@ impl GpuShader {
         self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
     }
 
-    /// Uploads the uniforms of slices of so many points each.
+    /// Uploads the uniforms for slices of these sizes.
     fn hold_uniforms<M, L: GpuLight>(&mut self, frame: &Frame<'_, M, L>, counts: &[u64]) -> Result<(), GpuError> {
         let bytes: Vec<u8> = counts.iter().flat_map(|count| self.uniforms(frame, *count)).collect();
         self.frames.sized(&self.gpu, FRAME_STRIDE)?;
@@ -339,7 +341,7 @@ impl GpuShader {
         bytes
     }
 
-    /// Writes the commands for one slice, whose uniforms are there, and their times where these are wanted.
+    /// Writes the commands for one slice, whose uniforms are uploaded, and times them if `is_timed`.
     fn write(
         &mut self,
         kernels: &[usize],
@@ -394,18 +396,18 @@ struct Recorder<'a> {
     clock: Option<&'a mut Clock>,
 }
 
-/// What a pass does.
+/// The size of a pass's dispatch.
 #[derive(Clone, Copy)]
 enum Dispatch<'a> {
     Groups(u64),
     Indirect(&'a wgpu::Buffer),
 }
 
-/// A kernel, its buffers, and what it does.
+/// A kernel, its buffers, its stage and its dispatch.
 type Step<'a> = (&'a Kernel, wgpu::BindGroup, Stage, Dispatch<'a>);
 
 impl Recorder<'_> {
-    /// The kernels of each light are given by their number.
+    /// `kernels` has the number of each light's kernels.
     fn record(mut self, kernels: &[usize], changes: &[bool], encoder: &mut wgpu::CommandEncoder) {
         let (shader, gpu) = (self.shader, &self.shader.gpu);
         let bind = |kernel: &Kernel| kernel.bind(gpu, |slot| shader.resource(slot, self.part));
@@ -477,7 +479,7 @@ struct Part<'a> {
 }
 
 impl GpuShader {
-    /// Shades as [`Shade::shade`] until the request to stop is made, which is looked at before each slice of points: none then.
+    /// As [`Shade::shade`], but looks before each slice of points whether a stop is requested, and returns `None` then.
     ///
     /// # Errors
     /// [`GpuError`].

@@ -4,13 +4,13 @@ use core::num::NonZeroU64;
 use lobe_core::wgsl::GEOMETRY;
 use wgpu::util::DeviceExt;
 
-/// Writes radiance to a caller's texture: linear RGB, and alpha 0 where a pixel has no point
-/// ([`NO_MATERIAL`](crate::NO_MATERIAL)), else 1.
+/// Writes radiance to a caller's texture: linear RGB, and alpha 0 where a pixel has no point ([`NO_MATERIAL`](crate::NO_MATERIAL)),
+/// else 1.
 ///
-/// The points of a `width`×`height` picture are one a pixel, tile by tile of 8 × 8 pixels, left to right, top to bottom, and
-/// so within a tile ([`place`](Self::place)); tiles that reach over the edge have all their 64 points
-/// ([`points`](Self::points)). That is how [`GpuGBuffer`](crate::GpuGBuffer) leaves them; neighbours in the list are
-/// neighbours in space, which is what culling wants.
+/// A `width`×`height` picture has one point a pixel, tile by tile of 8 × 8 pixels, from left to right, top to bottom, and in the
+/// same order within a tile ([`place`](Self::place)). Tiles that reach over the edge have all their 64 points
+/// ([`points`](Self::points)). The points of [`GpuGBuffer`](crate::GpuGBuffer) are in this order; neighbours in the list are
+/// neighbours in space, which makes culling effective.
 ///
 /// ```no_run
 /// # fn of(gpu: &render_gpu::Gpu, shader: &mut render_gpu::GpuShader, frame: &scene::Frame<'_>, points: &wgpu::Buffer,
@@ -92,20 +92,20 @@ impl GpuTextureWriter {
         })
     }
 
-    /// How many points a picture has.
+    /// Number of points of a picture.
     #[must_use]
     pub const fn points(width: u32, height: u32) -> u32 {
         width.div_ceil(TILE) * height.div_ceil(TILE) * TILE * TILE
     }
 
-    /// Where the point of a pixel is among them.
+    /// The place of a pixel's point among them.
     #[must_use]
     pub const fn place(width: u32, x: u32, y: u32) -> u32 {
         (y / TILE * width.div_ceil(TILE) + x / TILE) * (TILE * TILE) + y % TILE * TILE + x % TILE
     }
 
-    /// Writes every pixel of a texture (two-dimensional, with the usage `STORAGE_BINDING`), of a point and a radiance for
-    /// each as [`GpuShader::submit`](crate::GpuShader::submit) wants and writes them. Submits to the queue and does not wait.
+    /// Writes every pixel of a texture (two-dimensional, with the usage `STORAGE_BINDING`) from the points and radiances in the
+    /// layout of [`GpuShader::submit`](crate::GpuShader::submit). Submits to the queue and does not wait.
     ///
     /// # Errors
     /// [`GpuError`]; [`GpuError::Refused`] for buffers that are too small, and textures of another format or usage.
@@ -123,7 +123,7 @@ impl GpuTextureWriter {
         })
     }
 
-    /// The same commands written into an encoder of the caller's, who submits them.
+    /// As [`submit`](Self::submit), but writes the commands into the caller's encoder, which the caller submits.
     ///
     /// # Errors
     /// As [`submit`](Self::submit).
@@ -142,7 +142,7 @@ impl GpuTextureWriter {
         }
         let [columns, rows] = [texture.width().div_ceil(TILE), texture.height().div_ceil(TILE)];
         let in_row = u64::from(columns * TILE * TILE);
-        // As many rows of tiles as may be bound at a time.
+        // As many rows of tiles as fit a binding.
         let most = gpu.device().limits().max_storage_buffer_binding_size / (POINT * in_row);
         let band = rows.min(most.max(1) as u32);
         gpu.scoped("the commands of a texture writer", || {

@@ -2,13 +2,13 @@
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
-/// Pieces that are joined, with what every device can do.
+/// Validates joined pieces against the limits of every device.
 #[track_caller]
 pub(crate) fn module(pieces: &[&str]) -> naga::Module {
     with_info("pieces", &pieces.join("\n"), Capabilities::default()).0
 }
 
-/// A text, and what is used where in it.
+/// Validates a text; also returns naga's analysis of it.
 #[track_caller]
 pub(crate) fn with_info(name: &str, text: &str, capabilities: Capabilities) -> (naga::Module, ModuleInfo) {
     let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(text)));

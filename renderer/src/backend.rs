@@ -1,4 +1,4 @@
-//! What shades: the cores of the CPU, or a GPU.
+//! The device that shades: the cores of the CPU, or a GPU.
 
 use crate::event::check;
 use crate::{Device, RenderError};
@@ -21,7 +21,7 @@ use {
     visibility_spheres::SphereBlockers,
 };
 
-/// What shades the frames of a [`Renderer`](crate::Renderer).
+/// The device that shades the frames of a [`Renderer`](crate::Renderer).
 #[derive(Debug)]
 pub enum Backend {
     /// The cores of the CPU.
@@ -38,7 +38,7 @@ impl Backend {
     /// Opens a device.
     ///
     /// # Errors
-    /// [`RenderError`] where there is none.
+    /// [`RenderError`] if there is none.
     pub fn open(device: Device) -> Result<Self, RenderError> {
         match device {
             Device::Cpu => Ok(Self::Cpu),
@@ -53,7 +53,7 @@ impl Backend {
         }
     }
 
-    /// Which of them it is.
+    /// The kind of device.
     #[must_use]
     pub const fn device(&self) -> Device {
         match self {
@@ -63,7 +63,7 @@ impl Backend {
         }
     }
 
-    /// The GPU, where there is one.
+    /// The GPU, if it is one.
     #[cfg(feature = "gpu")]
     #[must_use]
     pub fn gpu(&self) -> Option<&Gpu> {
@@ -73,7 +73,7 @@ impl Backend {
         }
     }
 
-    /// The most bytes of shadow maps that it can use.
+    /// The most bytes of shadow maps that the device can use.
     #[must_use]
     pub fn room_for_maps(&self) -> u64 {
         match self {
@@ -83,7 +83,7 @@ impl Backend {
         }
     }
 
-    /// Times that the hierarchy of its rays was made, or followed what moved.
+    /// How often the hierarchy of the GPU's rays was built or updated.
     #[cfg_attr(not(feature = "gpu"), expect(clippy::unused_self, reason = "the CPU's is the renderer's"))]
     pub(crate) const fn worlds_followed(&self) -> u64 {
         match self {
@@ -93,7 +93,7 @@ impl Backend {
         }
     }
 
-    /// `cpu`, or what the GPU calls itself.
+    /// `cpu`, or the GPU's own name.
     #[must_use]
     pub fn name(&self) -> String {
         match self {
@@ -104,30 +104,30 @@ impl Backend {
     }
 }
 
-/// A GPU's shader, and what its rays meet.
+/// A GPU's shader, and the scene that its rays meet.
 #[cfg(feature = "gpu")]
 #[derive(Debug)]
 pub struct GpuBackend {
     shader: GpuShader,
     world: Option<RayWorld>,
-    /// What the GPU has of the shadow maps.
+    /// The shadow maps that are on the GPU.
     maps: Option<PackedMaps>,
-    /// Times that the world was made, or followed what moved.
+    /// How often `world` was built or updated.
     followed: u64,
 }
 
-/// The scene as the GPU's rays meet it.
+/// The scene that the GPU's rays meet.
 #[cfg(feature = "gpu")]
 #[derive(Debug)]
 struct RayWorld {
     world: GpuWorld,
-    /// From which rays each object casts shadows.
+    /// For each object the rays that it stops.
     casting: Vec<ShadowCasting>,
-    /// That of the hierarchy that it follows.
+    /// Revision of the hierarchy of the CPU that `world` follows.
     revision: u64,
 }
 
-/// The built-in strategies that block, but for rays.
+/// The built-in strategies that block, except rays.
 #[cfg(feature = "gpu")]
 pub(crate) struct GpuParts<'a> {
     pub(crate) spheres: Option<&'a SphereBlockers>,
@@ -137,8 +137,8 @@ pub(crate) struct GpuParts<'a> {
 
 #[cfg(feature = "gpu")]
 impl GpuBackend {
-    /// The shader with these blockers; `traced` is the scene, where rays meet some of its objects, and for each which they are.
-    /// Those objects are by silhouettes, or by rays where there are none.
+    /// The shader with these blockers. `traced` is the scene and, for each object, the rays that it stops; `None` if no object
+    /// stops rays. These objects block by `parts.silhouettes`, or else by rays.
     pub(crate) fn occluded(
         &mut self,
         tables: Option<&Tables>,
@@ -156,7 +156,7 @@ impl GpuBackend {
         let silhouettes = silhouettes.map(|silhouettes| silhouettes as &dyn GpuBlockers);
         let traced = silhouettes.or_else(|| any_hit.map(|_| &GpuRays as &dyn GpuBlockers));
         if let Some(maps) = maps {
-            // Only what has changed is packed and uploaded.
+            // Packs and uploads only maps that have changed.
             self.maps.get_or_insert_default().update(maps);
         } else {
             self.maps = None;
@@ -169,11 +169,11 @@ impl GpuBackend {
         Ok(&mut self.shader)
     }
 
-    /// Lets what rays meet follow the scene, where anything has moved.
+    /// Updates the scene that rays meet, if anything has moved.
     fn follow(&mut self, world: &World<'_>, casting: Vec<ShadowCasting>) -> Result<(), GpuError> {
         let revision = world.revision();
         match &mut self.world {
-            // What maps show changes as lights move.
+            // The list changes as lights move, since it depends on which objects the maps draw.
             Some(kept) if kept.casting == casting => {
                 if kept.revision == revision {
                     return Ok(());
@@ -191,9 +191,9 @@ impl GpuBackend {
     }
 }
 
-/// What shades, whatever it computes on.
+/// A shader for any device.
 pub trait Shader: Shade<Error: Error + Into<RenderError>> {
-    /// Shades with the requested layers until the request to stop is made.
+    /// Shades with the requested layers until a stop is requested.
     ///
     /// # Errors
     /// As [`Shade::shade`]; [`RenderError::NotOnGpu`] for layers on a GPU; [`RenderError::Cancelled`].

@@ -7,10 +7,10 @@ use render_cpu::{GBuffer, PixelSamples, TILE, World};
 use scene::{Cancel, ShadingPoints, Stopwatch};
 use visibility_shadowmap::ReceiverBounds;
 
-/// Camera rays in flight: bounds the memory of large pictures.
+/// The most camera rays of a band: bounds the memory of large pictures.
 pub const BAND_RAYS: u64 = 1 << 19;
 
-/// Runs `work` and adds what it takes to a clock in seconds.
+/// Runs `work` and adds its time to a clock in seconds.
 pub fn seconds<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
     let watch = Stopwatch::start();
     let result = work();
@@ -18,7 +18,7 @@ pub fn seconds<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Camera rays that a time budget is measured with.
+/// Camera rays of the strips on which a time budget is measured.
 const TRIAL_RAYS: u64 = 1 << 15;
 
 /// The visible points of parts of the picture.
@@ -28,12 +28,12 @@ pub(crate) struct Bands<'w> {
     samples: PixelSamples,
     /// The parts, in their order.
     pub(crate) parts: &'w [Window],
-    /// Points of the picture before, or found before they are shaded.
+    /// Points that an earlier picture has kept, or that were found before shading.
     kept: &'w mut KeptPoints,
     /// Whether points are kept for the next picture.
     keeps: bool,
     pub(crate) cancel: &'w Cancel,
-    /// Seconds of finding visible points.
+    /// Seconds spent on finding visible points.
     pub(crate) seconds: f64,
 }
 
@@ -49,7 +49,7 @@ impl<'w> Bands<'w> {
         Self { world, samples, parts, kept, keeps, cancel, seconds: 0.0 }
     }
 
-    /// A window cut into bands of rows, of few enough rays to be in flight; their borders are those of tiles.
+    /// Cuts a window into bands of rows with at most [`BAND_RAYS`] camera rays; the borders of bands are borders of tiles.
     fn cut(&self, window: &Window) -> impl Iterator<Item = Window> + use<> {
         let width = window.columns.len();
         let rows = BAND_RAYS / (width as u64 * u64::from(self.samples.usual())).max(1);
@@ -83,9 +83,9 @@ impl<'w> Bands<'w> {
         }
     }
 
-    /// The box of all visible points of the picture, those outside the parts too: the parts are to be as the whole.
-    /// `None` when the camera sees nothing. Known until something moves. Costs nothing where the whole picture is made and its points
-    /// are few enough to be kept; else all points are found twice.
+    /// The box around all visible points of the picture, including those outside the parts, so that parts equal the whole picture.
+    /// `None` if the camera sees nothing. Kept until something moves. Free if the whole picture is shaded and its points are few
+    /// enough to be kept; else all points are found twice.
     pub(crate) fn bounds(&mut self) -> Result<Option<ReceiverBounds>, RenderError> {
         if let Some(known) = self.kept.bounds {
             return Ok(known);
@@ -107,7 +107,7 @@ impl<'w> Bands<'w> {
         Ok(all)
     }
 
-    /// The points of strips spread over the picture, their materials, and how many times their rows the picture has.
+    /// The points of strips spread over the picture, their materials, and the picture's number of rows over that of the strips.
     pub(crate) fn strips(&self) -> (ShadingPoints, Vec<Material>, f64) {
         let scene = self.world.scene();
         let (width, height) = (scene.width, scene.height);
@@ -127,7 +127,7 @@ impl<'w> Bands<'w> {
             let first_point = points.receivers.len();
             points.ends.extend(g.points.ends.iter().map(|end| first_point + end));
             points.receivers.extend(g.points.receivers);
-            // Behind those of the strips before.
+            // These materials follow those of earlier strips.
             let before = materials.len() as u32 - first;
             points.materials.extend(g.points.materials.iter().map(|m| if *m < first { *m } else { *m + before }));
             materials.extend(g.materials.into_iter().skip(first as usize));

@@ -9,15 +9,15 @@ use scene::{Cancel, Frame, ShadingPoints};
 use visibility_shadowmap::ShadowMap;
 use visibility_spheres::SphereBlockers;
 
-/// A point of the measured front of error against time.
+/// A pair of tolerance and depth on the measured curve of least error for a given time.
 const fn point(tolerance: f32, depth: u32) -> Accuracy {
     Accuracy { tolerance, depth }
 }
 
-/// Settings along that front, from the fastest to the best: what a time budget chooses from.
+/// Settings along that curve, from the fastest to the most accurate: a time budget chooses one of these.
 pub const LADDER: [Accuracy; 5] = [point(0.1, 2), point(0.03, 3), point(0.01, 4), point(0.003, 5), point(0.001, 6)];
 
-/// What the picture is shaded with, but for tolerance and depth.
+/// The inputs of shading, except tolerance and depth.
 pub(crate) struct Budget<'a> {
     pub(crate) world: &'a World<'a>,
     pub(crate) plan: &'a Plan,
@@ -28,14 +28,14 @@ pub(crate) struct Budget<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) tables: Option<&'a Tables>,
     pub(crate) cancel: &'a Cancel,
-    /// Seconds of a frame that no setting changes, but for finding the visible points.
+    /// Seconds of a frame that no setting changes, without finding the visible points.
     pub(crate) fixed: f64,
 }
 
 impl Budget<'_> {
-    /// The best setting of the ladder whose frame takes at most so many milliseconds, measured on strips of the picture
-    /// from the fastest setting on; the fastest where all take longer. A frame is the visible points, what is made
-    /// anew for it, and shading.
+    /// Chooses the most accurate setting of the ladder whose frame takes at most `milliseconds`; the fastest one if all take
+    /// longer. Settings are timed on strips of the picture, from the fastest on. A frame's time is that of the visible points, of
+    /// everything that is rebuilt for it, and of shading.
     pub(crate) fn choose(
         &self,
         backend: &mut Backend,
@@ -71,7 +71,7 @@ impl Budget<'_> {
     }
 }
 
-/// Shading, the faster of two times.
+/// Shades twice and takes the shorter time.
 struct Twice<'a> {
     points: &'a ShadingPoints,
     frame: &'a Frame<'a>,

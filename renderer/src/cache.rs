@@ -5,8 +5,8 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What an earlier run has kept in a folder under a key, and its file. One whose content is not what its name says is told of
-/// and removed.
+/// Finds a result of an earlier run by its key in a folder; returns its file and the result. A file whose content does not match
+/// the checksum in its name is reported and removed.
 pub(crate) fn find<T>(
     folder: &Path,
     key: &str,
@@ -32,7 +32,7 @@ pub(crate) fn find<T>(
     Ok(None)
 }
 
-/// Keeps bytes in a folder under a key: the file's name has their checksum.
+/// Writes bytes into a folder. The file's name has the key and the bytes' checksum.
 pub(crate) fn store(folder: &Path, key: &str, ending: &str, bytes: &[u8]) -> Result<PathBuf, ImageFileError> {
     let path = folder.join(format!("{key}.{}.{ending}", checksum(bytes)));
     let failed = |source| ImageFileError::Io { path: path.clone(), source };

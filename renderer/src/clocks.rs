@@ -1,22 +1,22 @@
-/// Seconds that are spent once.
+/// Seconds of work that is done once.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clocks {
-    /// Fitting and reading sphere sets.
+    /// Seconds of fitting and reading sphere sets.
     pub spheres: f64,
-    /// The paper's tables.
+    /// Seconds of computing or reading the paper's tables.
     pub tables: f64,
 }
 
 /// Seconds of one frame, outside shading.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameClocks {
-    /// Positions, normals, lights and camera of the moment.
+    /// Updating positions, normals, lights and camera to the frame's time.
     pub pose: f64,
-    /// Spheres carried there, and the hierarchy over them.
+    /// Moving the spheres, and updating the hierarchy over them.
     pub spheres: f64,
-    /// Boxes of the hierarchy over triangles and balls: built for the first frame, refitted for others.
+    /// Hierarchy over triangles and exact spheres: built for the first frame, refitted for others.
     pub hierarchy: f64,
-    /// Edges, planes and their hierarchy: as that.
+    /// Edges, planes and their hierarchy: built for the first frame, refitted for others.
     pub silhouettes: f64,
     /// Drawing shadow maps.
     pub maps: f64,

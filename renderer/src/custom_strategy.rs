@@ -4,44 +4,44 @@ use lobe_core::gpu::GpuBlockers;
 use scene::{Scene, Strategy};
 use visibility_mask::DynBlockers;
 
-/// Anybody's way to block light, for the objects whose [strategy](scene::Strategy::Custom) has its name and whatever else it keeps.
+/// A strategy that is not built in, for the objects whose [strategy](scene::Strategy::Custom) has its name. It may keep any data.
 ///
-/// A renderer takes it by [`put_strategy`](crate::Renderer::put_strategy). It blocks beside the built-in strategies, by every method, in
-/// animations, bands and layers, and on a GPU where it has [`gpu_blockers`](Self::gpu_blockers).
+/// A renderer takes it by [`put_strategy`](crate::Renderer::put_strategy). It blocks beside the built-in strategies, with every
+/// method, in animations, bands and layers, and on a GPU if it has [`gpu_blockers`](Self::gpu_blockers).
 ///
-/// `examples/open` has one, of capsules.
+/// `examples/open` has one for capsules.
 pub trait CustomStrategy: Debug + Send + Sync {
-    /// Its name, as objects say it.
+    /// The name that objects refer to.
     fn name(&self) -> &'static str;
 
-    /// Follows the scene: called before the first picture, and before each one for which objects or strategies have changed. `objects` are
-    /// the numbers of those that block by it.
+    /// Updates the strategy to the scene. Called before the first picture, and before each one for which objects or strategies have
+    /// changed. `objects` are the numbers of the objects that block by this strategy.
     ///
     /// # Errors
-    /// Why it cannot block for one of them, in a sentence.
+    /// The reason in one sentence, if it cannot block for one of them.
     fn update(&mut self, scene: &Scene, objects: &[usize]) -> Result<(), String>;
 
-    /// The blockers, on the CPU.
+    /// The blockers on the CPU.
     fn blockers(&self) -> &dyn DynBlockers;
 
-    /// The same on a GPU. Provided: `None`, a strategy that is refused there.
+    /// The same on a GPU. Provided: `None`; a GPU then refuses the strategy.
     fn gpu_blockers(&self) -> Option<&dyn GpuBlockers> {
         None
     }
 }
 
-/// The strategies that a renderer was given.
+/// The custom strategies of a renderer.
 #[derive(Debug, Default)]
 pub(crate) struct CustomStrategies(pub(crate) Vec<Box<dyn CustomStrategy>>);
 
 impl CustomStrategies {
-    /// Takes one, in the place of one of the same name.
+    /// Adds a strategy; replaces one of the same name.
     pub(crate) fn put(&mut self, strategy: Box<dyn CustomStrategy>) {
         self.0.retain(|known| known.name() != strategy.name());
         self.0.push(strategy);
     }
 
-    /// Lets all of them follow the scene.
+    /// Updates all strategies to the scene.
     pub(crate) fn update(&mut self, scene: &Scene, plan: &Plan) -> Result<(), RenderError> {
         let names: Vec<_> = self.0.iter().map(|strategy| strategy.name()).collect();
         for (number, object) in scene.objects.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Edits of what is drawn: each is checked first, and says what it makes stale.
+//! Edits of the scene and the settings: each is validated first, and returns what it makes stale.
 
 use crate::renderer::check_method;
 use crate::{
@@ -40,7 +40,7 @@ impl Renderer {
         self.material_handles.place(material.0).ok_or(EditError::NoMaterial(material))
     }
 
-    /// The place of an object that the animation leaves alone.
+    /// The place of an object, if the animation does not move it.
     fn still_object(&self, object: ObjectHandle) -> Result<usize, EditError> {
         let place = self.object_place(object)?;
         if self.animation.moves_object(place) {
@@ -49,10 +49,10 @@ impl Renderer {
         Ok(place)
     }
 
-    /// Adds an object, which stands still.
+    /// Adds an object that does not move.
     ///
     /// # Errors
-    /// [`RenderError::Scene`] where it is not one that can be drawn.
+    /// [`RenderError::Scene`] if the object is not valid.
     pub fn add_object(&mut self, object: Object) -> Result<ObjectHandle, RenderError> {
         self.scene.check_object(&object)?;
         self.scene.objects.push(object);
@@ -60,10 +60,10 @@ impl Renderer {
         Ok(ObjectHandle(self.rows.push()))
     }
 
-    /// Takes an object out. Lights that it shines with stay.
+    /// Removes an object. Lights whose surface it is stay.
     ///
     /// # Errors
-    /// [`RenderError::Edit`] where it is not there.
+    /// [`RenderError::Edit`] if the object is not in the scene.
     pub fn remove_object(&mut self, object: ObjectHandle) -> Result<Object, RenderError> {
         let place = self.object_place(object)?;
         self.rows.remove(place);
@@ -72,23 +72,25 @@ impl Renderer {
         Ok(self.scene.remove_object(place))
     }
 
-    /// Gives the renderer a strategy for the objects that [name](scene::Strategy::Custom) it, in the place of one of the same name.
+    /// Adds a strategy for the objects that [name](scene::Strategy::Custom) it; replaces one of the same name.
     pub fn put_strategy(&mut self, strategy: Box<dyn CustomStrategy>) -> Stale {
         self.custom.put(strategy);
         self.mark(Stale::STRATEGY)
     }
 
-    /// The matrix of [`set_transform`](Self::set_transform) that an object has; none where it is not there.
+    /// The matrix that [`set_transform`](Self::set_transform) has set for an object; `None` if the object is not in the scene.
     #[must_use]
     pub fn transform(&self, object: ObjectHandle) -> Option<Mat4> {
         self.object_place(object).ok().map(|place| self.rows.transform(place))
     }
 
-    /// Puts an object where the matrix takes it from where it stood when it came, or got its shape. Spheres, and meshes with spheres
-    /// that stand for them, keep their proportions: a rotation, one scale, a translation. A sphere set is not fitted anew.
+    /// Moves an object: the matrix maps it from the place at which it was added, or got its shape. Spheres, and meshes with a
+    /// sphere set as proxy, keep their proportions: the matrix must be a rotation, one scale and a translation. A sphere set is not
+    /// fitted again.
     ///
     /// # Errors
-    /// [`RenderError::Edit`] where the animation moves it, and for such a matrix; [`RenderError::Scene`] where it ends out of bounds.
+    /// [`RenderError::Edit`] if the animation moves the object, or for another matrix; [`RenderError::Scene`] if it ends out of
+    /// bounds.
     pub fn set_transform(&mut self, object: ObjectHandle, matrix: Mat4) -> Result<Stale, RenderError> {
         let place = self.still_object(object)?;
         let moved = &mut self.scene.objects[place];
@@ -104,10 +106,10 @@ impl Renderer {
         Ok(self.mark(Stale::MOVED))
     }
 
-    /// Gives an object another shape and what stands for it, both where they are in the world.
+    /// Replaces an object's shape and proxy, both given in world space.
     ///
     /// # Errors
-    /// As [`add_object`](Self::add_object); [`RenderError::Edit`] where the animation moves it.
+    /// As [`add_object`](Self::add_object); [`RenderError::Edit`] if the animation moves the object.
     pub fn set_shape(&mut self, object: ObjectHandle, shape: Shape, proxy: Proxy) -> Result<Stale, RenderError> {
         let place = self.still_object(object)?;
         let old = &self.scene.objects[place];
@@ -121,7 +123,7 @@ impl Renderer {
     /// Gives an object another material.
     ///
     /// # Errors
-    /// [`RenderError::Edit`] where either is not there.
+    /// [`RenderError::Edit`] if the object or the material is not in the scene.
     pub fn set_object_material(
         &mut self,
         object: ObjectHandle,
@@ -132,10 +134,10 @@ impl Renderer {
         Ok(self.mark(Stale::SHADING | Stale::POINTS | Stale::SURFACES))
     }
 
-    /// Lets an object block light in another way; none: as suits it.
+    /// Sets an object's strategy; `None` chooses one by the kind of object.
     ///
     /// # Errors
-    /// [`RenderError::Edit`] where it is not there.
+    /// [`RenderError::Edit`] if the object is not in the scene.
     pub fn set_object_strategy(
         &mut self,
         object: ObjectHandle,
@@ -149,7 +151,7 @@ impl Renderer {
     /// Shows an object to the camera, or hides it.
     ///
     /// # Errors
-    /// [`RenderError::Edit`] where it is not there; [`RenderError::Scene`] for a sphere that the camera is too near to.
+    /// [`RenderError::Edit`] if the object is not in the scene; [`RenderError::Scene`] for a sphere that is too near to the camera.
     pub fn set_visible(&mut self, object: ObjectHandle, visible: bool) -> Result<Stale, RenderError> {
         let place = self.object_place(object)?;
         let before = core::mem::replace(&mut self.scene.objects[place].visible, visible);
@@ -160,7 +162,7 @@ impl Renderer {
         Ok(self.mark(Stale::STRATEGY))
     }
 
-    /// Moves an object by keys, from where it stands at the animation's first moment.
+    /// Moves an object by key frames, relative to its place at the animation's first moment.
     ///
     /// # Errors
     /// As [`Animation::set_keys`](scene::Animation::set_keys).
@@ -180,7 +182,8 @@ impl Renderer {
     /// Adds a light.
     ///
     /// # Errors
-    /// [`RenderError::Scene`] where its numbers are none, [`RenderError::PaperLight`] where the method is not for it.
+    /// [`RenderError::Scene`] if a number is not valid, [`RenderError::PaperLight`] if the method does not support this kind of
+    /// light.
     pub fn add_light(&mut self, light: Light) -> Result<LightHandle, RenderError> {
         self.check_light(self.scene.lights.len(), &light)?;
         self.scene.lights.push(light);
@@ -188,10 +191,10 @@ impl Renderer {
         Ok(LightHandle(self.light_handles.push()))
     }
 
-    /// Takes a light out.
+    /// Removes a light.
     ///
     /// # Errors
-    /// [`RenderError::Edit`] where it is not there.
+    /// [`RenderError::Edit`] if the light is not in the scene.
     pub fn remove_light(&mut self, light: LightHandle) -> Result<Light, RenderError> {
         let place = self.light_place(light)?;
         self.light_handles.remove(place);
@@ -200,10 +203,10 @@ impl Renderer {
         Ok(self.scene.lights.remove(place))
     }
 
-    /// Replaces a light by another one.
+    /// Replaces a light.
     ///
     /// # Errors
-    /// As [`add_light`](Self::add_light); [`RenderError::Edit`] where it is not there or the animation moves it.
+    /// As [`add_light`](Self::add_light); [`RenderError::Edit`] if the light is not in the scene, or the animation moves it.
     pub fn set_light(&mut self, handle: LightHandle, light: Light) -> Result<Stale, RenderError> {
         let place = self.light_place(handle)?;
         if self.animation.moves_light(place) {
@@ -214,11 +217,11 @@ impl Renderer {
         Ok(self.mark(LIT))
     }
 
-    /// Puts another environment in the place of the present one, or none. Its lights come behind all others, with handles of their
-    /// own; those of the present one go.
+    /// Replaces or removes the environment. The lights of the new one are appended to the others, with new handles; those of the
+    /// old one are removed.
     ///
     /// # Errors
-    /// [`RenderError::PaperLight`] where the method is not for it.
+    /// [`RenderError::PaperLight`] if the method does not support this kind of light.
     pub fn set_environment(&mut self, environment: Option<Arc<Environment>>) -> Result<Stale, RenderError> {
         let new = environment.as_ref().map_or(&[][..], |environment| environment.lights());
         let is_sky = |light: &Light| matches!(light, Light::Sky(_));
@@ -247,7 +250,7 @@ impl Renderer {
         })
     }
 
-    /// Adds a material, and what surfaces show beside it.
+    /// Adds a material with its surface properties.
     ///
     /// # Errors
     /// [`RenderError::Scene`].
@@ -260,10 +263,10 @@ impl Renderer {
         Ok(MaterialHandle(self.material_handles.push()))
     }
 
-    /// Replaces a material, and what surfaces show beside it. No point is found anew, but where surfaces have textures.
+    /// Replaces a material and its surface properties. Visible points stay valid, unless surfaces have textures.
     ///
     /// # Errors
-    /// [`RenderError::Scene`]; [`RenderError::Edit`] where it is not there.
+    /// [`RenderError::Scene`]; [`RenderError::Edit`] if the material is not in the scene.
     pub fn set_material(
         &mut self,
         handle: MaterialHandle,
@@ -283,10 +286,10 @@ impl Renderer {
         Ok(self.mark(Stale::SHADING | points))
     }
 
-    /// Takes out a material that no object has.
+    /// Removes a material that no object uses.
     ///
     /// # Errors
-    /// [`RenderError::Edit`] where an object has it, or it is not there.
+    /// [`RenderError::Edit`] if an object uses the material, or it is not in the scene.
     pub fn remove_material(&mut self, material: MaterialHandle) -> Result<Material, RenderError> {
         let place = self.material_place(material)?;
         if let Some(object) = self.scene.objects.iter().find(|o| o.material == place) {
@@ -301,7 +304,7 @@ impl Renderer {
         Ok(self.scene.materials.remove(place))
     }
 
-    /// Gives kept points the scene's materials; there were so many before.
+    /// Updates the materials of kept points to the scene's; `before` is the earlier number of materials.
     fn set_materials_of_points(&mut self, before: usize) {
         for kept in [&mut self.kept, &mut self.reduced] {
             kept.points.set_materials(&self.scene.materials, before);
@@ -318,10 +321,10 @@ impl Renderer {
         self.scene.surfaces[place] = surface;
     }
 
-    /// Another camera.
+    /// Replaces the camera.
     ///
     /// # Errors
-    /// [`RenderError::Scene`] for one that sees nothing; [`RenderError::Edit`] where the animation moves it.
+    /// [`RenderError::Scene`] for a camera that sees nothing; [`RenderError::Edit`] if the animation moves it.
     pub fn set_camera(&mut self, camera: Camera) -> Result<Stale, RenderError> {
         if self.animation.moves_camera() {
             return Err(EditError::Animated("the camera".to_owned()).into());
@@ -331,27 +334,27 @@ impl Renderer {
         Ok(self.mark(Stale::SHADING | Stale::POINTS))
     }
 
-    /// Another size of the picture.
+    /// Sets the size of the picture.
     ///
     /// # Errors
-    /// [`RenderError::Scene`] for one without pixels, or too many.
+    /// [`RenderError::Scene`] for a picture without pixels, or with too many.
     pub fn set_size(&mut self, width: u32, height: u32) -> Result<Stale, RenderError> {
         Scene::check_size(width, height)?;
         (self.scene.width, self.scene.height) = (width, height);
         Ok(self.mark(Stale::SHADING | Stale::POINTS))
     }
 
-    /// Another background.
+    /// Sets the background.
     ///
     /// # Errors
-    /// [`RenderError::Scene`] for one that is no radiance.
+    /// [`RenderError::Scene`] if it is not a radiance.
     pub fn set_background(&mut self, background: Vec3) -> Result<Stale, RenderError> {
         Scene::check_background(background)?;
         self.scene.background = background;
         Ok(self.mark(Stale::SHADING))
     }
 
-    /// Another accuracy from the next picture on; a time budget has no say any more.
+    /// Sets the accuracy from the next picture on, and removes a time budget.
     ///
     /// # Errors
     /// [`RenderError::Setting`].
@@ -359,10 +362,10 @@ impl Renderer {
         self.set_settings(Settings { accuracy, time_budget: None, ..self.settings.clone() })
     }
 
-    /// Other settings: strategy, method, device and all else.
+    /// Replaces all settings: strategy, method, device and the others.
     ///
     /// # Errors
-    /// Those of [`new`](Self::new); the settings are then as before.
+    /// Those of [`new`](Self::new); the settings then stay the same.
     pub fn set_settings(&mut self, settings: Settings) -> Result<Stale, RenderError> {
         settings.check_device(settings.device)?;
         settings.validate()?;
@@ -389,10 +392,10 @@ impl Renderer {
     }
 }
 
-/// The consequences of another light.
+/// The consequences of a change of a light.
 const LIT: Stale = Stale::SHADING.with(Stale::LIGHTS).with(Stale::MAPS);
 
-/// Why an object cannot follow a matrix.
+/// The reason why an object cannot follow a matrix.
 fn fault_of(object: &Object, matrix: &Mat4) -> Option<&'static str> {
     if !matrix.is_finite() {
         return Some("is not finite");

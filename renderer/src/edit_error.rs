@@ -1,6 +1,6 @@
 use crate::{LightHandle, MaterialHandle, ObjectHandle};
 
-/// Why an edit is refused; the renderer is as it was before.
+/// Why an edit is refused; the renderer then stays the same.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EditError {
@@ -13,7 +13,7 @@ pub enum EditError {
     /// The material has been removed.
     #[error("material {n} is not in the scene", n = .0.0)]
     NoMaterial(MaterialHandle),
-    /// The animation would undo it.
+    /// The animation moves this item and would undo the edit.
     #[error("{0} is moved by the animation")]
     Animated(String),
     /// An object has the material that is to be removed.

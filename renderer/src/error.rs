@@ -4,37 +4,37 @@ use sphere_sets::BuildError;
 use std::collections::TryReserveError;
 use visibility_shadowmap::MapError;
 
-/// What [`RenderError::NotOnGpu`] says of layers and of visibility as lobes.
+/// The message of [`RenderError::NotOnGpu`] for layers.
 pub(crate) const LAYERS: &str = "layers are made by the CPU only";
 #[cfg(feature = "gpu")]
 pub(crate) const NO_WGSL: &str = "it has no blockers for a GPU";
 pub(crate) const OWN: &str = "a tolerance of each pixel's own radiance is met by the CPU only";
 pub(crate) const LOBES: &str = "visibility as lobes is summed by the CPU only";
 
-/// Why a picture could not be made. Nothing of it is printed or kept here.
+/// Why a picture could not be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// The spheres of an object could not be fitted, read or carried along.
+    /// The spheres of an object could not be fitted, read or moved with it.
     #[error(transparent)]
     Blockers(BlockersError),
     /// A shadow map could not be drawn.
     #[error(transparent)]
     Map(#[from] MapError),
-    /// The picture finds no room in memory.
+    /// The picture does not fit into memory.
     #[error(transparent)]
     Memory(#[from] TryReserveError),
     /// The GPU failed.
     #[cfg(feature = "gpu")]
     #[error(transparent)]
     Gpu(#[from] render_gpu::GpuError),
-    /// What is requested does not exist on the GPU.
+    /// The GPU does not support this.
     #[error("{0}")]
     NotOnGpu(&'static str),
-    /// The paper's light lobes are those of balls.
+    /// The paper's light lobes exist only for sphere lights.
     #[error("method \"paper\" is for sphere lights: light {0} is {1}; use \"moments\"")]
     PaperLight(usize, &'static str),
-    /// The scene is not one that can be drawn.
+    /// The scene is not valid.
     #[error(transparent)]
     Scene(#[from] scene::SceneError),
     /// An edit is refused.
@@ -48,12 +48,12 @@ pub enum RenderError {
         /// The strategy.
         name: &'static str,
     },
-    /// A strategy of one's own cannot follow the scene, or block on a device.
+    /// A custom strategy cannot follow the scene, or cannot block on a device.
     #[error("strategy `{name}`: {fault}")]
     Strategy {
         /// The strategy.
         name: &'static str,
-        /// Its own words.
+        /// The strategy's own message.
         fault: String,
     },
     /// A setting is out of its range.
@@ -66,7 +66,7 @@ pub enum RenderError {
         /// Its range.
         expected: &'static str,
     },
-    /// The listener or the request that [`set_cancel`](crate::Renderer::set_cancel) takes has stopped the work.
+    /// The listener, or the request of [`set_cancel`](crate::Renderer::set_cancel), has stopped the work.
     #[error("cancelled")]
     Cancelled,
 }

@@ -5,7 +5,7 @@ use scene::Cancel;
 use std::path::Path;
 use visibility_shadowmap::MapAdvice;
 
-/// What a [`Renderer`](crate::Renderer) tells while it works.
+/// An event during the work of a [`Renderer`](crate::Renderer).
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum Event<'a> {
@@ -13,73 +13,73 @@ pub enum Event<'a> {
     Fitting {
         /// The object's name.
         object: &'a str,
-        /// How many.
+        /// Number of spheres.
         spheres: usize,
-        /// How much of it is done.
+        /// The fraction that is done.
         done: f32,
     },
-    /// They are fitted.
+    /// The spheres are fitted.
     Fitted {
         /// The object's name.
         object: &'a str,
-        /// How many.
+        /// Number of spheres.
         spheres: usize,
-        /// How long it took.
+        /// Seconds that fitting took.
         seconds: f64,
     },
-    /// What an earlier run has kept was not what it should be, and is made anew.
+    /// A file of an earlier run is damaged; its contents are computed again.
     Damaged {
         /// Its file.
         path: &'a Path,
     },
-    /// An object's spheres stand badly for it.
+    /// An object's spheres fit it badly.
     PoorFit {
         /// The object's name.
         object: &'a str,
-        /// The share of its silhouette that they miss.
+        /// The fraction of its silhouette that they miss.
         error: f32,
     },
-    /// The paper's tables are being made.
+    /// The paper's tables are being computed.
     Tables {
-        /// How much of it is done, in [0, 1].
+        /// The fraction that is done, in [0, 1].
         done: f32,
     },
-    /// The device has no room for maps as fine as the lights want.
+    /// The device has no room for shadow maps as fine as the lights need.
     MapsReduced(MapReduction),
-    /// How the map of a light suits the receivers.
+    /// How well the shadow map of a light suits the receivers.
     Map {
         /// Number of the light.
         light: usize,
-        /// Whether it is fine enough, in words.
+        /// Whether the map is fine enough, in words.
         advice: MapAdvice,
     },
-    /// A time budget has chosen.
+    /// A time budget has chosen an accuracy.
     Chosen {
-        /// What.
+        /// The chosen accuracy.
         accuracy: Accuracy,
-        /// What a frame takes.
+        /// The time of a frame.
         milliseconds: f64,
-        /// Whether that is within the budget; nothing is faster if not.
+        /// Whether that is within the budget. If not, this is the fastest setting.
         is_within: bool,
     },
     /// Pixels of the picture, or of its requested parts, that are shaded.
     Pixels {
-        /// So many.
+        /// Number of pixels that are shaded.
         done: u64,
-        /// Of so many.
+        /// Number of all pixels to be shaded.
         of: u64,
     },
 }
 
-/// Hears what goes on, and may stop it.
+/// Receives events, and may stop the work.
 pub type Listener<'a> = dyn FnMut(Event<'_>) -> ControlFlow<()> + 'a;
 
-/// Ends the work where it is to stop.
+/// Returns an error if a stop is requested.
 pub(crate) fn check(cancel: &Cancel) -> Result<(), RenderError> {
     if cancel.is_cancelled() { Err(RenderError::Cancelled) } else { Ok(()) }
 }
 
-/// Tells a listener, and ends where that says so.
+/// Sends an event to a listener; returns an error if the listener stops the work.
 pub(crate) fn tell(listener: &mut Listener<'_>, event: Event<'_>) -> Result<(), RenderError> {
     match listener(event) {
         ControlFlow::Continue(()) => Ok(()),

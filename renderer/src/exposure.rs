@@ -6,21 +6,21 @@ use scene::BlockerSet;
 
 /// Pixels along the longer side of the picture that is metered.
 const SIDE: f32 = 64.0;
-/// Shadow rays for each of its pixels and lights.
+/// Shadow rays for each pixel and light.
 const RAYS: u32 = 16;
-/// So many of the lit pixels are darker than the one that is metered.
+/// The fraction of lit pixels that are darker than the metered luminance.
 const BRIGHT: f32 = 0.9;
-/// Its luminance after exposure.
+/// The metered luminance after exposure.
 const TARGET: f64 = 0.5;
 
-/// No picture is exposed by more stops.
+/// The largest exposure, in stops.
 const MOST: f64 = 32.0;
 
-/// The exposure, in stops, that shows a scene well at its present moment: `E = log₂(0.5/Y)`, to a tenth, with `Y` the luminance that nine of
-/// ten lit pixels stay below; within ±32. 0 where nothing is lit.
+/// The exposure, in stops, that suits a scene at its present time: `E = log₂(0.5/Y)`, rounded to a tenth, within ±32. `Y` is the
+/// luminance that nine of ten lit pixels stay below. 0 if no pixel is lit.
 ///
-/// The Monte-Carlo sampler makes a picture of at most 64 × 64 pixels, which is metered: so the exposure is the same whatever method, strategy, device or
-/// window a picture is made with. Background and surfaces that emit do not count.
+/// The Monte-Carlo sampler renders a picture of at most 64 × 64 pixels for metering, so that the exposure does not depend on
+/// method, strategy, device or window. Background and surfaces that emit do not count.
 ///
 /// # Cost
 /// 16 shadow rays for each light and metered pixel: about 10 ms of two cores.

@@ -21,39 +21,39 @@ use {
 
 type Silhouettes<'a> = SilhouetteBlockers<'a, SurfaceHits<'a>>;
 
-/// What blocks light in one frame, by strategy.
+/// The blockers of one frame, by strategy.
 #[derive(Debug)]
 #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "a GPU gathers what its rays meet from them"))]
 pub struct FrameBlockers<'a> {
     world: &'a World<'a>,
     spheres: Option<&'a SphereBlockers>,
     maps: Option<ShadowMapBlockers>,
-    /// What the maps draw, for receivers on it.
+    /// Silhouettes of the objects that shadow maps draw, for receivers on these objects.
     drawn: Option<OnObjects<Silhouettes<'a>>>,
     silhouettes: Option<Silhouettes<'a>>,
     rays: Option<RayBlockers<'a>>,
-    /// Anybody's.
+    /// Custom strategies.
     custom: &'a [Box<dyn CustomStrategy>],
     /// See [`Settings::own_radiance`].
     of_own: bool,
     /// The meshes by silhouettes for all receivers.
     meshes: Vec<&'a SilhouetteMesh>,
-    /// For each object, from whom it hides lights by its true surface.
+    /// For each object the receivers that it hides lights from by its true surface.
     hides: Vec<HidesFrom>,
 }
 
-/// From which receivers an object hides lights by its true surface.
+/// The receivers that an object hides lights from by its true surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum HidesFrom {
-    Nobody,
-    Everybody,
-    /// From those on objects that do so as well.
+    None,
+    All,
+    /// Receivers on objects that are `Drawn` too.
     Drawn,
 }
 
 impl<'a> FrameBlockers<'a> {
-    /// Gathers what the plan asks for, for pictures of an accuracy, and leaves out what turned out empty. `silhouettes` are
-    /// [those of the plan](Plan::silhouettes).
+    /// Gathers the blockers of a plan for pictures of an accuracy, and leaves out those that are empty. `silhouettes` are [those of
+    /// the plan](Plan::silhouettes).
     #[must_use]
     pub fn new(
         plan: &Plan,
@@ -88,10 +88,10 @@ impl<'a> FrameBlockers<'a> {
             SilhouetteBlockers::new(meshes.iter().copied(), hits).with_tolerance(accuracy.tolerance)
         };
         let hides = |o: usize| match (traced[o], drawn[o]) {
-            (true, _) => HidesFrom::Everybody,
+            (true, _) => HidesFrom::All,
             (_, true) => HidesFrom::Drawn,
-            _ if has_outlines[o] && !casters[o] => HidesFrom::Everybody,
-            _ => HidesFrom::Nobody,
+            _ if has_outlines[o] && !casters[o] => HidesFrom::All,
+            _ => HidesFrom::None,
         };
         let hides = (0..drawn.len()).map(hides).collect();
         let silhouettes = (!meshes.is_empty()).then(|| outlines(&meshes, false));
@@ -100,32 +100,32 @@ impl<'a> FrameBlockers<'a> {
         Self { world, spheres, maps, drawn: on_drawn, silhouettes, rays, custom: &[], of_own: false, meshes, hides }
     }
 
-    /// The same with strategies that are not built in, and a tolerance of [the kind that is set](Settings::own_radiance).
+    /// Adds the custom strategies, and sets [the kind of tolerance](Settings::own_radiance).
     pub(crate) fn with(self, custom: &'a [Box<dyn CustomStrategy>], settings: &Settings) -> Self {
         Self { custom, of_own: settings.own_radiance, ..self }
     }
 
-    /// The meshes by silhouettes as a GPU has them. None where others are by rays anyway, or where a ball of light holds parts of triangles:
-    /// what is exact by these is exact by rays, too.
+    /// The meshes by silhouettes, packed for a GPU. `None` if other objects are traced by rays anyway, or if a round light contains
+    /// parts of triangles: rays then block for these meshes too, equally exactly.
     #[cfg(feature = "gpu")]
     fn gpu_silhouettes(&self) -> Option<GpuSilhouettes> {
         let by_rays = self.rays.is_some() || self.drawn.is_some();
         let silhouettes = self.silhouettes.as_ref().filter(|_| !by_rays)?;
-        let meeting = |ball: Sphere| {
+        let meeting = |sphere: Sphere| {
             let mut triangles = Vec::new();
-            silhouettes.any_hit().triangles_meeting(ball, &mut |corners| triangles.push(corners));
+            silhouettes.any_hit().triangles_meeting(sphere, &mut |corners| triangles.push(corners));
             triangles
         };
         let mut cut = Vec::new();
         for light in &self.world.scene().lights {
             let is_flat = light.gpu_roundness().is_some();
-            let ball = match light {
-                // All that blocks is before the sky, whose ball may hold the scene.
+            let sphere = match light {
+                // All blockers are in front of the sky, whose sphere may contain the scene.
                 Light::Sky(_) => None,
                 light if is_flat => Some(light.gpu_bounds()),
                 light => light.sphere(),
             };
-            let triangles = ball.filter(|ball| ball.radius > 0.0).map(meeting).unwrap_or_default();
+            let triangles = sphere.filter(|sphere| sphere.radius > 0.0).map(meeting).unwrap_or_default();
             if !is_flat && !triangles.is_empty() {
                 return None;
             }
@@ -134,11 +134,11 @@ impl<'a> FrameBlockers<'a> {
         Some(GpuSilhouettes::new(self.meshes.iter().copied()).with_clipped(&cut))
     }
 
-    /// Does the work with the shader that these blockers make. What is not there is not in the shader; mixtures of any kinds
-    /// share one.
+    /// Runs `work` with a shader for these blockers. The shader has no code for strategies that are absent; mixtures of any kinds
+    /// share one shader.
     ///
     /// # Errors
-    /// Those of the work; [`RenderError::NotOnGpu`] for a method that a GPU does not have, `RenderError::Gpu` of the device.
+    /// Those of the work; [`RenderError::NotOnGpu`] for a method that a GPU does not support, `RenderError::Gpu` from the device.
     pub fn shade<W: ShaderTask>(
         self,
         backend: &mut Backend,
@@ -151,8 +151,8 @@ impl<'a> FrameBlockers<'a> {
         if let Backend::Gpu(gpu) = backend {
             let silhouettes = self.gpu_silhouettes();
             let casting = self.hides.iter().map(|hides| match hides {
-                HidesFrom::Nobody => ShadowCasting::None,
-                HidesFrom::Everybody => ShadowCasting::All,
+                HidesFrom::None => ShadowCasting::None,
+                HidesFrom::All => ShadowCasting::All,
                 HidesFrom::Drawn => ShadowCasting::Alike,
             });
             let casting: Vec<ShadowCasting> = casting.collect();
@@ -196,17 +196,17 @@ impl<'a> FrameBlockers<'a> {
 
 /// A task for a shader of any device and visibility.
 pub trait ShaderTask {
-    /// Its result.
+    /// The result of the task.
     type Output;
 
-    /// Does it.
+    /// Runs the task.
     ///
     /// # Errors
-    /// Its own.
+    /// Those of the task.
     fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, RenderError>;
 }
 
-/// By masks, with a method and for the [tolerance](Settings::own_radiance) of own radiance or not.
+/// Shades with masks, by a method, with the tolerance relative to [own radiance](Settings::own_radiance) or not.
 fn masked<B: Blockers, W: ShaderTask>(
     blockers: B,
     (method, of_own): (Method, bool),

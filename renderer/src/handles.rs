@@ -1,4 +1,4 @@
-/// An object of a [`Renderer`](crate::Renderer): the same one while others come and go.
+/// An object of a [`Renderer`](crate::Renderer). The handle stays valid while other objects are added and removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ObjectHandle(pub(crate) u64);
 
@@ -10,7 +10,7 @@ pub struct LightHandle(pub(crate) u64);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct MaterialHandle(pub(crate) u64);
 
-/// The handles of a list that grows at its end: numbers that rise and are never given twice.
+/// The handles of a list that grows at its end: increasing numbers, none of which is used twice.
 #[derive(Clone, Debug)]
 pub(crate) struct Handles {
     list: Vec<u64>,
@@ -32,7 +32,7 @@ impl Handles {
         self.list[place]
     }
 
-    /// The place of a handle in the list; none where it was taken out.
+    /// The place of a handle in the list; `None` if it was removed.
     pub(crate) fn place(&self, handle: u64) -> Option<usize> {
         self.list.binary_search(&handle).ok()
     }

@@ -8,27 +8,27 @@ use pictures::Window;
 use render_cpu::GBuffer;
 use scene::{Frame, ShadeStats, ShadingPoints};
 
-/// A picture, or a window of one, row by row from the top, and how it was made.
+/// A picture, or a window of one, row by row from the top, with its statistics.
 #[derive(Clone, Debug, Default)]
 pub struct Image {
     /// Columns and rows.
     pub size: [usize; 2],
     /// Linear radiance toward the eye, W·m⁻²·sr⁻¹ per channel.
     pub radiance: Vec<Vec3>,
-    /// What it is made of, as far as the settings ask for it.
+    /// The requested layers.
     pub layers: Layers,
-    /// How it was made.
+    /// Statistics of the rendering.
     pub stats: ImageStats,
 }
 
-/// How a picture was made.
+/// Statistics of the rendering of a picture.
 #[derive(Clone, Debug, Default)]
 pub struct ImageStats {
     /// Requested error and depth of masks.
     pub accuracy: Accuracy,
     /// Visible points.
     pub points: usize,
-    /// Of each repetition of the shading.
+    /// Statistics of each repetition of the shading.
     pub shading: Vec<ShadeStats>,
     /// Seconds of the frame outside shading.
     pub clocks: FrameClocks,
@@ -40,14 +40,14 @@ pub struct ImageStats {
     pub triangles: usize,
     /// Resolution of each light's shadow map.
     pub map_resolutions: Vec<u32>,
-    /// Bytes of all of them.
+    /// Bytes of all shadow maps.
     pub map_bytes: usize,
 }
 
-/// A part of a picture that is done.
+/// A finished part of a picture.
 #[derive(Clone, Debug, Default)]
 pub struct Band {
-    /// Which part.
+    /// The part's window.
     pub window: Window,
     /// As [`Image::radiance`].
     pub radiance: Vec<Vec3>,
@@ -55,14 +55,14 @@ pub struct Band {
     pub layers: Layers,
 }
 
-/// Takes parts of a picture as they are done, and may have had enough. Their memory is used again for the next part.
+/// Receives parts of a picture as they are done, and may stop the work. Their memory is used again for the next part.
 pub type Sink<'a> = dyn FnMut(&Band) -> ControlFlow<()> + 'a;
 
 impl Band {
-    /// Puts the radiance at its place in the pixels of a larger window.
+    /// Copies the radiance to its place in the pixels of a larger window.
     ///
     /// # Panics
-    /// When that window does not hold this part, or has not one value a pixel.
+    /// If that window does not contain this part, or `pixels` has not one value a pixel.
     pub fn copy_to(&self, window: &Window, pixels: &mut [Vec3]) {
         assert_eq!(pixels.len(), window.pixels(), "one value a pixel");
         let width = self.window.columns.len();
@@ -74,7 +74,7 @@ impl Band {
     }
 }
 
-/// Memory of a part of a picture, for the next one.
+/// Memory of a part of a picture, used again for the next part.
 #[derive(Debug, Default)]
 pub(crate) struct Canvas {
     band: Band,
@@ -82,7 +82,7 @@ pub(crate) struct Canvas {
     radiance: Vec<Vec3>,
 }
 
-/// Shades a picture band by band; the work that a strategy is chosen for.
+/// Shades a picture band by band with the chosen strategy.
 pub(crate) struct Shading<'a, 'w, 'l, 's> {
     pub(crate) frame: &'a Frame<'a>,
     pub(crate) bands: &'a mut Bands<'w>,
@@ -99,7 +99,7 @@ impl ShaderTask for Shading<'_, '_, '_, '_> {
     fn with<S: Shader>(mut self, shader: &mut S) -> Result<ImageStats, RenderError> {
         let shading = vec![ShadeStats::default(); self.repeat as usize];
         let mut stats = ImageStats { shading, ..ImageStats::default() };
-        // Compiles what there is to compile.
+        // Compiles the kernels that are missing.
         seconds(&mut stats.kernels, || shader.shade(&ShadingPoints::default(), self.frame, &mut []))
             .map_err(|error: S::Error| -> RenderError { error.into() })?;
         let windows = self.bands.windows();
@@ -110,7 +110,7 @@ impl ShaderTask for Shading<'_, '_, '_, '_> {
             let g = self.bands.points(&window)?;
             let shaded = self.shade(shader, &g, &mut stats);
             stats.points += g.len();
-            // Also where it was cancelled: the points are right, and likely to be needed again.
+            // Keeps the points of a cancelled band too: they are right, and likely to be needed again.
             self.bands.keep(&window, g);
             shaded?;
             done += window.pixels() as u64;

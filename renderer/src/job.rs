@@ -1,4 +1,4 @@
-//! One picture: maps, the accuracy that a time budget chooses, blockers, shading.
+//! Makes one picture: maps, the accuracy that a time budget chooses, blockers, shading.
 
 use crate::bands::{Bands, seconds};
 use crate::budget::Budget;
@@ -27,7 +27,7 @@ pub(crate) struct State<'a> {
     pub(crate) maps: &'a mut KeptMaps,
 }
 
-/// The parts of a picture, made and kept.
+/// The parts of a picture to be shaded.
 pub(crate) struct Job<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) parts: &'a [Window],
@@ -40,7 +40,7 @@ pub(crate) struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// One picture of a world, as far as the sink takes it.
+    /// Makes one picture of a world; ends early if the sink stops it.
     pub(crate) fn picture(
         &self,
         world: &World<'_>,
@@ -103,7 +103,7 @@ impl Job<'_> {
     }
 }
 
-/// Tells how the maps suit the receivers.
+/// Reports how well the maps suit the receivers.
 fn advise(
     maps: &[ShadowMap],
     coarser: Option<MapReduction>,

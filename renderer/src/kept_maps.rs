@@ -10,7 +10,7 @@ pub(crate) struct KeptMaps {
     of: Option<MadeFor>,
     maps: Vec<ShadowMap>,
     coarser: Option<MapReduction>,
-    /// Maps that were drawn so far.
+    /// Number of maps that were drawn so far.
     pub(crate) drawn: u64,
 }
 
@@ -18,13 +18,13 @@ pub(crate) struct KeptMaps {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MapRequest {
     pub(crate) receivers: ReceiverBounds,
-    /// Texels a side, where the settings say.
+    /// Texels a side, if the settings give them.
     pub(crate) resolution: Option<u32>,
-    /// Bytes that the device has for them.
+    /// Bytes that the device has for the maps.
     pub(crate) room: u64,
 }
 
-/// All inputs of the maps but the objects.
+/// All inputs of the maps, except the objects.
 #[derive(Debug, PartialEq)]
 struct MadeFor {
     request: MapRequest,
@@ -33,13 +33,13 @@ struct MadeFor {
 }
 
 impl KeptMaps {
-    /// After objects have moved, come, gone or changed their strategy.
+    /// Call this after objects have moved, were added or removed, or changed their strategy.
     pub(crate) fn clear(&mut self) {
         self.of = None;
         self.maps.clear();
     }
 
-    /// The maps of a scene: those of lights that have not moved are kept.
+    /// Draws the maps of a scene; keeps those of lights that have not moved.
     pub(crate) fn update(
         &mut self,
         plan: &Plan,

@@ -6,16 +6,16 @@ use visibility_shadowmap::ReceiverBounds;
 /// Camera rays whose points are kept from picture to picture: about 130 MB.
 const KEPT_RAYS: u64 = 1 << 21;
 
-/// Visible points of the last pictures, part by part, for the next one that sees the same, and the box around those of the whole
+/// Visible points of the last pictures, part by part, for the next one that sees the same; and the box around those of the whole
 /// picture.
 #[derive(Debug, Default)]
 pub(crate) struct KeptPoints {
     samples: PixelSamples,
     parts: Vec<(Window, GBuffer)>,
     rays: u64,
-    /// Of the whole picture, once it was needed; it may be that nothing is seen.
+    /// The box of the whole picture, once it was needed; the inner `None` says that the camera sees nothing.
     pub(crate) bounds: Option<Option<ReceiverBounds>>,
-    /// Parts that were found so far.
+    /// Number of parts that were found so far.
     pub(crate) found: u64,
 }
 
@@ -29,7 +29,7 @@ impl KeptPoints {
         self.bounds = None;
     }
 
-    /// Leaves the box.
+    /// Drops the points and keeps the box.
     pub(crate) fn clear_parts(&mut self) {
         self.parts.clear();
         self.rays = 0;
@@ -59,8 +59,8 @@ impl KeptPoints {
         }
     }
 
-    /// Follows materials that have changed, of which there were `before`: no point is found anew, but where points with materials of
-    /// their own would get other numbers.
+    /// Updates kept points to changed materials, of which there were `before`. Points stay valid, unless their own materials would
+    /// get other numbers; those are dropped.
     pub(crate) fn set_materials(&mut self, materials: &[Material], before: usize) {
         let has_own = self.parts.iter().any(|(_, points)| points.materials.len() > before);
         if has_own && materials.len() != before {

@@ -1,7 +1,7 @@
 use scene::BlockerSet;
 use visibility_spheres::SphereBlockers;
 
-/// The spheres of the frames that follow each other, under one hierarchy.
+/// The spheres of successive frames, under one hierarchy.
 #[derive(Clone, Debug, Default)]
 pub struct KeptSpheres {
     blockers: Option<SphereBlockers>,
@@ -9,8 +9,8 @@ pub struct KeptSpheres {
 }
 
 impl KeptSpheres {
-    /// Takes over the spheres of the next frame. The hierarchy is kept where all are where they were, and refitted as long as they
-    /// are the same ones. Whether anything had to be done.
+    /// Replaces the spheres by those of the next frame. Keeps the hierarchy if no sphere has moved; refits it if the spheres are
+    /// the same ones. Returns whether anything changed.
     pub fn update(&mut self, set: &BlockerSet) -> bool {
         let is_same = (&self.set.spheres, &self.set.objects) == (&set.spheres, &set.objects)
             && (&self.set.self_distances, &self.set.self_shadows) == (&set.self_distances, &set.self_shadows);
@@ -32,7 +32,7 @@ impl KeptSpheres {
         true
     }
 
-    /// What blocks, where there is anything.
+    /// The blockers, if there are any.
     #[must_use]
     pub fn get(&self) -> Option<&SphereBlockers> {
         self.blockers.as_ref()

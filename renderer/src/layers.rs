@@ -2,7 +2,8 @@ use glam::Vec3;
 use render_cpu::{GBuffer, Layers as PointLayers, ShadeRequest};
 use scene::Cancel;
 
-/// The layers that pictures come with beside their radiance, one by one: one that is not requested costs neither time nor memory.
+/// The layers that pictures have beside their radiance, each by choice: a layer that is not requested costs neither time nor
+/// memory.
 ///
 /// ```
 /// use renderer::{LayerSet, Renderer, Settings};
@@ -38,7 +39,7 @@ impl LayerSet {
     pub const ALL: Self =
         Self { unshadowed: true, lights: true, normals: true, depths: true, objects: true, counts: true };
 
-    /// Whether one of them is among it that the CPU alone makes.
+    /// Whether one of the layers exists only on the CPU.
     #[must_use]
     pub const fn is_of_cpu(&self) -> bool {
         self.unshadowed || self.lights || self.counts
@@ -50,19 +51,19 @@ impl LayerSet {
     }
 }
 
-/// The parts of a picture, pixel by pixel; those that the [`LayerSet`] leaves out are empty.
+/// The layers of a picture, pixel by pixel; those that the [`LayerSet`] leaves out are empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layers {
     /// Radiance without blockers.
     pub unshadowed: Vec<Vec3>,
-    /// The part of each light.
+    /// The radiance from each light.
     pub lights: Vec<Vec<Vec3>>,
     /// Unit shading normals, the mean of a pixel's rays.
     pub normals: Vec<Vec3>,
-    /// Distance from the plane of the eye, infinite where nothing is seen.
+    /// Distance from the plane of the eye; infinite if the pixel sees nothing.
     pub depths: Vec<f32>,
-    /// The object that the first of a pixel's rays meets which meets anything, as a place in
-    /// [`objects`](crate::Renderer::objects); [`NO_OBJECT`](Self::NO_OBJECT) where none does.
+    /// The object that a pixel shows, as a place in [`objects`](crate::Renderer::objects): that of the pixel's first ray that meets
+    /// anything. [`NO_OBJECT`](Self::NO_OBJECT) if no ray does.
     pub objects: Vec<u32>,
     /// Visibility lobes made.
     pub lobes: Vec<f32>,
@@ -74,7 +75,7 @@ impl Layers {
     /// The pixel shows no object.
     pub const NO_OBJECT: u32 = u32::MAX;
 
-    /// The requested layers of visible points and of what was found for each of them.
+    /// The requested layers, from visible points and the results for each of them.
     pub(crate) fn new(g: &GBuffer, mut points: PointLayers, set: &LayerSet, lights: usize, background: Vec3) -> Self {
         let mut all = Self::default();
         if set.unshadowed {
@@ -109,7 +110,7 @@ impl Layers {
         all
     }
 
-    /// Appends the rows that follow.
+    /// Appends the next rows.
     pub(crate) fn append(&mut self, next: &Self) {
         self.unshadowed.extend_from_slice(&next.unshadowed);
         self.lights.resize(next.lights.len(), Vec::new());

@@ -1,14 +1,14 @@
-//! The whole of it as one type: a scene goes in, radiance comes out.
+//! The renderer as one type: a scene goes in, radiance comes out.
 //!
-//! - [`Renderer`]: scene, strategies, spheres, frames, device and method; [`Settings`] say how, an [`Image`] comes of it.
-//! - [`Event`] and [`Listener`]: what is told while it works. Nothing is printed here, nothing exits.
-//! - Its parts, for those who put them together in another way: [`Plan`] (which strategy each object takes), [`scene_spheres`],
-//!   [`KeptSpheres`], [`FrameBlockers`], [`Backend`].
+//! - [`Renderer`]: scene, strategies, spheres, frames, device and method; [`Settings`] control it, and the result is an [`Image`].
+//! - [`Event`] and [`Listener`]: progress and warnings. The library prints nothing and never exits.
+//! - Its parts, for other compositions: [`Plan`] (the strategy of each object), [`scene_spheres`], [`KeptSpheres`],
+//!   [`FrameBlockers`], [`Backend`].
 //!
-//! Everything that a picture is made of is open: a [`Material`](brdf::Material::Custom), a [`Light`](lighting::Light::Custom) and a
-//! [`Strategy`](scene::Strategy::Custom) of one's own are put into a scene like the built-in ones, on both devices.
+//! Scenes take a custom [`Material`](brdf::Material::Custom), [`Light`](lighting::Light::Custom) and
+//! [`Strategy`](scene::Strategy::Custom) like the built-in ones, on both devices.
 //!
-//! The command `lobes` is a thin shell over it.
+//! The command `lobes` is a thin shell over this crate.
 //!
 //! ```
 //! use renderer::{Renderer, Settings};
@@ -22,7 +22,7 @@
 //! ```
 //!
 //! # Features
-//! `gpu`: shading on a GPU through wgpu. Without it nothing of wgpu is compiled.
+//! `gpu`: shading on a GPU through wgpu. Without it wgpu is not compiled.
 
 mod backend;
 mod bands;

@@ -1,13 +1,13 @@
-//! Blockers for some receivers only.
+//! Blockers that act on some receivers only.
 
 use lobe_core::{Coverage, Shaft, VisibilityQuery};
 use visibility_mask::{Blockers, Edges, Mask};
 
-/// Blockers that hide lights from receivers on some objects only; from others they hide nothing.
+/// Blockers that hide lights only from receivers on certain objects.
 #[derive(Debug)]
 pub(crate) struct OnObjects<B> {
     blockers: B,
-    /// For each object whether it is one of them.
+    /// For each object whether its receivers are shadowed.
     objects: Vec<bool>,
 }
 
@@ -21,7 +21,7 @@ impl<B> OnObjects<B> {
 #[derive(Debug)]
 pub(crate) struct OnObjectsScratch<S> {
     blockers: S,
-    /// A group that the blockers have not been told of: most have no such receiver.
+    /// A group that the blockers have not entered yet: most groups have no such receiver.
     waiting: Option<Shaft>,
 }
 

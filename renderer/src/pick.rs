@@ -1,4 +1,4 @@
-//! Questions about single points: the surface that a pixel shows, and the part of a light that a point sees.
+//! Queries of single points: the surface that a pixel shows, and the visible fraction of a light.
 
 use crate::bands::Bands;
 use crate::kept_maps::MapRequest;
@@ -19,27 +19,27 @@ use visibility_shadowmap::ReceiverBounds;
 /// The surface that a pixel shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pick {
-    /// Its object.
+    /// The object that the pixel shows.
     pub object: ObjectHandle,
-    /// The light whose surface it is, where it is one.
+    /// The light whose surface it is, if any.
     pub light: Option<LightHandle>,
     /// The object's material.
     pub material: MaterialHandle,
-    /// The point as it is shaded: position, normals, direction toward the eye.
+    /// The point that is shaded: position, normals, direction toward the eye.
     pub receiver: Receiver,
-    /// From the eye, in units of the scene.
+    /// Distance from the eye, in units of the scene.
     pub distance: f32,
 }
 
-/// A point is on a light up to this part of the light's radius.
+/// A point is on a light if it is within this fraction of the light's radius.
 const ON_LIGHT: f32 = 1e-3;
 
 impl Renderer {
-    /// The surface in the middle of a pixel: the same point, bit for bit, as of a picture of one ray a pixel. None where the camera
-    /// meets nothing there, and outside the picture.
+    /// The surface at the centre of a pixel: the same point, bit for bit, as in a picture with one ray a pixel. `None` if the
+    /// camera sees nothing there, and outside the picture.
     ///
-    /// The point belongs to a light where it is on that light's surface (to a thousandth of its radius), or the light stands for the
-    /// object. Lights that no object shows are not seen and not picked.
+    /// The point belongs to a light if it is on that light's surface (to a thousandth of its radius), or if the light's surface is
+    /// the object. Lights that no object shows cannot be seen or picked.
     ///
     /// ```
     /// use renderer::{Renderer, Settings};
@@ -52,7 +52,7 @@ impl Renderer {
     /// ```
     ///
     /// # Cost
-    /// That of one ray, once the hierarchy follows the last edit.
+    /// One ray, once the hierarchy is updated to the last edit.
     pub fn pick(&mut self, x: u32, y: u32) -> Option<Pick> {
         let (width, height) = (self.scene.width, self.scene.height);
         if x >= width || y >= height {
@@ -73,20 +73,20 @@ impl Renderer {
         })
     }
 
-    /// The fraction of a light that a white diffuse surface at a point sees, by the scene's own strategies and accuracy:
+    /// The visible fraction of a light for a white diffuse surface at a point, by the scene's own strategies and accuracy:
     ///
     /// ```text
     /// ∫ L (n·v) V dv / ∫ L (n·v) dv
     /// ```
     ///
-    /// over the light, per channel (they differ only where the light shows an image); 0 where the surface gets nothing of the
+    /// over the light, per channel (the channels differ only if the light shows an image); 0 if the surface gets nothing of the
     /// light even without blockers. [`Receiver::on_surface`] makes points that are on no object.
     ///
     /// # Cost
-    /// One point under all lights, and gathering what blocks: for single points.
+    /// Shades one point under all lights, and gathers the blockers: meant for single points.
     ///
     /// # Errors
-    /// [`RenderError::Edit`] where the light is not there; those of [`render`](Self::render).
+    /// [`RenderError::Edit`] if the light is not in the scene; those of [`render`](Self::render).
     pub fn visible_fraction(&mut self, at: &Receiver, light: LightHandle) -> Result<Vec3, RenderError> {
         let light = self.light_handles.place(light.0).ok_or(EditError::NoLight(light))?;
         self.prepare(&mut |_| ControlFlow::Continue(()))?;
@@ -116,13 +116,13 @@ impl Renderer {
     }
 }
 
-/// A box that holds a point as well.
+/// The smallest box that contains `bounds` and a point.
 fn bounds_with(bounds: Option<ReceiverBounds>, point: Vec3) -> ReceiverBounds {
     let ReceiverBounds { min, max } = bounds.unwrap_or(ReceiverBounds { min: point, max: point });
     ReceiverBounds { min: min.min(point), max: max.max(point) }
 }
 
-/// The light whose surface a point is on, or that stands for its object: the nearest of these.
+/// The nearest of the lights whose surface contains a point, or whose surface is its object.
 fn light_at(lights: &[Light], at: &Receiver) -> Option<usize> {
     let distance = |light: &Light| {
         let distance = light.distance_to(at.position)?;
@@ -133,7 +133,7 @@ fn light_at(lights: &[Light], at: &Receiver) -> Option<usize> {
     all.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(number, _)| number)
 }
 
-/// The part of one light that a point sees.
+/// Computes the visible fraction of one light at a point.
 struct Fraction<'a> {
     at: &'a Receiver,
     light: usize,

@@ -7,7 +7,7 @@ use render_cpu::{Revision, SceneSilhouettes, SphereSource};
 use scene::{Cancel, Object, Proxy, Scene, Shape, Strategy};
 use visibility_shadowmap::{MapOptions, PackedMaps, ReceiverBounds, ShadowMap};
 
-/// The finest map that is taken unless asked for.
+/// The finest resolution of a shadow map, unless another one is requested.
 const FITTED: u32 = 2048;
 
 /// One strategy for each object; [`Strategy::None`] for those that block nothing.
@@ -17,12 +17,12 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// One strategy for all objects, or each object's own where none is given: what its scene says; else meshes by silhouettes, balls
-    /// and sets of spheres as they are.
+    /// Uses `strategy` for all objects; without it each object's own strategy from the scene; without that silhouettes for meshes,
+    /// and spheres for sphere objects and sphere sets.
     #[must_use]
     pub fn new(strategy: Option<Strategy>, scene: &Scene) -> Self {
         let of = |o: &Object| {
-            // Exact, unless spheres are there already.
+            // Exact, unless the object already has spheres.
             let usual = match (&o.proxy, &o.shape) {
                 (Proxy::Count(_), Shape::Mesh(_)) => Strategy::Silhouettes,
                 _ => Strategy::Spheres,
@@ -32,7 +32,7 @@ impl Plan {
                 Strategy::Spheres => o.proxy != Proxy::None,
                 Strategy::None => false,
                 Strategy::Custom(_) => true,
-                // The true geometry also of things that nobody gave a proxy.
+                // Objects without a proxy block too, by their true geometry.
                 _ => o.visible || o.proxy != Proxy::None,
             };
             if blocks { strategy } else { Strategy::None }
@@ -46,25 +46,25 @@ impl Plan {
         self.objects[object]
     }
 
-    /// For each object whether its triangles are in the shadow maps: the map of every light shows them.
+    /// For each object whether shadow maps draw its triangles: the maps of all lights must show it.
     ///
     /// # Cost
-    /// Every triangle of an object by maps is looked at once for each light.
+    /// Visits every triangle of objects by shadow maps once for each light.
     #[must_use]
     pub fn casters(&self, scene: &Scene) -> Vec<bool> {
         let in_maps = |(o, object): (usize, &Object)| {
             let Shape::Mesh(mesh) = &object.shape else { return false };
-            // A map is seen from a ball's middle.
+            // A shadow map is seen from the centre of a sphere light.
             let shows = |light: &Light| {
-                light.sphere().is_some_and(|ball| ShadowMap::shows(&mesh.positions, &mesh.triangles, ball))
+                light.sphere().is_some_and(|sphere| ShadowMap::shows(&mesh.positions, &mesh.triangles, sphere))
             };
             self.objects[o] == Strategy::ShadowMap && scene.lights.iter().all(shows)
         };
         scene.objects.iter().enumerate().map(in_maps).collect()
     }
 
-    /// The spheres that an object blocks with: those of its proxy, or the balls that it is. Maps and silhouettes have triangles
-    /// only, so the balls of an object by them are spheres.
+    /// The spheres by which an object blocks: those of its proxy or of its shape. Maps and silhouettes draw only triangles, so an
+    /// object of spheres that uses them blocks by its own spheres.
     #[must_use]
     pub fn spheres(&self, scene: &Scene, object: usize) -> SphereSource {
         match (self.objects[object], &scene.objects[object].shape) {
@@ -74,7 +74,7 @@ impl Plan {
         }
     }
 
-    /// For each object whether it blocks by its true surface, as rays and maps see it, and not by spheres.
+    /// For each object whether it blocks by its true surface, as rays and maps do, and not by a sphere set.
     #[must_use]
     pub fn by_surfaces(&self, scene: &Scene) -> Vec<bool> {
         let by_surface =
@@ -82,14 +82,14 @@ impl Plan {
         (0..self.objects.len()).map(by_surface).collect()
     }
 
-    /// The meshes that block by their silhouettes, and those meant for maps: what maps do not show, and what they show to receivers on
-    /// it, is by silhouettes.
+    /// The meshes that block by silhouettes, and those by shadow maps. Silhouettes replace shadow maps for meshes that a map does
+    /// not show, and for receivers on mapped objects.
     #[must_use]
     pub fn silhouettes(&self, scene: &Scene) -> SceneSilhouettes {
         SceneSilhouettes::new(scene, |o| self.by_silhouettes(scene, o) || self.is_mapped(scene, o as usize))
     }
 
-    /// Lets silhouettes follow the scene; how many meshes were prepared, and how many refitted.
+    /// Updates silhouettes to the scene. Returns how many meshes were prepared, and how many refitted.
     pub(crate) fn follow_silhouettes(
         &self,
         scene: &Scene,
@@ -108,26 +108,26 @@ impl Plan {
         self.objects[o] == Strategy::Silhouettes && matches!(scene.objects[o].shape, Shape::Mesh(_))
     }
 
-    /// Whether an object's triangles are meant for the shadow maps.
+    /// Whether an object is a mesh with the strategy shadow map.
     fn is_mapped(&self, scene: &Scene, object: usize) -> bool {
         self.objects[object] == Strategy::ShadowMap && matches!(scene.objects[object].shape, Shape::Mesh(_))
     }
 
-    /// Whether there are any triangles meant for shadow maps.
+    /// Whether any object is a mesh with the strategy shadow map.
     #[must_use]
     pub fn wants_maps(&self, scene: &Scene) -> bool {
         (0..self.objects.len()).any(|o| self.is_mapped(scene, o))
     }
 
-    /// Bytes that the maps of all lights take at most, where each is one picture and none is asked to be finer: 32 a texel,
-    /// 8 of each of four layers.
+    /// The most bytes that the maps of all lights take, if each is a single image and no finer one is requested: 32 a texel, 8 for
+    /// each of four layers.
     #[must_use]
     pub fn most_map_bytes(&self, scene: &Scene) -> u64 {
         if self.wants_maps(scene) { scene.lights.len() as u64 * u64::from(FITTED).pow(2) * 32 } else { 0 }
     }
 
-    /// A map for each light, for receivers in `bounds`; `resolution` as asked for, else as each light requires and as has room
-    /// in so many bytes of the device. With what there is to say where that makes them coarser.
+    /// Draws a shadow map for each light, for receivers in `bounds`. The resolution is `resolution`, or else as each light needs,
+    /// as far as the maps fit `room` bytes of the device. Returns the reduction too if they had to be made coarser.
     ///
     /// # Errors
     /// [`RenderError::Map`].
@@ -141,7 +141,7 @@ impl Plan {
         self.maps_beside(scene, receivers, resolution, room, &|_| Ok(None))
     }
 
-    /// The same, with the maps that are `known` of lights; its error ends the work.
+    /// The same, but `known` may return the existing map of a light; its error ends the work.
     pub(crate) fn maps_beside(
         &self,
         scene: &Scene,
@@ -171,7 +171,7 @@ impl Plan {
             scene.lights.par_iter().map(|light| map(map_sphere(light))).collect()
         };
         let mut maps = draw(FITTED)?;
-        // Which objects cast and which lights have maps comes before them.
+        // The lists of casting objects and of lights with maps come first.
         let bytes = |maps: &[ShadowMap]| {
             let before = PackedMaps::bytes_before_maps(self.objects.len(), scene.lights.len());
             maps.iter().map(ShadowMap::packed_bytes).sum::<u64>() + before
@@ -179,7 +179,7 @@ impl Plan {
         let finest = |maps: &[ShadowMap]| maps.iter().map(ShadowMap::resolution).max().unwrap_or(0);
         let (wanted, needed) = (finest(&maps), bytes(&maps));
         let mut most = wanted;
-        // What is asked for is not changed: the device refuses it.
+        // A requested resolution is not reduced: the device refuses it.
         while resolution.is_none() && bytes(&maps) > room && most > MapOptions::MIN_RESOLUTION {
             let share = (room as f64 / bytes(&maps) as f64).sqrt().min(0.95);
             most = ((f64::from(most) * share) as u32).max(MapOptions::MIN_RESOLUTION);
@@ -190,21 +190,21 @@ impl Plan {
     }
 }
 
-/// The sphere that a light's shadow map is drawn for. No object is in the map of a light that is no sphere.
+/// The sphere that a light's shadow map is drawn for. The map of a light that is not a sphere shows no object.
 pub(crate) fn map_sphere(light: &Light) -> Sphere {
     light.sphere().unwrap_or_else(|| light.bounds())
 }
 
-/// Shadow maps whose resolution was reduced, since the device has no room for what the lights want.
+/// Shadow maps whose resolution was reduced, since the device has no room for the resolution that the lights need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MapReduction {
-    /// Texels a side that were wanted, of the finest map.
+    /// Texels a side of the finest map that was needed.
     pub wanted: u32,
-    /// Bytes that those take.
+    /// Bytes that those maps take.
     pub needed: u64,
-    /// Bytes that there are.
+    /// Bytes of the device.
     pub room: u64,
-    /// Texels a side that are taken.
+    /// Texels a side of the finest map that was drawn.
     pub drawn: u32,
 }
 

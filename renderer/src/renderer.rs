@@ -21,14 +21,14 @@ use render_cpu::{Hierarchy, SceneSilhouettes, SceneSpheres, Update, World};
 use scene::{Animation, BlockerSet, Cancel, Scene};
 use std::sync::Arc;
 
-/// A scene, and all that turns it into pictures: which strategy each object's shadow takes, spheres, hierarchies and maps kept
-/// from frame to frame, the device and the method.
+/// A scene, and everything that turns it into pictures: the strategy of each object, the spheres, hierarchies and maps that are
+/// kept between frames, the device and the method.
 ///
-/// Nothing is printed, no argument is read, nothing exits; long work tells a [`Listener`], which may stop it.
+/// Prints nothing, reads no arguments, and never exits. Long work reports to a [`Listener`], which may stop it.
 ///
 /// # Cost
-/// The first picture builds what the strategies need (hierarchies: about a microsecond a triangle; spheres: seconds, unless they
-/// are in the cache). Later ones refit what has moved.
+/// The first picture builds the strategies' data (hierarchies: about a microsecond a triangle; spheres: seconds, unless they are in
+/// the cache). Later pictures refit the objects that have moved.
 #[derive(Debug)]
 pub struct Renderer {
     pub(crate) scene: Scene,
@@ -36,25 +36,25 @@ pub struct Renderer {
     pub(crate) settings: Settings,
     pub(crate) plan: Plan,
     pub(crate) backend: Backend,
-    /// Seconds of the animation.
+    /// Time of the animation in seconds.
     pub(crate) time: f32,
     tables: Option<Tables>,
     sets: SceneSpheres,
-    /// What is spent once.
+    /// Seconds of work that is done once.
     clocks: Clocks,
     /// Seconds of the last [`seek`](Self::seek).
     pose: f64,
-    /// What a time budget has chosen.
+    /// The accuracy that a time budget has chosen.
     pub(crate) chosen: Option<Accuracy>,
     set: BlockerSet,
     pub(crate) spheres: KeptSpheres,
     hierarchy: Option<Arc<Hierarchy>>,
-    /// Seconds of following it before the next picture.
+    /// Seconds spent on updating the hierarchy before the next picture.
     built: f64,
     pub(crate) silhouettes: SceneSilhouettes,
     pub(crate) custom: CustomStrategies,
     pub(crate) kept: Kept,
-    /// Of pictures with fewer pixels.
+    /// Data of pictures with fewer pixels.
     pub(crate) reduced: Kept,
     canvas: Canvas,
     pub(crate) rows: Rows,
@@ -67,21 +67,21 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// Takes a scene as it was loaded, at its first moment, with the animation that it came with, and opens the device.
+    /// Takes a scene as loaded, at its first moment, with its animation, and opens the device.
     ///
     /// # Errors
-    /// [`RenderError`] where there is no such device, or it lacks what the settings ask for.
+    /// [`RenderError`] if there is no such device, or it does not support the settings.
     pub fn new(scene: Scene, animation: Animation, settings: Settings) -> Result<Self, RenderError> {
-        // Refused before a device is opened, which takes a while.
+        // Checked before opening a device, which is slow.
         settings.check_device(settings.device)?;
         let backend = Backend::open(settings.device)?;
         Self::with_backend(scene, animation, settings, backend)
     }
 
-    /// The same with a device that is open already; [`Settings::device`] has no say.
+    /// As [`new`](Self::new), but with an open device; ignores [`Settings::device`].
     ///
     /// # Errors
-    /// [`RenderError::NotOnGpu`] where the device lacks what the settings ask for.
+    /// [`RenderError::NotOnGpu`] if the device does not support the settings.
     pub fn with_backend(
         scene: Scene,
         animation: Animation,
@@ -125,7 +125,7 @@ impl Renderer {
         })
     }
 
-    /// The scene at its present moment.
+    /// The scene at the present time.
     #[must_use]
     pub const fn scene(&self) -> &Scene {
         &self.scene
@@ -143,48 +143,47 @@ impl Renderer {
         &self.plan
     }
 
-    /// What it was asked for.
+    /// The settings.
     #[must_use]
     pub const fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// What shades.
+    /// The device that shades.
     #[must_use]
     pub const fn backend(&self) -> &Backend {
         &self.backend
     }
 
-    /// Seconds spent once so far.
+    /// Seconds of work that is done once, so far.
     #[must_use]
     pub const fn clocks(&self) -> Clocks {
         self.clocks
     }
 
-    /// The union of all that edits have made stale since the last picture.
+    /// The union of everything that edits have made stale since the last picture.
     #[must_use]
     pub const fn stale(&self) -> Stale {
         self.stale
     }
 
-    /// How often what is kept between pictures was made or followed so far.
+    /// How often the data that is kept between pictures was built or updated so far.
     #[must_use]
     pub const fn upkeep(&self) -> Upkeep {
         let ray_worlds = self.upkeep.ray_worlds + self.backend.worlds_followed();
         Upkeep { point_bands: self.kept.points.found, maps: self.kept.maps.drawn, ray_worlds, ..self.upkeep }
     }
 
-    /// From now on this request, made on any thread, stops pictures and their preparation with [`RenderError::Cancelled`].
+    /// Sets the request, which any thread may make, that stops pictures and their preparation with [`RenderError::Cancelled`].
     ///
-    /// The renderer stays as it is, with all that was done so far: once it has another request the next picture has the same bits as
-    /// if nothing had been stopped.
+    /// The renderer keeps all work done so far: once it has another request, the next picture has the same bits as if nothing had
+    /// been stopped.
     ///
     /// # Cost
-    /// The request is looked at for each tile of pixels and each light: a picture ends within 5 ms on the CPU (`tests/cancel.rs`
-    /// The request is looked at for each tile of pixels and each light. After it each thread computes 0.5 ms in the median and 2.4 ms at
-    /// most (1280 × 720, seven wide sphere lights, four strategies; `tests/cancel.rs`). Not cut short are one hierarchy over the
-    /// triangles (0.6 µs a triangle to build, 0.1 to refit), the silhouettes of one mesh, one shadow map, a step of fitting spheres,
-    /// and on a GPU one slice of 2²⁰ points and the compilation of one kernel.
+    /// The request is checked for each tile of pixels and each light. After it each thread computes 0.5 ms in the median and 2.4 ms
+    /// at most (1280 × 720, seven wide sphere lights, four strategies; `tests/cancel.rs`). Some steps always finish: one hierarchy
+    /// over the triangles (0.6 µs a triangle to build, 0.1 to refit), the silhouettes of one mesh, one shadow map, a step of
+    /// fitting spheres, and on a GPU one slice of 2²⁰ points and the compilation of one kernel.
     ///
     /// ```
     /// # use renderer::{RenderError, Renderer, Settings};
@@ -208,7 +207,7 @@ impl Renderer {
         stale
     }
 
-    /// Makes what is made once, spheres and tables, unless it is there. Pictures do it themselves.
+    /// Computes spheres and tables, unless they are there. Pictures do so themselves.
     ///
     /// # Errors
     /// [`RenderError`].
@@ -225,7 +224,7 @@ impl Renderer {
             [&mut self.kept, &mut self.reduced].into_iter().for_each(|kept| kept.maps.clear());
         }
         if self.stale.has(Stale::SETS) {
-            // Sets are fitted where objects stand at first.
+            // Sets are fitted to objects at their initial places.
             self.rows.swap_rest(&mut self.scene);
             if self.time != 0.0 {
                 self.animation.seek(0.0, &mut self.scene);
@@ -249,8 +248,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// The [exposure](crate::exposure) of the scene at the first moment of its animation, whatever the present one: the same for all its
-    /// frames.
+    /// The [exposure](crate::exposure) of the scene at the first moment of its animation, whatever the present time: the same for
+    /// all frames.
     pub fn exposure(&mut self) -> f32 {
         let time = self.time;
         self.seek(0.0);
@@ -262,13 +261,13 @@ impl Renderer {
         stops
     }
 
-    /// The moment of the animation, in seconds.
+    /// The present time of the animation, in seconds.
     #[must_use]
     pub const fn time(&self) -> f32 {
         self.time
     }
 
-    /// Goes to a moment of the animation, in seconds.
+    /// Moves the animation to a time in seconds.
     pub fn seek(&mut self, time: f32) {
         self.pose = 0.0;
         seconds(&mut self.pose, || self.animation.seek(time, &mut self.scene));
@@ -279,7 +278,7 @@ impl Renderer {
         self.time = time;
     }
 
-    /// The whole picture.
+    /// Renders the whole picture.
     ///
     /// # Errors
     /// [`RenderError`].
@@ -288,8 +287,9 @@ impl Renderer {
         self.render_window(&window, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// Makes all that the next picture needs but its points: sphere sets, tables, hierarchies, silhouettes, maps, the accuracy of a time
-    /// budget, and on a GPU the compiled kernels. A window calls it before its first picture, and after edits of settings.
+    /// Prepares everything for the next picture except its points: sphere sets, tables, hierarchies, silhouettes, maps, the
+    /// accuracy of a time budget, and on a GPU the compiled kernels. An interactive program calls it before its first picture, and
+    /// after edits of settings.
     ///
     /// ```
     /// # let mut scene = scene::builtin();
@@ -306,13 +306,13 @@ impl Renderer {
         self.render_parts(&[], listener, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// A window of the picture: its pixels are those of the whole one, bit for bit.
+    /// Renders a window of the picture: its pixels equal those of the whole picture, bit for bit.
     ///
     /// # Errors
     /// [`RenderError`].
     pub fn render_window(&mut self, window: &Window, listener: &mut Listener<'_>) -> Result<Image, RenderError> {
         let mut image = Image { size: window.size(), ..Image::default() };
-        // At once: a picture that finds no room is refused here, and growing would take twice the memory.
+        // Reserves all memory first: a picture that does not fit is refused here, and growing would take twice the memory.
         image.radiance.try_reserve_exact(window.pixels())?;
         image.stats = self.render_bands(window, listener, &mut |band| {
             image.radiance.extend_from_slice(&band.radiance);
@@ -322,11 +322,11 @@ impl Renderer {
         Ok(image)
     }
 
-    /// The radiance of a window into memory of the caller's, one value a pixel, row by row. No picture is allocated, and from the second
-    /// call on no memory of its size.
+    /// Renders the radiance of a window into the caller's memory, one value a pixel, row by row. Allocates no picture, and from the
+    /// second call on no memory of a picture's size.
     ///
     /// # Errors
-    /// [`RenderError`]; [`RenderError::Setting`] where there is not one value a pixel.
+    /// [`RenderError`]; [`RenderError::Setting`] if `out` has not one value a pixel.
     pub fn render_into(
         &mut self,
         window: &Window,
@@ -343,8 +343,8 @@ impl Renderer {
         })
     }
 
-    /// The whole picture in fewer pixels: each of its sides divided by a number, and rounded up. What is kept for the whole one stays,
-    /// and the reduced one keeps its own: both may be made in turn.
+    /// Renders the whole picture with fewer pixels: each side is divided by `divisor` and rounded up. The data that is kept for the
+    /// whole picture stays, and the reduced one keeps its own: both can be rendered in turn.
     ///
     /// ```
     /// # use renderer::{Renderer, Settings};
@@ -372,12 +372,12 @@ impl Renderer {
         image
     }
 
-    /// A window by the CPU with other layers and another number of camera rays, beside the pictures: all that is kept for these stays.
+    /// Renders a window on the CPU with other layers and another number of camera rays. All data that is kept for pictures stays.
     ///
     /// # Errors
     /// [`RenderError`].
     pub fn render_apart(&mut self, window: &Window, layers: LayerSet, samples: u32) -> Result<Image, RenderError> {
-        // Lets what an edit made stale go before it is put aside.
+        // Updates the hierarchy first, so that stale data is dropped before it is put aside.
         let _ = self.follow_hierarchy();
         let accuracy = self.chosen.unwrap_or(self.settings.accuracy);
         let own = Settings {
@@ -397,14 +397,14 @@ impl Renderer {
         image
     }
 
-    /// The scene at its present moment as rays meet it.
+    /// Runs a query against the scene at the present time.
     pub fn with_world<R>(&mut self, ask: impl FnOnce(&World<'_>) -> R) -> R {
         let hierarchy = self.follow_hierarchy();
         ask(&World::with_hierarchy(&self.scene, hierarchy))
     }
 
-    /// A window in bands of rows, which go to `sink` as they are done: pictures of any size in bounded memory. Ends early where the
-    /// sink has had enough.
+    /// Renders a window in bands of rows, and passes each to `sink` as it is done: pictures of any size in bounded memory. Ends
+    /// early if the sink stops it.
     ///
     /// # Errors
     /// [`RenderError`].
@@ -417,10 +417,11 @@ impl Renderer {
         self.render_parts(core::slice::from_ref(window), listener, sink)
     }
 
-    /// Parts of the picture, of any size and in any order: their pixels are those of the whole one, bit for bit. A part of more
-    /// than [`BAND_RAYS`](crate::BAND_RAYS) camera rays comes in several bands of rows.
+    /// Renders parts of the picture, of any size and in any order: their pixels equal those of the whole picture, bit for bit. A
+    /// part of more than [`BAND_RAYS`](crate::BAND_RAYS) camera rays comes in several bands of rows.
     ///
-    /// Sides that are multiples of 8 cost least: pixels are found and shaded in tiles of 8 × 8. [`Window::parts`] cuts a window.
+    /// Sides that are multiples of 8 cost least, since pixels are found and shaded in tiles of 8 × 8. [`Window::parts`] cuts a
+    /// window.
     ///
     /// ```
     /// use core::ops::ControlFlow;
@@ -442,7 +443,7 @@ impl Renderer {
     /// ```
     ///
     /// # Errors
-    /// [`RenderError`]; [`RenderError::Setting`] for a window that is no part of this picture.
+    /// [`RenderError`]; [`RenderError::Setting`] for a window that is not a part of this picture.
     pub fn render_parts(
         &mut self,
         parts: &[Window],
@@ -480,7 +481,7 @@ impl Renderer {
         done
     }
 
-    /// The hierarchy of the present moment.
+    /// The hierarchy at the present time.
     pub(crate) fn follow_hierarchy(&mut self) -> Arc<Hierarchy> {
         if self.stale.has(Stale::HIERARCHY | Stale::LIGHTS) && self.scene.fit_lights() {
             self.mark(Stale::LIGHTS | Stale::MAPS);
@@ -517,7 +518,7 @@ impl Renderer {
         Arc::clone(self.hierarchy.get_or_insert_with(|| Arc::new(Hierarchy::new(scene))))
     }
 
-    /// Spheres, silhouettes and hierarchy of the present moment.
+    /// Updates spheres, silhouettes and hierarchy to the present time.
     pub(crate) fn follow(&mut self, clocks: &mut FrameClocks) -> Result<Arc<Hierarchy>, RenderError> {
         let hierarchy = seconds(&mut clocks.hierarchy, || self.follow_hierarchy());
         check(&self.cancel)?;
@@ -545,7 +546,7 @@ impl Renderer {
     }
 }
 
-/// Whether a window is a part of a scene's picture.
+/// Checks that a window is a part of a scene's picture.
 fn check_window(window: &Window, scene: &Scene) -> Result<(), RenderError> {
     let image = [scene.width as usize, scene.height as usize];
     if window.image == image && window.is_inside() {
@@ -556,11 +557,11 @@ fn check_window(window: &Window, scene: &Scene) -> Result<(), RenderError> {
     Err(RenderError::Setting { name: "window", value, expected: "a part of the picture" })
 }
 
-/// Whether the lights are those that a method is for.
+/// Checks that a method supports the lights.
 pub(crate) fn check_method(method: Method, lights: &[Light]) -> Result<(), RenderError> {
     let other = lights.iter().enumerate().find(|(_, light)| light.sphere().is_none());
     let (Method::Paper, Some((i, light))) = (method, other) else { return Ok(()) };
-    // As scene files call them.
+    // The names of scene files.
     let kind = match light.name() {
         "flat" => "a rectangle, disc or polygon",
         "tube" => "a tube",

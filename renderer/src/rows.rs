@@ -3,7 +3,7 @@ use lobe_core::Sphere;
 use render_cpu::Revision;
 use scene::{Object, Proxy, Scene, Shape};
 
-/// The objects of the scene, in its order: which they are, and where those that were moved stood at first.
+/// The objects of the scene in order: their identities, and the initial shapes of those that were moved.
 #[derive(Debug)]
 pub(crate) struct Rows {
     revisions: Vec<Revision>,
@@ -11,7 +11,7 @@ pub(crate) struct Rows {
     next: u64,
 }
 
-/// An object where it stood at first.
+/// An object's initial shape and proxy.
 #[derive(Debug)]
 struct Rest {
     shape: Shape,
@@ -44,13 +44,13 @@ impl Rows {
         self.rests.remove(object);
     }
 
-    /// One that no handle and no revision had.
+    /// A number that no handle and no revision has had.
     fn number(&mut self) -> u64 {
         self.next += 1;
         self.next - 1
     }
 
-    /// The object has another shape, and stands where it stands.
+    /// Gives the object a new identity of its shape; its present place becomes the initial one.
     pub(crate) fn renew(&mut self, object: usize) {
         let form = self.number();
         self.rests[object] = None;
@@ -67,7 +67,7 @@ impl Rows {
         self.revisions[object].transform
     }
 
-    /// Puts an object where the matrix takes it from where it stood at first.
+    /// Moves an object from its initial place by a matrix.
     pub(crate) fn put(&mut self, number: usize, object: &mut Object, matrix: Mat4) {
         let rest =
             self.rests[number].get_or_insert_with(|| Rest { shape: object.shape.clone(), proxy: object.proxy.clone() });
@@ -88,7 +88,7 @@ impl Rows {
         self.revisions[number] = Revision { place, transform: matrix, ..self.revisions[number] };
     }
 
-    /// Exchanges the objects that were moved with themselves where they stood at first, and back.
+    /// Exchanges all moved objects with their initial shapes, or back.
     pub(crate) fn swap_rest(&mut self, scene: &mut Scene) {
         for (object, rest) in scene.objects.iter_mut().zip(&mut self.rests) {
             if let Some(rest) = rest {
@@ -98,7 +98,7 @@ impl Rows {
         }
     }
 
-    /// Puts proxies that were found at first where their objects are.
+    /// Moves proxies that were found at the initial places to their objects.
     pub(crate) fn follow_proxies(&self, scene: &mut Scene) {
         for ((object, rest), row) in scene.objects.iter_mut().zip(&self.rests).zip(&self.revisions) {
             if let Some(rest) = rest {

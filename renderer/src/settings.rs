@@ -6,10 +6,10 @@ use scene::Strategy;
 use std::path::PathBuf;
 use visibility_shadowmap::MapOptions;
 
-/// Camera rays a pixel, at most.
+/// The most camera rays a pixel.
 const MAX_SAMPLES: u32 = 1 << 16;
 
-/// In which form visibility meets reflectance.
+/// How visibility and reflectance are combined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Method {
@@ -24,32 +24,32 @@ pub enum Method {
     Paper,
 }
 
-/// What computes.
+/// The device that computes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Device {
     /// All cores of the CPU.
     #[default]
     Cpu,
-    /// The strongest graphics adapter, a software one where there is no other. Needs the feature `gpu`.
+    /// The strongest graphics adapter, or else a software one. Needs the feature `gpu`.
     Gpu,
 }
 
-/// What a [`Renderer`](crate::Renderer) is asked for, beside the scene.
+/// The settings of a [`Renderer`](crate::Renderer), beside the scene.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// How all objects block light; `None`: each as its scene says, else by what suits it.
+    /// Strategy of all objects; `None`: each object's own in the scene, or else one by the kind of object.
     pub strategy: Option<Strategy>,
-    /// In which form visibility meets reflectance.
+    /// How visibility and reflectance are combined.
     pub method: Method,
-    /// What computes.
+    /// The device that computes.
     pub device: Device,
     /// Requested error, and the depth of the masks.
     pub accuracy: Accuracy,
-    /// The best accuracy whose frame takes at most so many milliseconds instead, measured before the first frame.
+    /// Replaces `accuracy` by the best one whose frame takes at most so many milliseconds, measured before the first frame.
     pub time_budget: Option<f32>,
-    /// Whether the tolerance is a part of each pixel's own radiance, and not of the unshadowed one: where little of a light is lit, as in a
-    /// room behind a window, masks are drawn again around that. On the CPU; up to 13 % slower elsewhere.
+    /// Whether the tolerance is relative to each pixel's own radiance instead of the unshadowed radiance. If little of a light is
+    /// visible, as in a room behind a window, masks are then drawn again around that part. On the CPU; up to 13 % slower elsewhere.
     pub own_radiance: bool,
     /// Contributions whose radiance is below this are dropped.
     pub threshold: f32,
@@ -57,14 +57,14 @@ pub struct Settings {
     pub samples: PixelSamples,
     /// Texels a side of each light's shadow map; `None`: what the light's width takes.
     pub map_resolution: Option<u32>,
-    /// The layers that pictures come with.
+    /// The layers that pictures have.
     pub layers: LayerSet,
-    /// Whether visible points are kept for a next picture that sees the same: about 60 bytes a camera ray, of up to two million rays.
-    /// Of no use where only one picture is made, or the camera moves.
+    /// Whether visible points are kept for a next picture that sees the same: about 60 bytes a camera ray, for up to two million
+    /// rays. Of no use if only one picture is made, or the camera moves.
     pub keep_points: bool,
-    /// How many times each picture is shaded, to be timed.
+    /// How many times each picture is shaded, for timing.
     pub repeat: u32,
-    /// Folder of what earlier runs have made, sphere sets and the paper's table; `None`: nothing is read or kept.
+    /// Folder for results of earlier runs, sphere sets and the paper's table; `None`: nothing is read or written.
     pub cache: Option<PathBuf>,
 }
 
@@ -72,7 +72,7 @@ impl Settings {
     /// Whether all numbers are in their ranges.
     ///
     /// # Errors
-    /// [`RenderError::Setting`] that names the first that is not.
+    /// [`RenderError::Setting`] that names the first number that is not.
     pub fn validate(&self) -> Result<(), RenderError> {
         let fault = |name, value: &dyn core::fmt::Display, expected| {
             Err(RenderError::Setting { name, value: value.to_string(), expected })
@@ -104,10 +104,10 @@ impl Settings {
         Ok(())
     }
 
-    /// Whether a device has all that is asked for.
+    /// Checks that a device supports the settings.
     ///
     /// # Errors
-    /// [`RenderError::NotOnGpu`]: [`Method::Lobes`] and some [layers](LayerSet::is_of_cpu) are the CPU's.
+    /// [`RenderError::NotOnGpu`]: only the CPU supports [`Method::Lobes`] and some [layers](LayerSet::is_of_cpu).
     pub fn check_device(&self, device: Device) -> Result<(), RenderError> {
         match device {
             Device::Gpu if self.layers.is_of_cpu() => Err(RenderError::NotOnGpu(LAYERS)),
@@ -119,7 +119,7 @@ impl Settings {
 }
 
 impl Default for Settings {
-    /// Every object by what suits it, on the CPU, within 0.5 %, a ray a pixel, no cache.
+    /// Default strategies, on the CPU, 0.5 % tolerance, one ray a pixel, no cache.
     fn default() -> Self {
         Self {
             strategy: None,

@@ -8,11 +8,11 @@ use sphere_sets::{BuildOptions, SetQuality, SphereSet};
 use std::path::{Path, PathBuf};
 use xxhash_rust::xxh3::Xxh3;
 
-/// How the names of sets end.
+/// The extension of the files of sets.
 const ENDING: &str = "json";
 
-/// The blocker spheres of those objects that the plan gives some; the scene is at its first moment. Sets are read from the
-/// `cache`, and kept there.
+/// The blocker spheres of the objects that the plan gives any; the scene is at its first moment. Sets are read from the `cache`,
+/// and written to it.
 ///
 /// # Errors
 /// [`RenderError::Blockers`], [`RenderError::Cancelled`].
@@ -37,7 +37,7 @@ pub(crate) struct Scope<'a> {
     pub(crate) revisions: &'a [Revision],
 }
 
-/// Makes the spheres that there are not yet, of a scene with its objects where they stood at first. How many objects have new ones.
+/// Fits or reads the spheres that are missing, for objects at their initial places. Returns how many objects have new ones.
 pub(crate) fn follow_spheres(
     spheres: &mut SceneSpheres,
     scene: &mut Scene,
@@ -49,7 +49,7 @@ pub(crate) fn follow_spheres(
         fill(scene, plan, folder, listener)?;
     }
     let source = |object| plan.spheres(scene, object);
-    // What takes long was done before, but where nothing could be kept.
+    // `fill` has done the slow work, unless the set could not be stored.
     let count = |name: &str| match scene.objects.iter().find(|o| o.name == name).map(|o| &o.proxy) {
         Some(Proxy::Count(count)) => *count,
         _ => 0,
@@ -63,8 +63,8 @@ pub(crate) fn follow_spheres(
     Ok(made)
 }
 
-/// Builds the sphere sets that the scene's objects ask for, or finds them among those of earlier runs, and lets the
-/// objects refer to their files. Where nothing can be stored the scene is left as it is.
+/// Builds the sphere sets that the scene's objects need, or finds them among those of earlier runs, and lets the objects refer to
+/// their files. If a set cannot be stored, the scene stays the same.
 fn fill(scene: &mut Scene, plan: &Plan, folder: &Path, listener: &mut Listener<'_>) -> Result<(), RenderError> {
     let built = |o: &Object| matches!((&o.proxy, &o.shape), (Proxy::Count(_), Shape::Mesh(_)));
     let by_proxy = |number: usize| plan.spheres(scene, number) == SphereSource::Proxy;
@@ -80,30 +80,30 @@ fn fill(scene: &mut Scene, plan: &Plan, folder: &Path, listener: &mut Listener<'
             Some((path, _)) => path,
             None => {
                 let set = build(&object.name, mesh, *count, listener)?;
-                // A full disk: the set is built a second time where blockers are made.
+                // The disk may be full: the set is then built a second time with the blockers.
                 let Ok(path) = cache::store(folder, &key, ENDING, set.to_json().as_bytes()) else { return Ok(()) };
                 path
             }
         };
-        // Made for the mesh as it stands.
+        // The set was built for the mesh at its present place.
         object.proxy = Proxy::File { path, placement: Mat4::IDENTITY };
     }
     Ok(())
 }
 
-/// The set of an earlier run that is kept in a folder, if there is one.
+/// The set of an earlier run in a folder, if there is one.
 #[must_use]
 pub fn known_set(mesh: &Mesh, count: usize, cache: &Path) -> Option<SphereSet> {
     find(cache, &key(mesh, count), &mut |_| ControlFlow::Continue(())).ok()?.map(|(_, set)| set)
 }
 
-/// The file of a set and the set.
+/// Finds the file of a set, and the set.
 fn find(folder: &Path, key: &str, listener: &mut Listener<'_>) -> Result<Option<(PathBuf, SphereSet)>, RenderError> {
     let read = |bytes| SphereSet::from_json(&String::from_utf8(bytes).ok()?).ok();
     cache::find(folder, key, ENDING, read, listener)
 }
 
-/// Of all that decides the set: the builder's version, the mesh and the count. The same on every machine.
+/// A hash of all inputs of the set: the builder's version, the mesh and the count. The same on every machine.
 fn key(mesh: &Mesh, count: usize) -> String {
     let mut hash = Xxh3::new();
     hash.update(&(SphereSet::BUILDER as u64).to_le_bytes());

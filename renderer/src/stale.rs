@@ -16,15 +16,15 @@ impl Stale {
     pub const HIERARCHY: Self = Self(1 << 2);
     /// Tangents of meshes, for normal maps.
     pub const SURFACES: Self = Self(1 << 3);
-    /// Which spheres block and where they are.
+    /// Which spheres block, and their places.
     pub const SPHERES: Self = Self(1 << 4);
     /// Sphere sets of some objects.
     pub const SETS: Self = Self(1 << 5);
-    /// Silhouettes of the meshes that have moved or come.
+    /// Silhouettes of the meshes that were moved or added.
     pub const SILHOUETTES: Self = Self(1 << 6);
     /// Shadow maps.
     pub const MAPS: Self = Self(1 << 7);
-    /// Which objects block by which strategy.
+    /// The strategy of each object.
     pub const PLAN: Self = Self(1 << 8);
     /// The paper's tables.
     pub const TABLES: Self = Self(1 << 9);
@@ -42,7 +42,7 @@ impl Stale {
         .with(Self::SPHERES)
         .with(Self::SILHOUETTES)
         .with(Self::MAPS);
-    /// The consequences of another strategy of an object.
+    /// The consequences of a change of an object's strategy.
     pub(crate) const STRATEGY: Self = Self::MOVED.with(Self::PLAN).with(Self::SETS);
 
     /// Every kind, by its name.
@@ -62,16 +62,16 @@ impl Stale {
         (Self::BUDGET, "budget"),
     ];
 
-    /// All of it.
+    /// All kinds.
     pub(crate) const ALL: Self = Self((1 << 13) - 1);
 
-    /// Both.
+    /// The union of both.
     #[must_use]
     pub const fn with(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
-    /// Whether any of these kinds is among it.
+    /// Whether any of these kinds is contained.
     #[must_use]
     pub const fn has(self, kinds: Self) -> bool {
         self.0 & kinds.0 != 0
@@ -103,16 +103,16 @@ impl fmt::Debug for Stale {
     }
 }
 
-/// How often what is kept between pictures was made, followed what moved, or was used again.
+/// How often the data that is kept between pictures was built, updated or used again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Upkeep {
     /// Hierarchies over triangles and exact spheres that were built.
     pub hierarchy_builds: u64,
-    /// Those whose boxes were refitted.
+    /// Hierarchies whose boxes were refitted.
     pub hierarchy_refits: u64,
     /// Meshes whose silhouettes were prepared.
     pub silhouette_builds: u64,
-    /// Those that were refitted.
+    /// Meshes whose silhouettes were refitted.
     pub silhouette_refits: u64,
     /// Objects whose spheres were fitted, read or measured.
     pub sphere_sets: u64,
@@ -122,6 +122,6 @@ pub struct Upkeep {
     pub point_bands: u64,
     /// Shadow maps that were drawn.
     pub maps: u64,
-    /// Times that the hierarchy of a GPU's rays was made, or followed what moved.
+    /// How often the hierarchy of a GPU's rays was built or updated.
     pub ray_worlds: u64,
 }

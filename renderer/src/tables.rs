@@ -5,10 +5,10 @@ use rayon::prelude::*;
 use std::path::Path;
 use xxhash_rust::xxh3::Xxh3;
 
-/// How the name of a kept table ends.
+/// The extension of the file of a table.
 const ENDING: &str = "table";
 
-/// The paper's tables: read from the `cache`, else made on all cores in some seconds, and kept there.
+/// The paper's tables: read from the `cache`, or else computed on all cores in some seconds and written to it.
 ///
 /// # Errors
 /// [`RenderError::Cancelled`].
@@ -20,7 +20,7 @@ pub fn paper_tables(cache: Option<&Path>, listener: &mut Listener<'_>) -> Result
         Some((_, products)) => products,
         None => {
             let products = build(listener)?;
-            // A full disk: the next run makes it again.
+            // The disk may be full: the next run then computes the table again.
             let _ = cache::store(folder, &key, ENDING, &products.to_bytes());
             products
         }
@@ -31,7 +31,7 @@ pub fn paper_tables(cache: Option<&Path>, listener: &mut Listener<'_>) -> Result
 fn build(listener: &mut Listener<'_>) -> Result<ProductTable, RenderError> {
     let resolution = Resolution::PAPER;
     let count = resolution.exponents();
-    // So many rows between two reports that no core waits for long.
+    // The rows between two reports: enough that no core waits for long.
     let step = 4 * rayon::current_num_threads();
     let mut rows = Vec::with_capacity(count);
     while rows.len() < count {
@@ -42,7 +42,7 @@ fn build(listener: &mut Listener<'_>) -> Result<ProductTable, RenderError> {
     Ok(ProductTable::from_rows(resolution, rows))
 }
 
-/// Of some of the table's fits, made anew: another way to fit, or to sample, has another key.
+/// A hash of some of the table's fits, computed now: another way to fit or to sample has another key.
 fn key() -> String {
     let resolution = Resolution::PAPER;
     let (exponents, angles) = (resolution.exponents(), resolution.angles);

@@ -1,4 +1,4 @@
-//! Requests to stop: pictures end soon, and the renderer is as good as before.
+//! Requests to stop: pictures end soon, and the next picture is right.
 
 use core::ops::ControlFlow;
 use glam::{Mat4, Vec3};
@@ -11,7 +11,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 use test_scenes::{floor_and_ball, globe};
 
-/// Dear pixels: a mesh in penumbra under several wide lights.
+/// A scene that shades slowly: a mesh in penumbra under several wide lights.
 fn slow(width: u32, height: u32) -> Scene {
     let mut scene = floor_and_ball();
     (scene.width, scene.height) = (width, height);
@@ -34,22 +34,22 @@ fn renderer(scene: Scene, strategy: Option<Strategy>) -> Renderer {
     Renderer::new(scene, Animation::default(), Settings { strategy, ..Settings::default() }).expect("a scene")
 }
 
-/// Tests are measured one by one: they share the threads.
+/// Runs the tests one by one, since they measure time and share the threads.
 static ALONE: Mutex<()> = Mutex::new(());
 
 fn alone() -> MutexGuard<'static, ()> {
     ALONE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Seconds that all threads of this process have computed, where Linux tells: other programs do not count.
+/// Seconds of computing time of all threads of this process, if Linux reports them: other programs do not count.
 fn computed() -> Option<Duration> {
     let tasks = std::fs::read_dir("/proc/self/task").ok()?;
     let texts = tasks.flatten().filter_map(|task| std::fs::read_to_string(task.path().join("schedstat")).ok());
     Some(Duration::from_nanos(texts.filter_map(|text| text.split(' ').next()?.parse::<u64>().ok()).sum()))
 }
 
-/// Cancels a picture after some time. The time from the request to the end, and the part of it that each thread of the pool has
-/// computed, if the request came before the picture was done.
+/// Cancels a picture after some time. Returns the time from the request to the end, and the most computing time of a thread of the
+/// pool in it, if the request came before the picture was done.
 fn stop_after(renderer: &mut Renderer, wait: Duration) -> Option<[Duration; 2]> {
     let cancel = Cancel::new();
     renderer.set_cancel(cancel.clone());
@@ -79,11 +79,11 @@ fn pictures_end_soon_and_the_next_one_is_right() {
         let scene = slow(320, 180);
         let fresh = renderer(scene.clone(), strategy).render().expect("a picture");
         let mut edited = renderer(scene, strategy);
-        // Hierarchies, silhouettes and maps, of which one is made to its end.
+        // Stops during hierarchies, silhouettes and maps, each of which finishes one item.
         for wait in [0, 1, 3, 7, 15, 30] {
             stop_after(&mut edited, Duration::from_millis(wait));
         }
-        // All is made but the visible points and their shading.
+        // Prepares everything but the visible points and their shading.
         edited.set_cancel(Cancel::new());
         edited.warm_up(&mut |_| ControlFlow::Continue(())).expect("a scene");
         let mut delays = Vec::new();
@@ -96,7 +96,7 @@ fn pictures_end_soon_and_the_next_one_is_right() {
         let image = edited.render().expect("a picture");
         assert!(image.radiance == fresh.radiance, "{strategy:?}");
         assert!(!delays.is_empty(), "{strategy:?}: done before every request");
-        // 5 ms on an idle machine. Here threads of other programs may come first, and tests are compiled for speed in part only.
+        // 5 ms on an idle machine. Here other programs may run, and tests are only partly optimised.
         let worst = |k: usize| delays.iter().map(|delay| delay[k]).max().expect("a delay");
         assert!(worst(0) < Duration::from_secs(1) && worst(1) < Duration::from_millis(20), "{strategy:?}: {delays:?}");
     }
@@ -114,7 +114,7 @@ fn a_request_that_was_made_before_stops_everything() {
     assert_eq!(renderer.upkeep(), before);
 }
 
-/// An edit in between is not lost, whatever the request has cut short.
+/// An edit between two pictures is not lost, whatever the request has stopped.
 #[test]
 fn edits_survive_a_request() {
     let _alone = alone();

@@ -1,4 +1,4 @@
-//! Times come from the caller's clock alone: targets without a clock of their own render all the same.
+//! All times come from the caller's clock, so that targets without a clock render too.
 
 use core::sync::atomic::{AtomicU64, Ordering};
 use renderer::{Device, Renderer, Settings, set_clock};
@@ -6,7 +6,7 @@ use scene::{Animation, Strategy};
 use std::fs;
 use std::path::Path;
 
-/// One second a look.
+/// Number of calls: each call is one second later.
 static LOOKS: AtomicU64 = AtomicU64::new(0);
 
 fn clock() -> f64 {
@@ -25,12 +25,12 @@ fn times_are_read_from_the_clock_that_was_given() {
     let stats = renderer.render().expect("a picture").stats;
     let looks = (LOOKS.load(Ordering::Relaxed) - before) as f64;
     let times = [stats.clocks.hierarchy, stats.clocks.silhouettes, stats.clocks.gbuffer, stats.shading[0].seconds];
-    // Whole seconds, and no more than there were looks.
+    // Whole seconds, and no more than there were calls.
     assert!(times.iter().all(|time| *time >= 1.0 && time.fract() == 0.0), "{times:?}");
     assert!(times.iter().sum::<f64>() <= looks, "{times:?} in {looks}");
 }
 
-/// The system's clock stands in one place of the libraries, which leaves it out where there is none.
+/// The libraries read the system's clock in one place, which is left out on targets without a clock.
 #[test]
 fn no_library_reads_another_clock() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
@@ -46,7 +46,7 @@ fn no_library_reads_another_clock() {
                 continue;
             }
             let text = fs::read_to_string(&path).unwrap_or_default();
-            // Tests may measure; a file of tests is named so, and those inside a file stand at its end.
+            // Tests may measure: files of tests have names that end so, and tests inside a file are at its end.
             let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
             let is_test = path.file_stem().is_some_and(|stem| stem.to_string_lossy().ends_with("tests"));
             if !is_test && ["Instant::now", "SystemTime::now"].iter().any(|clock| code.contains(clock)) {

@@ -1,4 +1,4 @@
-//! Edits: the picture after them is that of a new renderer, and no more is made anew than must be.
+//! Edits: the next picture equals that of a new renderer, and only stale data is computed again.
 
 use brdf::Material;
 use glam::{Mat4, UVec2, Vec3};
@@ -69,7 +69,7 @@ fn objects_come_and_go() {
         edited.render().expect("a picture");
         let added = edited.add_object(mesh_object(0.2)).expect("an object");
         check_same(&mut edited, &format!("{strategy:?}, added"));
-        let first = edited.objects().nth(1).expect("a ball").0;
+        let first = edited.objects().nth(1).expect("a sphere").0;
         edited.remove_object(first).expect("is there");
         check_same(&mut edited, &format!("{strategy:?}, removed"));
         let gone = edited.set_visible(first, false);
@@ -195,7 +195,7 @@ fn any_edits_give_the_picture_of_a_new_renderer() {
         let mut random = Random::new(seed as u64);
         let mut edited = renderer(Settings { strategy, ..Settings::default() });
         for step in 0..12 {
-            // Edits may be refused: nothing changes then.
+            // An edit may be refused: nothing changes then.
             let _ = change(&mut edited, &mut random);
             check_same(&mut edited, &format!("{strategy:?}, step {step}"));
         }
@@ -212,7 +212,7 @@ fn environment(world: Sphere, blue: f32) -> Arc<Environment> {
     Arc::new(Environment::new(map, 1, world))
 }
 
-/// A stage under a sun, ambient light and an environment, made for where its objects are.
+/// A stage under a sun, ambient light and an environment, which fit its objects' places.
 fn outdoors() -> Scene {
     let mut scene = stage();
     let (world, toward) = (world(&scene), Vec3::new(0.4, 0.9, 0.1).normalize());
@@ -224,7 +224,7 @@ fn outdoors() -> Scene {
     scene
 }
 
-/// Lights around the scene hold objects that leave it: the picture is that of lights made for where these are now.
+/// Lights around the scene grow to contain objects that leave it: the picture equals that with lights made for the new places.
 #[test]
 fn lights_around_the_scene_grow_with_it() {
     for strategy in all_strategies() {
@@ -234,7 +234,7 @@ fn lights_around_the_scene_grow_with_it() {
         assert_eq!(edited.scene(), &outdoors(), "nothing has left");
         let go = |renderer: &mut Renderer| {
             let object = renderer.objects().nth(2).expect("a globe").0;
-            // Toward the sun, from where it shades the floor.
+            // Toward the sun, from a place where the object shades the floor.
             renderer.set_transform(object, Mat4::from_translation(Vec3::new(9.0, 18.0, 2.0))).expect("a shift");
         };
         go(&mut edited);
@@ -251,7 +251,7 @@ fn lights_around_the_scene_grow_with_it() {
     }
 }
 
-/// The shadow of an object that has gone far toward the sun: where a ray says that it is.
+/// An object that has moved far toward the sun casts its shadow where a ray says.
 #[test]
 fn what_has_left_the_scene_still_shades_it() {
     let mut scene = outdoors();
@@ -262,7 +262,7 @@ fn what_has_left_the_scene_still_shades_it() {
     let toward = Vec3::new(0.4, 0.9, 0.1).normalize();
     let object = edited.objects().nth(2).expect("a globe").0;
     let sun = edited.lights().next().expect("a sun").0;
-    // Its middle was at (-1, 0.8, 0.5): now it hides the sun from (1, 0, 2).
+    // The object's centre was at (-1, 0.8, 0.5); now it hides the sun from (1, 0, 2).
     let at = lobe_core::Receiver {
         object: 0,
         ..lobe_core::Receiver::on_surface(Vec3::new(1.0, 0.0, 2.0), Vec3::Y, Vec3::Y)
@@ -270,7 +270,7 @@ fn what_has_left_the_scene_still_shades_it() {
     assert_eq!(edited.visible_fraction(&at, sun).expect("a sun"), Vec3::ONE);
     let to = at.position + toward * 30.0;
     edited.set_transform(object, Mat4::from_translation(to - Vec3::new(-1.0, 0.8, 0.5))).expect("a shift");
-    // A globe of radius 0.5 in 30 units is as wide as 0.95 degrees of the sun's 2: a fifth of it.
+    // At a distance of 30 units a globe of radius 0.5 is 0.95 degrees wide, of the sun's 2: a fifth of the sun.
     let fraction = edited.visible_fraction(&at, sun).expect("a sun").x;
     let hidden = (0.5_f32 / 30.0).powi(2) / 2.0_f32.to_radians().sin().powi(2);
     assert!((1.0 - fraction - hidden).abs() < 0.03, "{fraction} for {}", 1.0 - hidden);
@@ -299,7 +299,7 @@ fn environments_come_and_go() {
     assert_eq!(paper.scene(), &stage());
 }
 
-/// Without objects a picture is the background, or the environment; objects may come again.
+/// Without objects a picture is the background, or the environment; objects can be added again.
 #[test]
 fn the_last_object_goes() {
     for strategy in all_strategies() {

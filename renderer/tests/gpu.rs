@@ -1,4 +1,4 @@
-//! A renderer on a GPU: what is kept there, and what an interactive program asks of it. Ignored where there is no adapter.
+//! A renderer on a GPU: the data that it keeps there, and the calls of an interactive program. Ignored without an adapter.
 
 use core::ops::ControlFlow;
 use glam::{Mat4, Vec3};
@@ -62,7 +62,7 @@ fn rays_follow_only_what_moves() {
     let object = edited.objects().nth(2).expect("the globe").0;
     edited.set_transform(object, Mat4::from_translation(Vec3::X * 0.4)).expect("a shift");
     assert_eq!(worlds(&mut edited), 2);
-    // A lamp that shows the light does not hide it: what rays meet has changed.
+    // A lamp that shows the light does not hide it: the scene that rays meet has changed.
     let shown = edited.scene().objects[1].clone();
     let scene::Shape::Spheres(spheres) = &shown.shape else { panic!("a sphere") };
     edited.set_light(light, SphereLight::new(spheres[0], Vec3::ONE).into()).expect("a light");

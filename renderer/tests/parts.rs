@@ -1,4 +1,4 @@
-//! Parts of pictures in any order, pictures in memory of the caller's, layers one by one.
+//! Parts of pictures in any order, pictures in the caller's memory, layers by choice.
 
 use core::ops::ControlFlow;
 use glam::Vec3;

@@ -1,4 +1,4 @@
-//! The surface that a pixel shows, and the part of a light that a point sees.
+//! The surface that a pixel shows, and the visible fraction of a light at a point.
 
 use core::ops::ControlFlow;
 use glam::Vec3;
@@ -9,7 +9,7 @@ use renderer::{LayerSet, LightHandle, Renderer, Settings, Window};
 use scene::{Animation, Mesh, Object, Proxy, Scene, Strategy};
 use test_scenes::{floor_and_ball, globe, material};
 
-/// A floor, a sphere, a mesh, and lamps of which two are seen.
+/// A floor, a sphere, a mesh, and lamps, two of which are visible.
 fn stage() -> Scene {
     let mut scene = floor_and_ball();
     (scene.width, scene.height) = (96, 54);
@@ -72,7 +72,7 @@ fn render_points(renderer: &Renderer) -> Vec<Option<Receiver>> {
     all
 }
 
-/// Handles stay the same, whatever comes and goes; a light inside an object is the object's.
+/// Handles stay the same while others are added and removed; a light inside an object belongs to the object.
 #[test]
 fn picks_follow_edits() {
     let mut scene = stage();
@@ -95,7 +95,7 @@ fn picks_follow_edits() {
     assert!((after - before - Vec3::X * 0.5).length() < 0.1, "{before} {after}");
 }
 
-/// The fraction by sampling: `n` points of the light, as a receiver sees it.
+/// The visible fraction by sampling `n` points of the light, as a receiver sees it.
 fn sampled(scene: &Scene, at: &Receiver, light: &Light, n: u32) -> f64 {
     let world = World::new(scene);
     let start = world.leave(at.position, at.face);
@@ -113,7 +113,7 @@ fn sampled(scene: &Scene, at: &Receiver, light: &Light, n: u32) -> f64 {
                 let (axis, phi) = (to.normalize(), core::f64::consts::TAU * t);
                 let (u, v) = axis.any_orthonormal_pair();
                 let d = axis * cos as f32 + (u * phi.cos() as f32 + v * phi.sin() as f32) * sin as f32;
-                // The near surface: what is inside the light does not count.
+                // The near surface: points inside the light do not count.
                 let along = to.dot(d);
                 let near =
                     along - (light.sphere.radius.powi(2) - (to.length_squared() - along * along)).max(0.0).sqrt();
@@ -155,7 +155,7 @@ fn fractions_are_those_of_ray_tracing() {
                 assert!(got.x == got.y && got.y == got.z);
                 let want = sampled(&scene, &at, light, 48);
                 let off = (f64::from(got.x) - want).abs();
-                // The mask's cells and the samples together; maps err by their texels where an outline is near.
+                // The error of the mask's cells and the samples together; shadow maps err by their texels near an outline.
                 assert!(off <= 0.04, "{strategy:?}: {position}: {got} for {want}");
                 partial += usize::from((0.05..0.95).contains(&want));
                 (error, count) = (error + off, count + 1);
@@ -175,7 +175,7 @@ fn fractions_at_the_ends() {
         let mut fraction = |at: Vec3, normal: Vec3| {
             edited.visible_fraction(&Receiver::on_surface(at, normal, normal), light).expect("a light")
         };
-        // Beside everything, far outside what the camera sees; below the horizon; right under the sphere.
+        // Beside all blockers, far outside the camera's view; below the horizon; directly under the sphere.
         assert_eq!(fraction(Vec3::new(3.9, 0.0, 3.0), Vec3::Y), Vec3::ONE, "{strategy:?}");
         assert_eq!(fraction(Vec3::new(0.0, 20.0, 0.0), Vec3::NEG_Y), Vec3::ONE, "{strategy:?}");
         assert_eq!(fraction(Vec3::new(0.0, 20.0, 0.0), Vec3::Y), Vec3::ZERO, "{strategy:?}");
@@ -186,7 +186,7 @@ fn fractions_at_the_ends() {
     }
 }
 
-/// Questions change no picture.
+/// Queries change no picture.
 #[test]
 fn pictures_are_the_same_after_questions() {
     let mut edited = renderer(stage(), Some(Strategy::ShadowMap));
@@ -202,7 +202,7 @@ fn pictures_are_the_same_after_questions() {
     assert!(pixels == want);
 }
 
-/// A window renders on a thread of its own.
+/// An interactive program renders on a thread of its own.
 #[test]
 fn renderers_go_to_other_threads() {
     let mut edited = renderer(stage(), None);

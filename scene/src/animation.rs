@@ -1,5 +1,5 @@
 use crate::camera_keys::CameraKeys;
-use crate::deformer::{BoundBall, Deformer, scaled};
+use crate::deformer::{BoundSphere, Deformer, scaled};
 use crate::mesh::MAX_COORDINATE;
 use crate::placement::Placement;
 use crate::skeleton::{Carrier, Skeleton};
@@ -69,14 +69,14 @@ pub(crate) struct Mover {
     pub(crate) placement: Placement,
     pub(crate) body: Body,
     /// The spheres of an explicit proxy.
-    pub(crate) proxy: Vec<BoundBall>,
+    pub(crate) proxy: Vec<BoundSphere>,
 }
 
 /// The geometry that a mover moves.
 #[derive(Clone, Debug)]
 pub(crate) enum Body {
     /// Spheres in own coordinates.
-    Balls(Vec<Sphere>),
+    Spheres(Vec<Sphere>),
     /// A mesh; without a carrier the placement is its only joint.
     Mesh(Box<Deformer>, Option<Carrier>),
 }
@@ -167,7 +167,7 @@ impl Animation {
     #[must_use]
     pub fn rig(&self, object: usize) -> Option<Rig<'_>> {
         match &self.movers.get(object)?.as_ref()?.body {
-            Body::Balls(_) => None,
+            Body::Spheres(_) => None,
             Body::Mesh(d, _) => Some(Rig { joints: &d.joints, weights: &d.weights, targets: &d.targets }),
         }
     }
@@ -247,15 +247,15 @@ impl Animation {
             };
             mover.pose(time, skeleton, worlds, &mut pose);
             match (&mover.body, &mut object.shape) {
-                (Body::Balls(own), Shape::Spheres(balls)) => place(own, &pose.joints[0], balls),
+                (Body::Spheres(own), Shape::Spheres(spheres)) => place(own, &pose.joints[0], spheres),
                 (Body::Mesh(deformer, _), Shape::Mesh(mesh)) if mesh.positions.len() == deformer.positions.len() => {
                     deformer.pose(&pose.joints, &pose.morph, mesh);
                 }
                 _ => {}
             }
-            if let Proxy::Spheres(balls) = &mut object.proxy {
-                for (ball, bound) in balls.iter_mut().zip(&mover.proxy) {
-                    *ball = bound.at(&pose.joints);
+            if let Proxy::Spheres(spheres) = &mut object.proxy {
+                for (sphere, bound) in spheres.iter_mut().zip(&mover.proxy) {
+                    *sphere = bound.at(&pose.joints);
                 }
             }
         }
@@ -299,8 +299,8 @@ impl Mover {
 }
 
 fn place(own: &[Sphere], matrix: &Mat4, out: &mut [Sphere]) {
-    for (ball, own) in out.iter_mut().zip(own) {
-        *ball = scaled(*own, matrix);
+    for (sphere, own) in out.iter_mut().zip(own) {
+        *sphere = scaled(*own, matrix);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::animation::{Body, Mover};
 use crate::camera_keys::MAX_SECONDS;
-use crate::deformer::{BoundBall, Deformer};
+use crate::deformer::{BoundSphere, Deformer};
 use crate::mesh::MAX_COORDINATE;
 use crate::origin::Origins;
 use crate::placement::{Clock, Keyed, Placement, Turn};
@@ -134,12 +134,12 @@ impl Animation {
         keys.check().map_err(name)?;
         let body = match &moved.shape {
             Shape::Mesh(mesh) => Body::Mesh(Box::new(Deformer::rigid(mesh)), None),
-            Shape::Spheres(spheres) => Body::Balls(spheres.clone()),
+            Shape::Spheres(spheres) => Body::Spheres(spheres.clone()),
         };
         let placement = keys.placement();
         let proxy = match &mut moved.proxy {
             Proxy::Spheres(spheres) => {
-                let bind = |s: &Sphere| BoundBall::new(*s, [0; 4], [1.0, 0.0, 0.0, 0.0], &[Mat4::IDENTITY]);
+                let bind = |s: &Sphere| BoundSphere::new(*s, [0; 4], [1.0, 0.0, 0.0, 0.0], &[Mat4::IDENTITY]);
                 spheres.iter().map(bind).collect()
             }
             Proxy::File { placement: own, .. } => {

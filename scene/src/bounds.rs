@@ -22,8 +22,8 @@ impl Bounds {
 
     /// The smallest box that also holds the sphere.
     #[must_use]
-    pub fn with_sphere(self, ball: Sphere) -> Self {
-        self.with_point(ball.center - ball.radius).with_point(ball.center + ball.radius)
+    pub fn with_sphere(self, sphere: Sphere) -> Self {
+        self.with_point(sphere.center - sphere.radius).with_point(sphere.center + sphere.radius)
     }
 
     /// The smallest box that holds both.

@@ -134,8 +134,8 @@ fn knot() -> (Mesh, Vec<Sphere>) {
     let spine: Vec<Vec3> = points.into_iter().map(|p| p + place).collect();
     let mesh = Mesh::closed_tube(&spine, TUBE, 48);
     // The mesh's faces lie up to 0.5 % inside the tube: chords of 48 sides, and of the spine where it bends.
-    let balls = (0..120).map(|i| Sphere { center: spine[4 * i], radius: TUBE * 0.99 }).collect();
-    (mesh, balls)
+    let spheres = (0..120).map(|i| Sphere { center: spine[4 * i], radius: TUBE * 0.99 }).collect();
+    (mesh, spheres)
 }
 
 /// Pearls on an arc that leaves the floor in front and rises behind the knot.
@@ -165,7 +165,7 @@ mod tests {
     #[test]
     fn blockers_stay_inside_their_skin() {
         for object in builtin().objects {
-            let (Shape::Mesh(mesh), Proxy::Spheres(balls)) = (&object.shape, &object.proxy) else {
+            let (Shape::Mesh(mesh), Proxy::Spheres(spheres)) = (&object.shape, &object.proxy) else {
                 assert!(
                     matches!(&object.shape, Shape::Spheres(s) if object.proxy == Proxy::Spheres(s.clone()))
                         || object.proxy == Proxy::None
@@ -173,11 +173,11 @@ mod tests {
                 continue;
             };
             // Vertices lie on the tube. No vertex and no centre of a triangle may be inside a sphere.
-            for ball in balls {
+            for sphere in spheres {
                 for t in &mesh.triangles {
                     let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
                     for p in [a, 0.5 * (a + b), 0.5 * (b + c), (a + b + c) / 3.0] {
-                        assert!(p.distance(ball.center) >= ball.radius * 0.9999, "{p} in {ball:?}");
+                        assert!(p.distance(sphere.center) >= sphere.radius * 0.9999, "{p} in {sphere:?}");
                     }
                 }
             }

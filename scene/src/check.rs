@@ -99,12 +99,12 @@ impl Scene {
                 return Err(SceneError::invalid(format!("{name} has no spheres")));
             }
             Shape::Spheres(spheres) => {
-                check_balls(spheres).map_err(|e| fault(&name, &e))?;
+                check_spheres(spheres).map_err(|e| fault(&name, &e))?;
                 Self::check_seen_object(&self.camera, object)?;
             }
         }
         if let Proxy::Spheres(spheres) = &object.proxy {
-            check_balls(spheres).map_err(|e| fault(&format_args!("proxy of {name}"), &e))?;
+            check_spheres(spheres).map_err(|e| fault(&format_args!("proxy of {name}"), &e))?;
         }
         Ok(())
     }
@@ -151,9 +151,9 @@ fn check_emission(number: usize, surface: &Surface) -> Result<(), SceneError> {
 }
 
 /// Points of a sphere are off its surface by up to 1e-7 of its radius: seen from too near they are noise.
-fn check_seen(camera: &Camera, ball: &Sphere) -> Result<(), SceneError> {
-    let radius = f64::from(ball.radius);
-    let height = (ball.center.as_dvec3().distance(camera.eye.as_dvec3()) - radius).abs();
+fn check_seen(camera: &Camera, sphere: &Sphere) -> Result<(), SceneError> {
+    let radius = f64::from(sphere.radius);
+    let height = (sphere.center.as_dvec3().distance(camera.eye.as_dvec3()) - radius).abs();
     if radius <= MAX_RADIUS_SEEN * height {
         return Ok(());
     }
@@ -166,6 +166,6 @@ fn check_seen(camera: &Camera, ball: &Sphere) -> Result<(), SceneError> {
 /// Radius over the eye's distance to its surface up to which single precision shows a sphere well: speckles begin at 5e6.
 const MAX_RADIUS_SEEN: f64 = 2e6;
 
-pub(crate) fn check_balls(balls: &[Sphere]) -> Result<(), SceneError> {
-    balls.iter().try_for_each(Sphere::validate).map_err(SceneError::invalid)
+pub(crate) fn check_spheres(spheres: &[Sphere]) -> Result<(), SceneError> {
+    spheres.iter().try_for_each(Sphere::validate).map_err(SceneError::invalid)
 }

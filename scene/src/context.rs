@@ -2,7 +2,7 @@
 
 use crate::animation::{Body, Mover};
 use crate::cut_out::CutOut;
-use crate::deformer::BoundBall;
+use crate::deformer::BoundSphere;
 use crate::files::Source;
 use crate::skeleton::Skeleton;
 use crate::{Animation, Mesh, Pose, Proxy, SceneError};
@@ -34,13 +34,13 @@ impl Context {
     }
 
     /// Binds the spheres of an explicit proxy to a mesh at its first moment.
-    pub(crate) fn bind_proxy(&self, mover: &Mover, mesh: &Mesh, proxy: &Proxy) -> Vec<BoundBall> {
-        let (Proxy::Spheres(balls), Body::Mesh(deformer, carrier)) = (proxy, &mover.body) else { return Vec::new() };
+    pub(crate) fn bind_proxy(&self, mover: &Mover, mesh: &Mesh, proxy: &Proxy) -> Vec<BoundSphere> {
+        let (Proxy::Spheres(spheres), Body::Mesh(deformer, carrier)) = (proxy, &mover.body) else { return Vec::new() };
         let skeleton = carrier.as_ref().map(|c| &self.skeletons[c.skeleton]);
         let worlds = skeleton.map_or_else(Vec::new, |s| s.worlds(0.0));
         let mut pose = Pose::default();
         mover.pose(0.0, skeleton, &worlds, &mut pose);
-        balls.iter().map(|&b| deformer.bind_ball(b, &mesh.positions, &pose.joints)).collect()
+        spheres.iter().map(|&b| deformer.bind_sphere(b, &mesh.positions, &pose.joints)).collect()
     }
 
     pub(crate) fn warn(&mut self, path: &Path, message: impl std::fmt::Display) {

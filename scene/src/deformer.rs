@@ -110,28 +110,28 @@ impl Deformer {
     }
 
     /// A sphere of the posed mesh, bound to the vertex nearest to its centre.
-    pub(crate) fn bind_ball(&self, ball: Sphere, posed: &[Vec3], joints: &[Mat4]) -> BoundBall {
-        let far = |&i: &usize| posed[i].as_dvec3().distance_squared(ball.center.as_dvec3());
+    pub(crate) fn bind_sphere(&self, sphere: Sphere, posed: &[Vec3], joints: &[Mat4]) -> BoundSphere {
+        let far = |&i: &usize| posed[i].as_dvec3().distance_squared(sphere.center.as_dvec3());
         let nearest = (0..posed.len()).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(0);
-        BoundBall::new(ball, self.joints[nearest], self.weights[nearest], joints)
+        BoundSphere::new(sphere, self.joints[nearest], self.weights[nearest], joints)
     }
 }
 
 /// A sphere that joints carry; its radius goes with the cube root of the determinant.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BoundBall {
+pub(crate) struct BoundSphere {
     bind: Sphere,
     joints: [u16; 4],
     weights: [f32; 4],
 }
 
-impl BoundBall {
+impl BoundSphere {
     /// Binds a sphere of the posed scene.
-    pub(crate) fn new(ball: Sphere, on: [u16; 4], weights: [f32; 4], joints: &[Mat4]) -> Self {
+    pub(crate) fn new(sphere: Sphere, on: [u16; 4], weights: [f32; 4], joints: &[Mat4]) -> Self {
         let matrix = blend(on, weights, joints);
         let inverse = matrix.inverse();
         // Joints that flatten space have no inverse. Then the sphere keeps its size and moves as a point.
-        let bind = if inverse.is_finite() { scaled(ball, &inverse) } else { ball };
+        let bind = if inverse.is_finite() { scaled(sphere, &inverse) } else { sphere };
         Self { bind, joints: on, weights }
     }
 
@@ -141,11 +141,11 @@ impl BoundBall {
 }
 
 /// A sphere moved by a matrix; the radius is never 0.
-pub(crate) fn scaled(ball: Sphere, matrix: &Mat4) -> Sphere {
+pub(crate) fn scaled(sphere: Sphere, matrix: &Mat4) -> Sphere {
     let limit = Vec3::splat(MAX_COORDINATE);
-    let center = matrix.transform_point3(ball.center).clamp(-limit, limit);
+    let center = matrix.transform_point3(sphere.center).clamp(-limit, limit);
     let size = Mat3::from_mat4(*matrix).determinant().abs().cbrt();
-    Sphere { center, radius: (ball.radius * size).clamp(f32::MIN_POSITIVE, MAX_COORDINATE) }
+    Sphere { center, radius: (sphere.radius * size).clamp(f32::MIN_POSITIVE, MAX_COORDINATE) }
 }
 
 fn blend(on: [u16; 4], weights: [f32; 4], joints: &[Mat4]) -> Mat4 {

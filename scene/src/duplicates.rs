@@ -10,11 +10,11 @@ use std::collections::{HashMap, HashSet};
 /// ```
 /// use lobe_core::Sphere;
 /// use scene::{Duplicates, Object};
-/// let ball = Sphere { radius: 1.0, ..Sphere::default() };
-/// let object = Object::spheres("ball", vec![ball; 2], 0);
+/// let sphere = Sphere { radius: 1.0, ..Sphere::default() };
+/// let object = Object::spheres("ball", vec![sphere; 2], 0);
 /// let mut duplicates = Duplicates::default();
-/// assert!(duplicates.is_first(&object, &ball));
-/// assert!(!duplicates.is_first(&object, &ball));
+/// assert!(duplicates.is_first(&object, &sphere));
+/// assert!(!duplicates.is_first(&object, &sphere));
 /// let quad = scene::Mesh::quad(glam::Vec3::ZERO, glam::Vec3::X, glam::Vec3::Y);
 /// let objects = [1, 2].map(|_| Object::mesh("quad", quad.clone(), 0, scene::Proxy::None));
 /// assert!(duplicates.is_first_mesh(&objects, 0));
@@ -56,8 +56,8 @@ impl Duplicates {
     }
 
     /// Remembers a sphere of an object; true when no equal one of an object that is seen and blocks like this one came before.
-    pub fn is_first(&mut self, object: &Object, ball: &Sphere) -> bool {
-        let bits = [ball.center.x, ball.center.y, ball.center.z, ball.radius].map(|x| (x + 0.0).to_bits());
+    pub fn is_first(&mut self, object: &Object, sphere: &Sphere) -> bool {
+        let bits = [sphere.center.x, sphere.center.y, sphere.center.z, sphere.radius].map(|x| (x + 0.0).to_bits());
         self.known.insert((bits, object.visible, object.proxy == Proxy::None, object.strategy))
     }
 }

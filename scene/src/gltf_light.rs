@@ -80,11 +80,11 @@ fn parse(light: &Punctual) -> Result<NodeLight, String> {
 impl NodeLight {
     /// The light at the origin, shining along −z.
     pub(crate) fn at_origin(self, shown: &Bounds) -> Light {
-        let ball = Sphere { center: Vec3::ZERO, radius: POINT * shown.radius().max(f32::MIN_POSITIVE.sqrt()) };
+        let sphere = Sphere { center: Vec3::ZERO, radius: POINT * shown.radius().max(f32::MIN_POSITIVE.sqrt()) };
         match self {
-            Self::Point(intensity) => SphereLight::with_intensity(ball, intensity).into(),
+            Self::Point(intensity) => SphereLight::with_intensity(sphere, intensity).into(),
             Self::Spot(intensity, cos) => {
-                SpotLight { light: SphereLight::with_intensity(ball, intensity), axis: Vec3::NEG_Z, cos }.into()
+                SpotLight { light: SphereLight::with_intensity(sphere, intensity), axis: Vec3::NEG_Z, cos }.into()
             }
             Self::Sun(irradiance) => {
                 let world = Sphere { center: shown.center(), radius: shown.radius() };

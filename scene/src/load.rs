@@ -158,9 +158,9 @@ fn load_any(
         }
     }
     for object in &scene.objects {
-        let is_lamp = |ball| scene.lights.iter().any(|light| light.is_shown_by(ball));
+        let is_lamp = |sphere| scene.lights.iter().any(|light| light.is_shown_by(sphere));
         let is_dark = object.visible && !scene.surface(object.material).is_some_and(Surface::emits);
-        if is_dark && matches!(&object.shape, Shape::Spheres(balls) if balls.iter().any(is_lamp)) {
+        if is_dark && matches!(&object.shape, Shape::Spheres(spheres) if spheres.iter().any(is_lamp)) {
             let name = &object.name;
             context
                 .warn(path, format!("object \"{name}\" shows a light, but shines not: its material has no `emission`"));

@@ -85,8 +85,8 @@ pub(crate) fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Re
     let distance = 5.0 * radius;
     let sin = 6.0_f32.to_radians().sin();
     let center = bounds.center() + distance * Vec3::new(-0.5, 0.9, 0.55).normalize();
-    let ball = Sphere { center, radius: distance * sin };
-    let mut lights = vec![SphereLight::new(ball, Vec3::splat(1.0 / (sin * sin))).into()];
+    let sphere = Sphere { center, radius: distance * sin };
+    let mut lights = vec![SphereLight::new(sphere, Vec3::splat(1.0 / (sin * sin))).into()];
     if !own.is_empty() {
         lights = own.iter().map(|own| own.light.at_origin(&bounds).moved(own.world)).collect();
         animation.lights = own

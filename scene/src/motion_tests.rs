@@ -32,11 +32,12 @@ fn an_orbit_is_a_rotation_of_what_lies_aside() {
     {
         animation.seek(time, &mut scene);
         let want = Quat::from_rotation_y(degrees.to_radians()) * Vec3::new(2.0, 0.0, 0.0);
-        let (Shape::Spheres(balls), Proxy::Spheres(proxy)) = (&scene.objects[0].shape, &scene.objects[0].proxy) else {
+        let (Shape::Spheres(spheres), Proxy::Spheres(proxy)) = (&scene.objects[0].shape, &scene.objects[0].proxy)
+        else {
             panic!()
         };
-        assert!(close(balls[0].center, want) && close(proxy[0].center, want), "{time}: {}", balls[0].center);
-        assert!((balls[0].radius - 0.5).abs() < 1e-6 && (proxy[0].radius - 0.5).abs() < 1e-6);
+        assert!(close(spheres[0].center, want) && close(proxy[0].center, want), "{time}: {}", spheres[0].center);
+        assert!((spheres[0].radius - 0.5).abs() < 1e-6 && (proxy[0].radius - 0.5).abs() < 1e-6);
     }
 }
 
@@ -114,9 +115,9 @@ fn lights_and_the_camera_move() {
     animation.seek(1.0, &mut scene);
     assert!(close(scene.camera.eye, Vec3::new(1.0, 0.0, 5.0)));
     assert!((scene.camera.vertical_fov - 45_f32.to_radians()).abs() < 1e-6);
-    let centers: Vec<Vec3> = scene.lights.iter().map(|l| l.sphere().expect("a ball").center).collect();
+    let centers: Vec<Vec3> = scene.lights.iter().map(|l| l.sphere().expect("a sphere").center).collect();
     assert!(close(centers[0], Vec3::new(0.0, 3.0, 3.0)) && close(centers[1], Vec3::new(0.0, 3.0, 2.0)), "{centers:?}");
-    assert_eq!(scene.lights[1].sphere().expect("a ball").radius, 0.2);
+    assert_eq!(scene.lights[1].sphere().expect("a sphere").radius, 0.2);
     assert!(animation.rig(0).is_none() && animation.rig(7).is_none());
     assert_eq!(animation.pose(0, 1.0).joints, [glam::Mat4::IDENTITY]);
 }
@@ -143,8 +144,8 @@ fn the_loaded_scene_is_the_first_moment() {
         moved.validate().unwrap();
     }
     assert_eq!(moved, scene);
-    let Shape::Spheres(balls) = &scene.objects[0].shape else { panic!() };
-    assert_eq!(balls[0].center, Vec3::new(3.0, 2.0, 3.0));
+    let Shape::Spheres(spheres) = &scene.objects[0].shape else { panic!() };
+    assert_eq!(spheres[0].center, Vec3::new(3.0, 2.0, 3.0));
     assert!(crate::load_clip(&file, "Walk").unwrap_err().to_string().contains("itself"));
 }
 

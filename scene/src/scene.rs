@@ -97,7 +97,7 @@ impl Shape {
     pub fn bounds(&self) -> Bounds {
         match self {
             Self::Mesh(mesh) => mesh.bounds(),
-            Self::Spheres(balls) => balls.iter().fold(Bounds::EMPTY, |b, &s| b.with_sphere(s)),
+            Self::Spheres(spheres) => spheres.iter().fold(Bounds::EMPTY, |b, &s| b.with_sphere(s)),
         }
     }
 }
@@ -105,9 +105,9 @@ impl Shape {
 impl Object {
     /// Exact spheres that cast exact shadows: the proxy is the shape.
     #[must_use]
-    pub fn spheres(name: impl Into<String>, balls: Vec<Sphere>, material: usize) -> Self {
-        let proxy = Proxy::Spheres(balls.clone());
-        Self { name: name.into(), shape: Shape::Spheres(balls), material, proxy, visible: true, strategy: None }
+    pub fn spheres(name: impl Into<String>, spheres: Vec<Sphere>, material: usize) -> Self {
+        let proxy = Proxy::Spheres(spheres.clone());
+        Self { name: name.into(), shape: Shape::Spheres(spheres), material, proxy, visible: true, strategy: None }
     }
 
     /// A mesh.
@@ -167,7 +167,7 @@ impl Scene {
     pub fn spheres(&self) -> usize {
         let of = |o: &Object| match &o.shape {
             Shape::Mesh(_) => 0,
-            Shape::Spheres(balls) => balls.len(),
+            Shape::Spheres(spheres) => spheres.len(),
         };
         self.objects.iter().map(of).sum()
     }

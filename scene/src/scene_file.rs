@@ -119,7 +119,7 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
             objects[object].strategy = Some(Strategy::None);
             if error > WORTH_SAYING {
                 let (name, percent) = (&objects[object].name, 100.0 * error);
-                context.warn(path, format!("object \"{name}\" lights as balls and tubes, about {percent:.0} % off"));
+                context.warn(path, format!("object \"{name}\" lights as spheres and tubes, about {percent:.0} % off"));
             }
         }
         context.emitters.push(object);

@@ -40,7 +40,7 @@ fn the_example_is_a_valid_scene_with_every_key() {
     assert_eq!(scene.objects.len(), 6);
     assert_eq!(scene.lights.len(), 37);
     // Φ = 4π²·L·Σr² of the three spheres.
-    let flux = |l: &Light| l.full_radiance().x * l.sphere().expect("a ball").radius.powi(2);
+    let flux = |l: &Light| l.full_radiance().x * l.sphere().expect("a sphere").radius.powi(2);
     let flux: f32 = scene.lights[2..5].iter().map(flux).sum::<f32>();
     assert!((flux * 4.0 * std::f32::consts::PI.powi(2) - 30.0).abs() < 1e-3);
     let crate_box = &scene.objects[4];
@@ -205,7 +205,7 @@ fn misspelt_keys_are_named_where_a_required_one_is_missing() {
 }
 
 #[test]
-fn balls_too_large_for_single_precision_are_refused() {
+fn spheres_too_large_for_single_precision_are_refused() {
     let ground = |radius: &str, height: f32| {
         format!(
             "[camera]\neye = [0, {height}, 6]\ntarget = [0, 0, 0]\n\
@@ -236,14 +236,14 @@ fn metallic_roughness_materials_are_read_and_checked() {
 }
 
 #[test]
-fn sets_in_files_do_not_follow_balls() {
+fn sets_in_files_do_not_follow_spheres() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("set.json"), "{}").unwrap();
     let path = folder.path().join("scene.toml");
-    let ball = "[[objects]]\nsphere = { center = [0, 0, 0], radius = 1 }\nproxy = { file = \"set.json\" }\n";
-    std::fs::write(&path, ball).unwrap();
+    let sphere = "[[objects]]\nsphere = { center = [0, 0, 0], radius = 1 }\nproxy = { file = \"set.json\" }\n";
+    std::fs::write(&path, sphere).unwrap();
     load(&path).unwrap();
-    std::fs::write(&path, format!("{ball}keys = [{{ time = 0 }}, {{ time = 1, translate = [1, 0, 0] }}]\n")).unwrap();
+    std::fs::write(&path, format!("{sphere}keys = [{{ time = 0 }}, {{ time = 1, translate = [1, 0, 0] }}]\n")).unwrap();
     let message = load(&path).unwrap_err().to_string();
     assert!(message.contains("scene.toml:2:") && message.contains("does not follow them"), "{message}");
 }
@@ -271,26 +271,26 @@ fn sets_in_files_are_scaled_uniformly() {
 
 #[test]
 fn what_lies_too_far_is_told_at_its_line() {
-    let ball = "[[objects]]\nsphere = { center = [0, 0, 0], radius = 1 }\n";
+    let sphere = "[[objects]]\nsphere = { center = [0, 0, 0], radius = 1 }\n";
     let camera = |eye: &str, target: &str| {
-        format!("[camera]\neye = [{eye}, 0, 5]\nfov = 30\nup = [0, 1, 0]\ntarget = [{target}, 0, 0]\n{ball}")
+        format!("[camera]\neye = [{eye}, 0, 5]\nfov = 30\nup = [0, 1, 0]\ntarget = [{target}, 0, 0]\n{sphere}")
     };
     refused(&camera("1e30", "0"), 2, &["eye", "1e9"]);
     refused(&camera("0", "-2e9"), 5, &["target", "1e9"]);
     let light = "[[lights]]\nkind = \"sphere\"\nradiance = 1\nradius = 1\ncenter = [0, 3e9, 0]";
-    refused(&format!("{ball}{light}"), 7, &["1e9"]);
+    refused(&format!("{sphere}{light}"), 7, &["1e9"]);
     let lights = "[[lights]]\nkind = \"spheres\"\nradiance = 1\nspheres = [[0, 3e9, 0, 1]]";
-    refused(&format!("{ball}{lights}"), 6, &["1e9"]);
+    refused(&format!("{sphere}{lights}"), 6, &["1e9"]);
     refused("[[objects]]\nname = \"far\"\nsphere = { center = [2e9, 0, 0], radius = 1 }", 3, &["1e9"]);
     refused("[[objects]]\nname = \"far\"\nspheres = [[0, 0, 0, 2e9]]", 3, &["1e9"]);
     refused("[[objects]]\nname = \"far\"\ntranslate = [2e9, 0, 0]\nspheres = [[0, 0, 0, 1]]", 4, &["1e9"]);
-    refused(&format!("{ball}proxy = {{ explicit = [[0, 0, 2e9, 1]] }}"), 3, &["1e9"]);
+    refused(&format!("{sphere}proxy = {{ explicit = [[0, 0, 2e9, 1]] }}"), 3, &["1e9"]);
 }
 
 #[test]
 fn lights_of_all_kinds_are_read() {
-    let ball = "[[objects]]\nsphere = { center = [0, 0, 0], radius = 1 }\n";
-    let read = |light: &str| parse(&format!("{ball}[[lights]]\n{light}")).unwrap().lights[0].clone();
+    let sphere = "[[objects]]\nsphere = { center = [0, 0, 0], radius = 1 }\n";
+    let read = |light: &str| parse(&format!("{sphere}[[lights]]\n{light}")).unwrap().lights[0].clone();
     let Light::Flat(panel) = read("kind = \"rectangle\"\ncenter = [0, 3, 0]\nu = [1, 0, 0]\nv = [0, 0, 2]\nflux = 8")
     else {
         panic!()
@@ -321,13 +321,13 @@ fn lights_of_all_kinds_are_read() {
     let Light::Ambient(ambient) = read("kind = \"ambient\"\nradiance = 0.5") else { panic!() };
     assert_eq!(ambient.radiance, Vec3::splat(0.5));
     let sky = "kind = \"environment\"\nradiance = [1, 2, 3]\nstrength = 2\npatches = 1";
-    let scene = parse(&format!("{ball}[[lights]]\n{sky}")).unwrap();
+    let scene = parse(&format!("{sphere}[[lights]]\n{sky}")).unwrap();
     assert!(scene.lights.len() == 6 && scene.environment.unwrap().map().radiance(Vec3::Z) == Vec3::new(2.0, 4.0, 6.0));
     // They turn and move as objects do.
     let keys =
         "keys = [{ time = 0 }, { time = 1, rotate = { axis = [1, 0, 0], degrees = 90 }, translate = [0, 1, 0] }]";
     let text = format!(
-        "{ball}[[lights]]\nkind = \"rectangle\"\ncenter = [0, 3, 0]\nu = [1, 0, 0]\nv = [0, 0, 1]\nradiance = 1\n{keys}"
+        "{sphere}[[lights]]\nkind = \"rectangle\"\ncenter = [0, 3, 0]\nu = [1, 0, 0]\nv = [0, 0, 1]\nradiance = 1\n{keys}"
     );
     let (mut scene, animation) = scene_file::parse(Path::new("t.toml"), &text, &mut Context::default()).unwrap();
     animation.seek(1.0, &mut scene);
@@ -338,8 +338,8 @@ fn lights_of_all_kinds_are_read() {
 
 #[test]
 fn lights_that_are_none_are_refused() {
-    let ball = "[[objects]]\nsphere = { center = [0, 0, 0], radius = 1 }\n";
-    let light = |text: &str| format!("{ball}[[lights]]\n{text}");
+    let sphere = "[[objects]]\nsphere = { center = [0, 0, 0], radius = 1 }\n";
+    let light = |text: &str| format!("{sphere}[[lights]]\n{text}");
     refused(&light("kind = \"lamp\"\nradiance = 1"), 4, &["lamp", "\"tube\""]);
     refused(
         &light("kind = \"rectangle\"\ncenter = [0, 3, 0]\nu = [1, 0, 0]\nv = [2, 0, 0]\nradiance = 1"),
@@ -398,8 +398,8 @@ fn emission_lights_where_it_is_asked_for() {
     let faces = lights(&text(cube, "[2, 1, 0]", ""));
     assert_eq!(faces.len(), 6);
     assert!(faces.iter().all(|l| l.name() == "flat" && l.full_radiance() == Vec3::new(2.0, 1.0, 0.0)));
-    let ball = lights(&text("sphere = { center = [0, 3, 0], radius = 0.5 }", "[1, 1, 1]", ""));
-    assert_eq!(ball[0].sphere().map(|b| b.radius), Some(0.5));
+    let sphere = lights(&text("sphere = { center = [0, 3, 0], radius = 0.5 }", "[1, 1, 1]", ""));
+    assert_eq!(sphere[0].sphere().map(|b| b.radius), Some(0.5));
     assert!(lights(&text(cube, "[1, 1, 1]", "").replace("true", "false")).is_empty());
     // A sphere at a light shows it only with an emission of its own: the light does not light its surface.
     for (emission, count) in [("[1, 1, 1]", 0), ("[0, 0, 0]", 1)] {
@@ -455,7 +455,7 @@ fn curved(is_ring: bool, [sides, rows]: [u32; 2]) -> String {
 
 /// Curved meshes that light the scene become spheres and tubes, which the mesh does not hide; a warning states the error.
 #[test]
-fn curved_meshes_light_as_balls_and_tubes() {
+fn curved_meshes_light_as_spheres_and_tubes() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("test.toml");
     std::fs::write(folder.path().join("column.obj"), curved(false, [32, 2])).expect("a file");
@@ -478,7 +478,7 @@ fn curved_meshes_light_as_balls_and_tubes() {
     assert!((tube.radius - 0.1).abs() < 0.005 && (tube.radiance / Vec3::new(2.0, 1.0, 1.0)).x > 0.97, "{tube:?}");
     assert_eq!((scene.objects[0].strategy, warnings.len()), (Some(Strategy::None), 0));
     let (ring, _, warnings) = read(&text("ring", "")).expect("a scene");
-    assert!(ring.lights.len() > 3 && warnings.len() == 1 && warnings[0].contains("balls and tubes"), "{warnings:?}");
+    assert!(ring.lights.len() > 3 && warnings.len() == 1 && warnings[0].contains("spheres and tubes"), "{warnings:?}");
     let keys = "keys = [{ time = 0 }, { time = 1, translate = [1, 0, 0] }]\n";
     let (mut scene, animation, _) = read(&text("column", keys)).expect("a scene");
     let before = scene.lights[0].bounds().center;

@@ -1,7 +1,7 @@
 //! The lights of a scene file.
 
 use crate::animation::{Body, LightMover, LightPlace, Mover};
-use crate::check::check_balls;
+use crate::check::check_spheres;
 use crate::files::Source;
 use crate::keys::Keys;
 use crate::mesh::MAX_COORDINATE;
@@ -54,13 +54,13 @@ impl SceneLights {
         let kind = t.require("kind")?;
         let world = Sphere { center: around.bounds.center(), radius: around.bounds.radius() };
         let own = match kind.string()? {
-            "sphere" => ball(&mut t, around, None, &["radiance", "flux"])?,
-            "point" => ball(&mut t, around, Some(POINT), &["intensity", "flux", "radiance"])?,
+            "sphere" => sphere(&mut t, around, None, &["radiance", "flux"])?,
+            "point" => sphere(&mut t, around, Some(POINT), &["intensity", "flux", "radiance"])?,
             "spot" => spot(&mut t, around)?,
             "spheres" => {
                 let list = t.require("spheres")?;
                 let origins = Origins::of(around.origin, list.first_place()?);
-                let (lights, value) = balls_of(&mut t, list, list.spheres(origins.own)?, &["radiance", "flux"])?;
+                let (lights, value) = sphere_lights(&mut t, list, list.spheres(origins.own)?, &["radiance", "flux"])?;
                 Own { origins, lights, value }
             }
             "rectangle" => rectangle(&mut t, around)?,
@@ -110,9 +110,9 @@ impl SceneLights {
         let mut inside = None;
         let own = |light| Light::from(EnclosedLight { light: Box::new(light), object: number as u32 });
         match &object.shape {
-            Shape::Spheres(balls) => {
+            Shape::Spheres(spheres) => {
                 // Rounding decides whether a point of a sphere's surface is inside it.
-                self.lights.extend(balls.iter().map(|ball| own(SphereLight::new(*ball, radiance).into())));
+                self.lights.extend(spheres.iter().map(|sphere| own(SphereLight::new(*sphere, radiance).into())));
             }
             Shape::Mesh(mesh) => {
                 let lamp = emissive_mesh(&mesh.positions, &mesh.triangles, radiance).map_err(|e| {
@@ -163,7 +163,7 @@ impl SceneLights {
 }
 
 /// A sphere; `radius` is its default radius.
-fn ball<'s>(
+fn sphere<'s>(
     t: &mut Table<'s>,
     around: &Around<'_>,
     radius: Option<f32>,
@@ -175,15 +175,15 @@ fn ball<'s>(
         Some(usual) => t.get("radius").map_or(Ok(usual), |v| v.positive())?,
     };
     let origins = Origins::of(around.origin, center.place()?);
-    let balls = vec![Sphere { center: center.relative(origins.own)?, radius }];
-    let (lights, value) = balls_of(t, center, balls, units)?;
+    let spheres = vec![Sphere { center: center.relative(origins.own)?, radius }];
+    let (lights, value) = sphere_lights(t, center, spheres, units)?;
     Ok(Own { origins, lights, value })
 }
 
 fn spot<'s>(t: &mut Table<'s>, around: &Around<'_>) -> Result<Own<'s>, SceneError> {
     let axis = t.require("direction")?.nonzero_vec3()?.normalize();
     let cos = read_spot(t)?;
-    let own = ball(t, around, Some(POINT), &["intensity", "radiance"])?;
+    let own = sphere(t, around, Some(POINT), &["intensity", "radiance"])?;
     let spot = |light| match light {
         Light::Sphere(light) => SpotLight { light, axis, cos }.into(),
         other => other,
@@ -274,17 +274,17 @@ fn sun<'s>(t: &mut Table<'s>, around: &Around<'_>, world: Sphere) -> Result<Own<
 }
 
 /// Sphere lights, with their brightness in one of some units.
-fn balls_of<'s>(
+fn sphere_lights<'s>(
     t: &mut Table<'s>,
     place: Value<'s>,
-    balls: Vec<Sphere>,
+    spheres: Vec<Sphere>,
     units: &[&'static str],
 ) -> Result<(Vec<Light>, Value<'s>), SceneError> {
-    check_balls(&balls).map_err(|e| place.error(e))?;
+    check_spheres(&spheres).map_err(|e| place.error(e))?;
     let (unit, value) = t.one_of(units)?;
     let color = value.color()?;
     // In f64, since squares of small radii leave f32.
-    let squares: f64 = balls.iter().map(|b| f64::from(b.radius).powi(2)).sum();
+    let squares: f64 = spheres.iter().map(|b| f64::from(b.radius).powi(2)).sum();
     let radiance = match unit {
         // L = Φ/(4π²·Σr²).
         "flux" => (color.as_dvec3() / (4.0 * PI.powi(2) * squares)).as_vec3(),
@@ -292,7 +292,7 @@ fn balls_of<'s>(
         "intensity" => (color.as_dvec3() / (PI * squares)).as_vec3(),
         _ => color,
     };
-    Ok((balls.into_iter().map(|ball| SphereLight::new(ball, radiance).into()).collect(), value))
+    Ok((spheres.into_iter().map(|sphere| SphereLight::new(sphere, radiance).into()).collect(), value))
 }
 
 /// Cosines of a spot's half-angles: `angle`, where it ends, and `inner`, where it begins to.

@@ -1,10 +1,10 @@
 //! The objects of a scene file.
 
 use crate::animation::{Body, Mover};
-use crate::check::check_balls;
+use crate::check::check_spheres;
 use crate::context::Context;
 use crate::defaults::DEFAULT_SPHERES;
-use crate::deformer::BoundBall;
+use crate::deformer::BoundSphere;
 use crate::keys::{Keys, Stand, read_rotation, read_scale};
 use crate::mesh_file::mesh_parts;
 use crate::origin::{Origins, relative};
@@ -115,16 +115,16 @@ fn objects(
             _ => Ok(scales[0]),
         }
     };
-    let move_balls = |balls: &[Sphere]| -> Result<Vec<Sphere>, SceneError> {
+    let move_spheres = |spheres: &[Sphere]| -> Result<Vec<Sphere>, SceneError> {
         let scale = scale()?;
         let moved = |b: &Sphere| Sphere { center: matrix.transform_point3(b.center), radius: b.radius * scale };
-        Ok(balls.iter().map(moved).collect())
+        Ok(spheres.iter().map(moved).collect())
     };
     let proxy = match proxy {
-        Some(Proxy::Spheres(balls)) => {
-            let balls = move_balls(&balls)?;
-            check_balls(&balls).map_err(|e| proxy_key.unwrap_or(value).error(e))?;
-            Some(Proxy::Spheres(balls))
+        Some(Proxy::Spheres(spheres)) => {
+            let spheres = move_spheres(&spheres)?;
+            check_spheres(&spheres).map_err(|e| proxy_key.unwrap_or(value).error(e))?;
+            Some(Proxy::Spheres(spheres))
         }
         Some(Proxy::File { path, .. }) => {
             // Sets in files are in the coordinates that the mesh's file means.
@@ -137,18 +137,18 @@ fn objects(
 
     match geometry {
         Geometry::Spheres(own) => {
-            let balls = move_balls(&own)?;
-            check_balls(&balls).map_err(|e| value.error(e))?;
+            let spheres = move_spheres(&own)?;
+            check_spheres(&spheres).map_err(|e| value.error(e))?;
             let proxy = match proxy {
                 Some(Proxy::Count(_)) => return Err(value.error("exact spheres need no built proxy")),
                 Some(Proxy::File { .. }) if moves => {
                     return Err(value.error("a set in a file does not follow them: spheres that move need no proxy"));
                 }
-                other => other.unwrap_or_else(|| Proxy::Spheres(balls.clone())),
+                other => other.unwrap_or_else(|| Proxy::Spheres(spheres.clone())),
             };
             let material = material.unwrap_or_else(|| materials.fallback());
-            let mover = moves.then(|| Mover { placement, body: Body::Balls(own), proxy: bind(&proxy, &matrix) });
-            Ok(vec![(Object { name, shape: Shape::Spheres(balls), material, proxy, visible, strategy }, mover)])
+            let mover = moves.then(|| Mover { placement, body: Body::Spheres(own), proxy: bind(&proxy, &matrix) });
+            Ok(vec![(Object { name, shape: Shape::Spheres(spheres), material, proxy, visible, strategy }, mover)])
         }
         Geometry::Flat(mesh) => {
             let mut part = Part::fixed(name, mesh, None);
@@ -221,9 +221,9 @@ fn objects(
 }
 
 /// The spheres of an explicit proxy, carried by a placement that is `matrix` now.
-fn bind(proxy: &Proxy, matrix: &Mat4) -> Vec<BoundBall> {
-    let Proxy::Spheres(balls) = proxy else { return Vec::new() };
-    balls.iter().map(|&b| BoundBall::new(b, [0; 4], [1.0, 0.0, 0.0, 0.0], std::slice::from_ref(matrix))).collect()
+fn bind(proxy: &Proxy, matrix: &Mat4) -> Vec<BoundSphere> {
+    let Proxy::Spheres(spheres) = proxy else { return Vec::new() };
+    spheres.iter().map(|&b| BoundSphere::new(b, [0; 4], [1.0, 0.0, 0.0, 0.0], std::slice::from_ref(matrix))).collect()
 }
 
 /// The name or number of a clip.

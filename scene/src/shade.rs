@@ -34,11 +34,11 @@ impl BlockerSet {
     /// The sphere that receivers of its own object see inside a sphere, relative to its centre, and its τ.
     #[must_use]
     pub fn own(&self, sphere: usize) -> (Sphere, f32) {
-        let (ball, object) = (self.spheres[sphere], self.objects[sphere]);
+        let (blocker, object) = (self.spheres[sphere], self.objects[sphere]);
         match self.self_shadows.get(sphere) {
-            Some(own) => (own.near(ball.radius), ball.radius * own.distance),
+            Some(own) => (own.near(blocker.radius), blocker.radius * own.distance),
             None => (
-                Sphere { center: Vec3::ZERO, ..ball },
+                Sphere { center: Vec3::ZERO, ..blocker },
                 self.self_distances.get(object as usize).copied().unwrap_or(0.0),
             ),
         }
@@ -47,12 +47,12 @@ impl BlockerSet {
     /// A sphere as a receiver sees it, and its τ for that receiver.
     #[must_use]
     pub fn seen_from(&self, sphere: usize, at: &Receiver) -> (Sphere, f32) {
-        let ball = self.spheres[sphere];
+        let blocker = self.spheres[sphere];
         if self.objects[sphere] != at.object {
-            return (ball, 0.0);
+            return (blocker, 0.0);
         }
         let (near, tau) = self.own(sphere);
-        (SelfShadow::seen(ball, near, at.position), tau)
+        (SelfShadow::seen(blocker, near, at.position), tau)
     }
 }
 

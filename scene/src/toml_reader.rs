@@ -215,7 +215,7 @@ impl<'s> Value<'s> {
         if elements.is_empty() {
             return Err(self.error("expected at least one sphere"));
         }
-        let ball = |e: Self| {
+        let sphere = |e: Self| {
             let [x, y, z, radius] = e.numbers("[x, y, z, radius]")?;
             let mut center = Vec3::new(x, y, z);
             if origin != DVec3::ZERO {
@@ -229,7 +229,7 @@ impl<'s> Value<'s> {
                 Err(e.error(format!("radius {radius} must be greater than 0")))
             }
         };
-        elements.into_iter().map(ball).collect()
+        elements.into_iter().map(sphere).collect()
     }
 
     pub(crate) fn is_string(&self) -> bool {

@@ -373,10 +373,10 @@ fn a_scene_file_places_a_skinned_mesh_and_moves_it_on() {
         let want = if whole { place(DVec3::new(0.5, 2.0, 0.0)) } else { tip(0.5, 1.0) };
         assert!(near(mesh.positions[5], want), "{time}: {} {want}", mesh.positions[5]);
         // Explicit spheres go with the nearest vertex: the first with joint 0, the second with joint 1.
-        let Proxy::Spheres(balls) = &scene.objects[0].proxy else { panic!() };
-        assert!(near(balls[0].center, place(DVec3::ZERO)) && (balls[0].radius - 0.5).abs() < 1e-5);
+        let Proxy::Spheres(spheres) = &scene.objects[0].proxy else { panic!() };
+        assert!(near(spheres[0].center, place(DVec3::ZERO)) && (spheres[0].radius - 0.5).abs() < 1e-5);
         let want = if whole { place(DVec3::new(0.0, 2.0, 0.0)) } else { tip(0.0, 1.0) };
-        assert!(near(balls[1].center, want) && (balls[1].radius - 1.0).abs() < 1e-5, "{time}");
+        assert!(near(spheres[1].center, want) && (spheres[1].radius - 1.0).abs() < 1e-5, "{time}");
     }
     let message = load("clip = 1").unwrap_err().to_string();
     assert!(

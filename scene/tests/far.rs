@@ -15,7 +15,7 @@ const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/assets");
 /// Everything that can stand in a scene file, moved by `s`; meshes of files both by `translate` and in their own coordinates.
 fn text(s: DVec3, far: &str) -> String {
     let at = |x: f64, y: f64, z: f64| format!("[{}, {}, {}]", x + s.x, y + s.y, z + s.z);
-    let ball = |x: f64, y: f64, z: f64, r: f64| format!("[{}, {}, {}, {r}]", x + s.x, y + s.y, z + s.z);
+    let row4 = |x: f64, y: f64, z: f64, r: f64| format!("[{}, {}, {}, {r}]", x + s.x, y + s.y, z + s.z);
     let row = |x: f64, r: &str| format!("[{r}, {x}]");
     format!(
         r#"
@@ -33,7 +33,7 @@ box = {{ center = {cuboid}, size = [0.3, 0.1, 0.7] }}
 [[objects]]
 sphere = {{ center = {sphere}, radius = 0.1 }}
 [[objects]]
-spheres = [{ball}, {ball1}]
+spheres = [{first}, {second}]
 [[objects]]
 mesh = "{ASSETS}/spot.obj"
 scale = 0.37
@@ -76,17 +76,17 @@ keys = [{{ time = 0, translate = {go} }}, {{ time = 1, translate = {go1}, rotate
         quad = at(0.1, 1.0, 0.3),
         cuboid = at(-0.7, 0.4, 0.9),
         sphere = at(0.33, 0.44, 0.55),
-        ball = ball(1.1, 0.3, 0.77, 0.2),
-        ball1 = ball(1.2, 0.6, 0.77, 0.2),
+        first = row4(1.1, 0.3, 0.77, 0.2),
+        second = row4(1.2, 0.6, 0.77, 0.2),
         spot = at(0.9, 0.1, -0.4),
         m0 = row(0.7 + s.x, "0.1, 0.2, 0.3"),
         m1 = row(1.7 + s.y, "0.3, 0.2, 0.1"),
         m2 = row(0.2 + s.z, "0.3, -0.2, 0.5"),
         fox = at(-1.2, 0.0, 0.6),
         fox1 = at(-0.2, 0.3, 0.6),
-        proxy = ball(0.3, 0.4, 0.5, 0.2),
+        proxy = row4(0.3, 0.4, 0.5, 0.2),
         light = at(-2.1, 4.2, 1.3),
-        light1 = ball(2.1, 4.2, 1.3, 0.2),
+        light1 = row4(2.1, 4.2, 1.3, 0.2),
         go = at(3.1, 4.2, 0.3),
         go1 = at(3.1, 2.2, 0.3),
     )
@@ -112,14 +112,14 @@ fn ply(s: DVec3) -> String {
 /// All positions of a scene, relative to `s` in the world of the file.
 fn positions(scene: &Scene, animation: &Animation, s: DVec3) -> Vec<DVec3> {
     let mut all: Vec<Vec3> = vec![scene.camera.eye, scene.camera.target];
-    all.extend(scene.lights.iter().filter_map(Light::sphere).map(|ball| ball.center));
+    all.extend(scene.lights.iter().filter_map(Light::sphere).map(|sphere| sphere.center));
     for object in &scene.objects {
         match &object.shape {
             Shape::Mesh(mesh) => all.extend(&mesh.positions),
-            Shape::Spheres(balls) => all.extend(balls.iter().map(|b| b.center)),
+            Shape::Spheres(spheres) => all.extend(spheres.iter().map(|b| b.center)),
         }
-        if let Proxy::Spheres(balls) = &object.proxy {
-            all.extend(balls.iter().map(|b| b.center));
+        if let Proxy::Spheres(spheres) = &object.proxy {
+            all.extend(spheres.iter().map(|b| b.center));
         }
     }
     all.iter().map(|p| p.as_dvec3() + (animation.origin() - s)).collect()
@@ -185,8 +185,8 @@ keys = [{{ time = 0 }}, {{ time = 1, translate = [{}, {}, 0], rotate = {{ axis =
     fs::write(&file, scene).unwrap();
     let (mut scene, animation, _) = scene::load_animated(&file).unwrap();
     animation.seek(1.0, &mut scene);
-    let Shape::Spheres(balls) = &scene.objects[0].shape else { panic!("spheres") };
-    let center = balls[0].center.as_dvec3() + (animation.origin() - s);
+    let Shape::Spheres(spheres) = &scene.objects[0].shape else { panic!("spheres") };
+    let center = spheres[0].center.as_dvec3() + (animation.origin() - s);
     assert!(center.distance(DVec3::new(-0.7, 0.3, 0.1)) < 1e-6, "{center}");
 }
 

@@ -44,7 +44,7 @@ fn mesh_scenes_load_and_stand_on_their_floor() {
         let model = scene.objects[1].shape.bounds();
         assert!(model.min.y.abs() < 1e-3, "{name}: {model:?}");
         // Half-angle about 6° from the model's middle.
-        let light = scene.lights[0].sphere().expect("a ball");
+        let light = scene.lights[0].sphere().expect("a sphere");
         let angle = (light.radius / light.center.distance(model.center())).asin().to_degrees();
         assert!((angle - 6.0).abs() < 0.15, "{name}: {angle}");
     }

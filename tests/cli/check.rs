@@ -65,7 +65,7 @@ fn checking_advises_for_each_object() {
     };
     for (n, (word, reason)) in [
         ("none", "backdrop"),
-        ("spheres", "balls are exact"),
+        ("spheres", "spheres are exact"),
         ("silhouettes", "12 triangles"),
         ("silhouettes", "open"),
         ("silhouettes", "thin"),

@@ -93,7 +93,7 @@ fn a_sequence_keeps_only_what_it_would_make() {
         assert_eq!(made(options), 0, "{options:?}");
     }
     fs::write(folder.join("roll.toml"), scene.replace("radius = 0.6 }", "radius = 0.5 }")).unwrap();
-    assert_eq!(made(&[]), 3, "another ball");
+    assert_eq!(made(&[]), 3, "another sphere");
     fs::write(folder.join("roll.toml"), scene.replace("translate = [1, 0, 0]", "translate = [2, 0, 0]")).unwrap();
     assert_eq!(made(&[]), 3, "another motion");
     fs::write(folder.join("roll.toml"), format!("# The same scene.\n{scene}")).unwrap();

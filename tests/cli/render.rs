@@ -127,10 +127,10 @@ fn shadow_maps_by_the_paper_s_method() {
 fn objects_take_their_own_strategies() {
     let folder = folder();
     let folder = folder.path();
-    let with = |ball: &str, table: &str| {
-        let ball = format!("radius = 0.6 }}\nvisibility = \"{ball}\"");
+    let with = |sphere: &str, table: &str| {
+        let sphere = format!("radius = 0.6 }}\nvisibility = \"{sphere}\"");
         let table = format!("proxy = {{ spheres = 8 }}\nvisibility = \"{table}\"");
-        let scene = SCENE.replace("radius = 0.6 }", &ball) + &TABLE.replace("proxy = { spheres = 8 }", &table);
+        let scene = SCENE.replace("radius = 0.6 }", &sphere) + &TABLE.replace("proxy = { spheres = 8 }", &table);
         fs::write(folder.join("mixed.toml"), scene).unwrap();
     };
     let render = |name: &str, further: &[&str]| {
@@ -270,17 +270,17 @@ fn the_scene_of_the_readme_renders() {
 
 /// Two objects in the same place are one; so is a sphere that an object names a thousand times.
 #[test]
-fn equal_balls_are_one() {
+fn equal_spheres_are_one() {
     let folder = folder();
     let folder = folder.path();
     let start = SCENE.find("[[objects]]\nname = \"ball\"").unwrap();
     let end = SCENE.find("[[lights]]").unwrap();
-    let ball = &SCENE[start..end];
-    fs::write(folder.join("two.toml"), SCENE.replace(ball, &format!("{ball}{ball}"))).unwrap();
+    let sphere = &SCENE[start..end];
+    fs::write(folder.join("two.toml"), SCENE.replace(sphere, &format!("{sphere}{sphere}"))).unwrap();
     let many = vec!["[0.0, 1.0, 0.0, 0.6]"; 1000].join(", ");
-    let list = ball.replace("sphere = { center = [0.0, 1.0, 0.0], radius = 0.6 }", &format!("spheres = [{many}]"));
-    assert_ne!(list, ball);
-    fs::write(folder.join("many.toml"), SCENE.replace(ball, &list)).unwrap();
+    let list = sphere.replace("sphere = { center = [0.0, 1.0, 0.0], radius = 0.6 }", &format!("spheres = [{many}]"));
+    assert_ne!(list, sphere);
+    fs::write(folder.join("many.toml"), SCENE.replace(sphere, &list)).unwrap();
     for visibility in ["spheres", "rays", "shadow-map"] {
         for scene in ["scene", "two", "many"] {
             let (file, out) = (format!("{scene}.toml"), format!("{scene}.exr"));

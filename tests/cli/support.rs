@@ -99,7 +99,7 @@ proxy = { spheres = 8 }
 /// The sphere of [`SCENE`] rolls for one second, the light goes with it: 11 frames at 10 a second.
 pub(crate) fn rolling() -> String {
     let moved = "\nkeys = [{ time = 0 }, { time = 1, translate = [1, 0, 0] }]";
-    let (ball, light) = ("radius = 0.6 }", "radiance = [20.0, 20.0, 20.0]");
-    let scene = SCENE.replace(ball, &format!("{ball}{moved}")).replace(light, &format!("{light}{moved}"));
+    let (sphere, light) = ("radius = 0.6 }", "radiance = [20.0, 20.0, 20.0]");
+    let scene = SCENE.replace(sphere, &format!("{sphere}{moved}")).replace(light, &format!("{light}{moved}"));
     format!("[animation]\nfps = 10\n{scene}{TABLE}")
 }

@@ -19,8 +19,8 @@ crate::tests![
 fn nothing_blocks() {
     let folder = folder();
     let folder = folder.path();
-    let (before, ball) = SCENE.split_once("[[objects]]\nname = \"ball\"").unwrap();
-    let (_, lights) = ball.split_once("[[lights]]").unwrap();
+    let (before, sphere) = SCENE.split_once("[[objects]]\nname = \"ball\"").unwrap();
+    let (_, lights) = sphere.split_once("[[lights]]").unwrap();
     let floor = format!("{before}[[lights]]{lights}");
     fs::write(folder.join("floor.toml"), floor).unwrap();
     let stats = same(folder, &["floor.toml", "--visibility", "spheres"]);
@@ -60,7 +60,7 @@ fn many_lights() {
 fn many_spheres() {
     let folder = folder();
     let folder = folder.path();
-    let mut balls = String::new();
+    let mut spheres = String::new();
     let mut seed = 1_u64;
     for _ in 0..100_000 {
         let mut next = || {
@@ -68,10 +68,10 @@ fn many_spheres() {
             (seed >> 40) as f64 / (1_u64 << 24) as f64
         };
         let (x, y, z) = (6.0 * next() - 3.0, 0.05 + 2.0 * next(), 6.0 * next() - 3.0);
-        write!(balls, "[{x:.4}, {y:.4}, {z:.4}, 0.004],").unwrap();
+        write!(spheres, "[{x:.4}, {y:.4}, {z:.4}, 0.004],").unwrap();
     }
-    let ball = "sphere = { center = [0.0, 1.0, 0.0], radius = 0.6 }";
-    let scene = SCENE.replace(ball, &format!("spheres = [{balls}]"));
+    let sphere = "sphere = { center = [0.0, 1.0, 0.0], radius = 0.6 }";
+    let scene = SCENE.replace(sphere, &format!("spheres = [{spheres}]"));
     fs::write(folder.join("dust.toml"), scene).unwrap();
     let stats = same(folder, &["dust.toml", "--size", "24x16"]);
     assert_eq!(stats["spheres"], 100_000);

@@ -10,7 +10,7 @@ use lobe_core::{
 use std::hint::black_box;
 use visibility_mask::{Blockers, Mask, MaskVisibility};
 
-/// Hides the left of the light, with a slanted edge: the cheapest blocker there is.
+/// Hides the left of the light, with a slanted edge: the cheapest possible blocker.
 struct Curtain;
 
 impl Blockers for Curtain {

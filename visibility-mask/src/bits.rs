@@ -1,4 +1,4 @@
-//! Sets of up to 64 things as the bits of a word.
+//! Sets of up to 64 items as the bits of a word.
 
 /// The lowest `n` bits, n ≤ 64.
 pub(crate) fn ones(n: u32) -> u64 {

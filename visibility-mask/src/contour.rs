@@ -3,49 +3,49 @@ use crate::{MAX_DEPTH, Mask, Raster};
 use glam::{Vec2, Vec3};
 
 const SIDE: usize = 1 << MAX_DEPTH;
-/// A whole cell in the units of `Contour::covered`.
+/// One whole cell, in units of `Contour::covered`.
 const WHOLE: i8 = i8::MAX;
-/// Cells of the rim that are asked for.
+/// Number of cells on the rim that are tested.
 const RIM: usize = 32;
-/// Columns that share one question about how high the contour runs between two rows.
+/// Number of columns that share one test of the contour's height between two rows.
 const STRIDE: usize = 2;
-/// Columns that a contour may take from one row to the next without being asked about its height.
+/// The length in columns up to which a contour may pass from one row to the next without a test of its height.
 const LONG: usize = 3;
 
-/// Fills a [`Mask`] from as few answers as possible to one question: *is the light hidden in this direction?* For
-/// strategies that have no spans, such as shadow rays.
+/// Fills a [`Mask`] from as few results as possible of one test: *is the light hidden in this direction?* For strategies that have
+/// no spans, such as shadow rays.
 ///
 /// # Method
-/// Cells along the rim of what emits are asked for first, since what moves in front of the light enters there; then one
-/// cell of each block of a coarse grid. Cells that nobody asked for take the answer of their block. Then the contour is
-/// followed: wherever neighbours in a row or column differ, those not asked yet are asked, until both sides of the
-/// whole contour are known. Where that shows a thin shape, the grid is made twice as fine and the contour followed
-/// again. At last the place where the contour crosses each row is found between two cells by bisection, so that spans
-/// end at a fraction of a cell; and where it runs along between two rows, its height.
+/// Cells along the rim of the emitting region are tested first, since blockers that move in front of the light enter there; then
+/// one cell of each block of a coarse grid. Untested cells take the result of their block. Then the contour is followed: if
+/// neighbours in a row or column differ, the untested ones are tested, until both sides of the whole contour are known. If the
+/// contour shows a thin shape, the grid is made twice as fine and the contour followed again. Finally the point at which the
+/// contour crosses each row is found between two cells by bisection, so that spans end at a fraction of a cell; and if the contour
+/// runs between two rows, its height.
 ///
 /// # Accuracy
-/// Straight edges at all angles across the light, error of the dark share, mean / worst (questions): depth 4 0.15 / 0.9 %
-/// (133), 5 0.07 / 0.5 % (230), 6 0.03 / 0.2 % (412). Discs from a third of the light's radius on, rings and crescents at
-/// depth 5: 0.06 / 0.4 %, and no more than 0.4 % of a change while they move by a hundredth of it. Shapes that fit between
-/// four cells of the coarse grid without touching the rim can be missed: up to 2.5 % of the light at depth 5.
+/// Straight edges at all angles across the light, error of the hidden fraction, mean / worst (number of tests): depth 4 0.15 / 0.9
+/// % (133), 5 0.07 / 0.5 % (230), 6 0.03 / 0.2 % (412). Discs from a third of the light's radius on, rings and crescents at depth
+/// 5: 0.06 / 0.4 %, and changes of at most 0.4 % for a motion by a hundredth of the light's radius. Shapes that fit between four
+/// cells of the coarse grid and do not touch the rim can be missed: up to 2.5 % of the light at depth 5.
 ///
 /// # Cost
-/// Up to 140 questions where nothing is hidden or everything, and about two for each cell of the contour. It is the
-/// working memory, too (9 kB): keep one a thread.
+/// Up to 140 tests if nothing is hidden or everything, and about two for each cell of the contour. The type is also the working
+/// memory (9 kB): keep one a thread.
 #[derive(Clone, Debug)]
 pub struct Contour {
     start: usize,
     bisections: u32,
-    /// Sine and cosine of the directions in which the rim is asked for.
+    /// Sine and cosine of the directions in which the rim is tested.
     rim: [(f32, f32); RIM],
-    /// Cells that were asked for.
+    /// Cells that were tested.
     known: [u64; SIDE],
-    /// Cells that are hidden as far as is known.
+    /// Cells that are hidden, as far as is known.
     dark: [u64; SIDE],
-    /// Samples that emit and are looked at, from and to, and their cells.
+    /// Samples that emit and are tested, from and to, and their cells.
     spans: [(u32, u32); SIDE],
     emitting: [u64; SIDE],
-    /// What the contour covers more (or less) of a cell than its centre says, in 127ths.
+    /// The covered part of a cell beyond the result at its centre, positive or negative, in 127ths.
     covered: [[i8; SIDE]; SIDE],
 }
 
@@ -57,8 +57,8 @@ impl Default for Contour {
 }
 
 impl Contour {
-    /// `start` coarse blocks a side (made a power of two; at most one a cell), `bisections` questions for each place
-    /// where the contour crosses a row.
+    /// `start`: coarse blocks a side (made a power of two; at most one a cell). `bisections`: tests for each point at which the
+    /// contour crosses a row.
     #[must_use]
     pub fn new(start: usize, bisections: u32) -> Self {
         let start = start.clamp(1, SIDE).next_power_of_two();
@@ -74,21 +74,21 @@ impl Contour {
         }
     }
 
-    /// Blocks what is hidden, on top of what the mask has already. `hidden` is asked for unit directions in world space,
-    /// inside the mask's window and the light, at most a cell below the horizon. Returns the number of questions.
+    /// Blocks the hidden part of the light, in addition to the mask's own blockers. `hidden` tests unit directions in world space,
+    /// inside the mask's window and the light, at most a cell below the horizon. Returns the number of tests.
     pub fn block(&mut self, mask: &mut Mask, hidden: impl FnMut(Vec3) -> bool) -> usize {
         self.block_within(mask, hidden, |mask, j| mask.emitting(j))
     }
 
-    /// The same, and blocks everything below a plane through the receiver with this normal, where nothing is asked: at most
-    /// a cell below it.
+    /// The same, but also blocks everything below a plane through the receiver with this normal. Directions more than a cell below
+    /// the plane are not tested.
     pub fn block_above(&mut self, mask: &mut Mask, normal: Vec3, hidden: impl FnMut(Vec3) -> bool) -> usize {
         let n = mask.square().local(normal);
         mask.block_below(normal);
         self.block_within(mask, hidden, |mask, j| mask.emitting_above(n, j))
     }
 
-    /// Within the samples of each row that `span` gives.
+    /// Tests only the samples of each row that `span` returns.
     fn block_within(
         &mut self,
         mask: &mut Mask,
@@ -103,7 +103,7 @@ impl Contour {
         let mut asked = 0;
         let mut ask = |x: f32, y: f32| {
             asked += 1;
-            // The centre of a cell on the rim may be outside.
+            // The centre of a cell on the rim may be outside the disc.
             let p = Vec2::new(x, y).clamp_length_max(square.disc);
             hidden(square.world(p.extend(1.0)).normalize())
         };
@@ -114,7 +114,7 @@ impl Contour {
         asked
     }
 
-    /// Decides every cell.
+    /// Finds the result of every cell.
     fn find(&mut self, mask: &Mask, ask: &mut impl FnMut(f32, f32) -> bool) {
         let side = mask.side();
         for j in 0..side {
@@ -132,7 +132,7 @@ impl Contour {
         }
     }
 
-    /// Asks for a cell unless its answer is known.
+    /// Tests a cell unless its result is known.
     fn cell(&mut self, i: usize, j: usize, ask: &mut impl FnMut(usize, usize) -> bool) -> bool {
         let bit = 1 << i;
         if self.known[j] & bit == 0 {
@@ -142,7 +142,7 @@ impl Contour {
         self.dark[j] & bit != 0
     }
 
-    /// Asks for cells all around the rim, about three cells apart at depth 5.
+    /// Tests cells all around the rim, about three cells apart at depth 5.
     fn rim(&mut self, side: usize, ask: &mut impl FnMut(usize, usize) -> bool) {
         let rows = || (0..side).filter(|j| self.emitting[*j] != 0);
         let (Some(first), Some(last)) = (rows().next(), rows().next_back()) else { return };
@@ -167,7 +167,7 @@ impl Contour {
         }
     }
 
-    /// Asks for one cell of each of `blocks`² blocks; the others follow it.
+    /// Tests one cell of each of `blocks`² blocks; the untested others take its result.
     fn coarse(&mut self, side: usize, blocks: usize, ask: &mut impl FnMut(usize, usize) -> bool) {
         let size = side / blocks;
         let columns = if size == 64 { u64::MAX } else { (1 << size) - 1 };
@@ -183,7 +183,7 @@ impl Contour {
         }
     }
 
-    /// The middle cell of a block if it emits, else one that is known, else the emitting cell nearest to the middle.
+    /// The centre cell of a block if it emits, else one that is known, else the emitting cell nearest to the centre.
     fn representative(&self, left: usize, top: usize, size: usize) -> Option<(usize, usize)> {
         let (i, j) = (left + size / 2, top + size / 2);
         if self.emitting[j] >> i & 1 == 1 {
@@ -204,8 +204,8 @@ impl Contour {
         best.1
     }
 
-    /// Asks for the unknown ones among neighbours that differ, until none is left: for all of them that are seen before any
-    /// of them is asked for, so that the order does not matter (and many can ask together).
+    /// Tests the unknown cells among neighbours that differ, until there are none. Each round lists its cells before it tests them,
+    /// so that the order does not matter (and many threads can test together).
     fn follow(&mut self, side: usize, ask: &mut impl FnMut(usize, usize) -> bool) {
         loop {
             let open: [u64; SIDE] = core::array::from_fn(|j| if j < side { self.open(side, j) } else { 0 });
@@ -226,7 +226,7 @@ impl Contour {
         for k in [j.wrapping_sub(1), j + 1] {
             if k < side {
                 differ |= (self.dark[j] ^ self.dark[k]) & self.emitting[k];
-                // Along the rim cells follow each other across corners, too.
+                // Along the rim, cells that touch at a corner are neighbours too.
                 let (rim, d) = (self.rim_cells(side, k), self.dark[k]);
                 let beside = (self.dark[j] ^ d << 1) & rim << 1 | (self.dark[j] ^ d >> 1) & rim >> 1;
                 differ |= beside & self.rim_cells(side, j);
@@ -235,7 +235,7 @@ impl Contour {
         differ & self.emitting[j] & !self.known[j]
     }
 
-    /// Cells of row `j` at the rim of what emits: not all four neighbours do.
+    /// Cells of row `j` at the rim of the emitting region: one of their four neighbours does not emit.
     fn rim_cells(&self, side: usize, j: usize) -> u64 {
         let e = self.emitting[j];
         let row = |k: usize| if k < side { self.emitting[k] } else { 0 };
@@ -257,18 +257,18 @@ impl Contour {
         })
     }
 
-    /// Cells of row `j` that differ from their left or right neighbour, where both emit.
+    /// Cells of row `j` that differ from their left or right neighbour, if both emit.
     fn steps(&self, j: usize) -> u64 {
         let (e, d) = (self.emitting[j], self.dark[j]);
         let right = (d ^ d >> 1) & e & e >> 1;
         right | right << 1
     }
 
-    /// Where the contour runs along between two rows, finds its height and with it what it covers of the cells.
+    /// Finds the height of a contour that runs between two rows, and the parts of the cells that it covers.
     ///
-    /// Spans count what is dark on the rows' lines. That is right for a contour that crosses the lines, but not where it
-    /// passes between two of them from rim to rim, or turns back. Where it comes through one line and soon leaves through the
-    /// other, what the lines count too much at one end they count too little at the other; not where it bends on a long way.
+    /// Spans measure the hidden part on the rows' lines. That is right for a contour that crosses the lines, but not for one that
+    /// passes between two of them from rim to rim, or turns back. If it enters through one line and soon leaves through the other,
+    /// the errors of the lines at both ends cancel, but not if it bends over a longer distance.
     fn plateaus(&mut self, mask: &Mask, ask: &mut impl FnMut(f32, f32) -> bool) {
         self.covered = [[0; SIDE]; SIDE];
         for j in 0..mask.side() - 1 {
@@ -293,7 +293,7 @@ impl Contour {
         }
     }
 
-    /// The contour between rows `j` and `j + 1` in some columns, as high as in their middle.
+    /// Measures the contour between rows `j` and `j + 1` in some columns, by its height in their centre.
     fn plateau(
         &mut self,
         mask: &Mask,
@@ -306,7 +306,7 @@ impl Contour {
         let x = 0.5 * (mask.cell_center(columns.start, j).x + mask.cell_center(columns.end - 1, j).x);
         let (from, to) = (mask.row_y(dark), mask.row_y(lit));
         let height = self.height(columns.start / STRIDE, &mut |t| ask(x, from + t * (to - from)));
-        // Beyond half the way it reaches into the lit cells; before, it leaves some of the dark ones.
+        // Beyond half the height it covers a part of the lit cells; below that it leaves open a part of the dark ones.
         let covered = ((height - 0.5) * f32::from(WHOLE)) as i8;
         let row = if height < 0.5 { dark } else { lit };
         for i in columns {
@@ -314,7 +314,7 @@ impl Contour {
         }
     }
 
-    /// The same between the outermost rows and the light's rim beyond them, where it runs along the rows.
+    /// The same between the outermost rows and the light's rim, if the rim runs along the rows.
     fn rim_plateaus(&mut self, mask: &Mask, ask: &mut impl FnMut(f32, f32) -> bool) {
         let (side, disc, cell) = (mask.side(), mask.square().disc, mask.cell().y);
         for j in 0..side {
@@ -326,7 +326,7 @@ impl Contour {
                     let x = mask.cell_center(i, j).x;
                     let rim = sign * (disc * disc - x * x).max(0.0).sqrt();
                     let above = (rim - y) * sign;
-                    // Not where the rim is steep, nor at the window's border or the horizon.
+                    // Not if the rim is steep, nor at the window's border or the horizon.
                     if i < next || 2.0 * x * x > disc * disc || above < 0.05 * cell || above > cell {
                         continue;
                     }
@@ -348,8 +348,8 @@ impl Contour {
         }
     }
 
-    /// Between where and where, from a dark point (0) to a lit one (1), the contour is, by bisection. The steps are shifted a
-    /// little from line to line: an edge that moves along with many lines moves from step to step in one after the other.
+    /// The interval, from a dark point (0) to a lit one (1), that contains the contour, by bisection. The steps are shifted
+    /// slightly from line to line: an edge along many lines then moves across the steps of one line after the other.
     fn crossing(&self, line: usize, dark: &mut impl FnMut(f32) -> bool) -> (f32, f32) {
         let step = 0.5_f32.powi(self.bisections as i32);
         let shift = step * ([0.0, 4.0, 2.0, 6.0, 1.0, 5.0, 3.0, 7.0][line % 8] / 8.0 - 7.0 / 16.0);
@@ -361,8 +361,8 @@ impl Contour {
         (if low > 0.0 { low + shift } else { 0.0 }, if high < 1.0 { high + shift } else { 1.0 })
     }
 
-    /// How far from a dark row (0) to a lit one (1) the contour is. The rows are not shifted, so that an edge along one
-    /// passes it in all columns at once: one question more next to them.
+    /// The distance of the contour from a dark row (0) toward a lit one (1). The rows are not shifted, so an edge along a row
+    /// passes it in all columns at once; there is one more test next to the rows.
     fn height(&self, line: usize, dark: &mut impl FnMut(f32) -> bool) -> f32 {
         let (mut low, mut high) = self.crossing(line, dark);
         if low == 0.0 || high == 1.0 {
@@ -372,7 +372,7 @@ impl Contour {
         0.5 * (low + high)
     }
 
-    /// Blocks the runs of dark cells, their ends found between two centres.
+    /// Blocks the runs of dark cells; their ends are found between two centres.
     fn write(&self, mask: &mut Mask, ask: &mut impl FnMut(f32, f32) -> bool) {
         for j in 0..mask.side() {
             let (e, y, cell) = (self.emitting[j], mask.row_y(j), mask.cell().x);
@@ -387,7 +387,7 @@ impl Contour {
                 whole &= !(1 << i);
                 let (start, length) = mask.part_of(i, self.spans[j]);
                 let left = mask.cell_center(i, j).x + (start - i as f32 - 0.5) * cell;
-                // Ends among the samples of a cell that differ from cell to cell, else a whole row would round alike.
+                // The end is shifted among the cell's samples from cell to cell, or a whole row would round in the same way.
                 let shift = (Raster::shift(i) + Raster::shift(j)) / mask.raster().samples;
                 mask.block_span(j, left, left + share * length * cell + shift);
             }
@@ -395,7 +395,7 @@ impl Contour {
                 let first = whole.trailing_zeros() as usize;
                 let end = first + (whole >> first).trailing_ones() as usize;
                 whole &= u64::MAX.checked_shl(end as u32).unwrap_or(0);
-                // The contour beside a dark cell; its border where the next one is covered in part.
+                // The contour beside a dark cell; the cell's border if the next one is partly covered.
                 let mut edge = |dark: usize, next: usize| {
                     if self.dark[j] >> next & 1 == 1 {
                         return 0.5 * (mask.cell_center(dark, j).x + mask.cell_center(next, j).x);
@@ -414,8 +414,8 @@ impl Contour {
     }
 }
 
-/// Where on its row a cell is asked for: in the middle of what emits of it; in rows of at least four cells the outermost
-/// ones at the ends of the row, so that what moves into the light is met as soon as it does.
+/// The position in its row at which a cell is tested: the centre of its emitting part. In rows of at least four cells the outermost
+/// cells are tested at the ends of the row, so that a blocker that moves in front of the light is found at once.
 fn sample(mask: &Mask, span: (u32, u32), i: usize, j: usize) -> f32 {
     let cells = mask.cells_of(span);
     let (start, length) = mask.part_of(i, span);

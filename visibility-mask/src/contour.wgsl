@@ -1,15 +1,16 @@
-// The Contour of contour.rs, followed by a workgroup: each thread has a row, and all share the questions. Needs mask.wgsl and
-// `light_is_hidden(v: vec3f) -> bool` for unit directions. Everything requires uniform control flow.
+// The Contour of contour.rs, followed by a workgroup: each thread has a row, and all share the tests. Needs mask.wgsl and
+// `light_is_hidden(v: vec3f) -> bool` for unit directions. All functions require uniform control flow.
 //
-// Cells of a row are bits of two words. What is asked does not depend on the order of the answers, so neither do they.
+// Cells of a row are bits of two words. The set of tests does not depend on the order of their results, so the results do not
+// either.
 
-// Coarse blocks a side, and questions for each place where the contour crosses a row.
+// Coarse blocks a side, and tests for each point at which the contour crosses a row.
 const CONTOUR_START = 8u;
 const CONTOUR_BISECTIONS = 2u;
 const CONTOUR_STEPS = 1u << CONTOUR_BISECTIONS;
-// Columns that a contour may take from one row to the next without being asked about its height.
+// The length in columns up to which a contour may pass from one row to the next without a test of its height.
 const CONTOUR_LONG = 3u;
-// A whole cell in the units of what the contour covers.
+// One whole cell, in contour coverage units.
 const CONTOUR_WHOLE = 127.0;
 const CONTOUR_WORDS = 2u * LANES;
 const CONTOUR_PART = LANES / 8u;
@@ -25,41 +26,41 @@ const CONTOUR_RIM = array<vec2f, 8>(
     vec2f(0.29028467725, 0.95694033573), vec2f(0.09801714033, 0.99518472667),
 );
 
-// What is done one after the other. Cells are asked for up to CONTOUR_FOLLOW, then how far the contour is from a dark point.
+// The stages, in order. Up to CONTOUR_FOLLOW cells are tested, then the distance of the contour from a dark point.
 const CONTOUR_RIM_CELLS = 0u;
 const CONTOUR_COARSE = 1u;
 const CONTOUR_FOLLOW = 2u;
-// Asks for nothing.
+// Tests nothing.
 const CONTOUR_THIN = 3u;
-// Between two rows; between the outermost rows and the rim below and above; beside the runs of a row. Layers count from the
-// first, and from the fourth again.
+// Between two rows; between the outermost rows and the rim below and above; beside the runs of a row. Layers are counted from the
+// first of these stages, and again from the fourth.
 const CONTOUR_BETWEEN = 4u;
 const CONTOUR_BELOW = 5u;
 const CONTOUR_ABOVE = 6u;
 const CONTOUR_LEFT = 7u;
 const CONTOUR_RIGHT = 8u;
 
-// Of each row: samples that emit, cells that emit, cells that were asked for, cells that are hidden as far as is known.
+// For each row: samples that emit, cells that emit, cells that were tested, cells that are hidden as far as is known.
 var<workgroup> contour_spans: array<vec2u, LANES>;
 var<workgroup> contour_emit: array<vec2u, LANES>;
 var<workgroup> contour_known: array<atomic<u32>, CONTOUR_WORDS>;
 var<workgroup> contour_dark: array<atomic<u32>, CONTOUR_WORDS>;
-// Cells to be asked for next.
+// Cells to be tested next.
 var<workgroup> contour_marks: array<atomic<u32>, CONTOUR_WORDS>;
-// Items that the rows want done, and how many there are in an eighth of the rows so far.
+// Items of each row, and the number of items up to a row within its eighth of the rows.
 var<workgroup> contour_want: array<vec2u, LANES>;
 var<workgroup> contour_sums: array<u32, LANES>;
 var<workgroup> contour_total: u32;
 var<workgroup> contour_answers: array<atomic<u32>, CONTOUR_BYTES>;
-// Where it was asked for heights, in the same layers.
+// Columns whose heights were tested, in the same layers.
 var<workgroup> contour_flats: array<Flat, CONTOUR_LAYERS>;
 
 fn contour_ask(mask: Mask, p: vec2f) -> bool {
-    // The centre of a cell on the rim may be outside.
+    // The centre of a cell on the rim may be outside the disc.
     return light_is_hidden(unit(square_world(mask.square, vec3f(shortened(p, mask.square.disc), 1.0))));
 }
 
-// How many items all rows want done; items are bits of the rows.
+// The number of items of all rows; items are bits of the rows.
 fn contour_items(lane: u32, want: vec2u) -> u32 {
     contour_want[lane] = want;
     contour_sums[lane] = countOneBits(want.x) + countOneBits(want.y);
@@ -100,8 +101,8 @@ fn contour_item(number: u32) -> vec2u {
     return vec2u(bits_first(want), row);
 }
 
-// The questions of one item: the single place where anything is asked, since a compiler repeats the whole search through a
-// scene wherever it stands.
+// The tests of one item. It is the only place that calls the test, since a compiler repeats the whole search of a scene at each
+// call.
 fn contour_do(mask: Mask, stage: u32, i: u32, j: u32) {
     var center = vec2f(mask_cell_center(mask, i, j).x, mask_row_y(mask, j));
     if (stage == CONTOUR_BETWEEN && i + 1u < SIDE && bits_has(contour_flats[j].all & ~contour_flats[j].starts, i + 1u)) {
@@ -109,7 +110,7 @@ fn contour_do(mask: Mask, stage: u32, i: u32, j: u32) {
         center.x = 0.5 * (center.x + mask_cell_center(mask, i + 1u, j).x);
     }
     let hides = bits_has(contour_dark_of(j), i);
-    // From a dark point to a lit one; and what is asked first.
+    // From a dark point to a lit one; and the point that is tested first.
     var start = center;
     var end = center;
     var check = center;
@@ -139,7 +140,7 @@ fn contour_do(mask: Mask, stage: u32, i: u32, j: u32) {
         let step = CONTOUR_STEPS >> q;
         var way = f32(low + step) / f32(CONTOUR_STEPS) + shift;
         if (q > CONTOUR_BISECTIONS) {
-            // Rows are not shifted: one more question next to them.
+            // Rows are not shifted: one more test next to them.
             if (stage > CONTOUR_ABOVE || contour_is_inside(low)) {
                 break;
             }
@@ -167,7 +168,7 @@ fn contour_do(mask: Mask, stage: u32, i: u32, j: u32) {
     contour_note((stage - CONTOUR_BETWEEN) % 3u, i, j, select(2u * low + half, low, stage > CONTOUR_ABOVE));
 }
 
-// What the own row wants done.
+// The items of the thread's row.
 fn contour_wish(lane: u32, mask: Mask, stage: u32, whole: vec2u) -> vec2u {
     switch stage {
         case CONTOUR_FOLLOW: {
@@ -194,7 +195,7 @@ fn contour_wish(lane: u32, mask: Mask, stage: u32, whole: vec2u) -> vec2u {
             return select(last, first, stage == CONTOUR_LEFT);
         }
         default: {
-            // Marked cells unless their answers are known.
+            // Marked cells, unless their results are known.
             let marks = vec2u(atomicLoad(&contour_marks[2u * lane]), atomicLoad(&contour_marks[2u * lane + 1u]));
             atomicStore(&contour_marks[2u * lane], 0u);
             atomicStore(&contour_marks[2u * lane + 1u], 0u);
@@ -203,8 +204,8 @@ fn contour_wish(lane: u32, mask: Mask, stage: u32, whole: vec2u) -> vec2u {
     }
 }
 
-// Blocks what is hidden, on top of what the own row has already. Asks about the samples `span` of the own row only, start and
-// end: those that emit, or a part of them where the others are blocked.
+// Blocks the hidden part of the row, in addition to its own blockers. Tests only the samples `span` of the row, start and end:
+// those that emit, or a part of them if the others are blocked.
 fn contour_block(lane: u32, mask: Mask, span: vec2u) {
     contour_spans[lane] = span;
     contour_emit[lane] = contour_cells(span);

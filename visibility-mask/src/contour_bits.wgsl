@@ -11,7 +11,7 @@ fn bits_one(i: u32) -> vec2u { return select(vec2u(0u, 1u << (i & 31u)), vec2u(1
 
 fn bits_has(v: vec2u, i: u32) -> bool { return ((select(v.y, v.x, i < 32u) >> (i & 31u)) & 1u) == 1u; }
 
-// The lowest bit, 64 where there is none.
+// The lowest bit, 64 if there is none.
 fn bits_first(v: vec2u) -> u32 { return select(32u + countTrailingZeros(v.y), countTrailingZeros(v.x), v.x != 0u); }
 
 // The lowest bit that is not set, from `first` on.

@@ -1,4 +1,4 @@
-// The cells of contour.wgsl: which of them are asked for, and what is known of their neighbours.
+// The cells of contour.wgsl: the ones that are tested, and the known results of their neighbours.
 
 fn contour_known_of(j: u32) -> vec2u {
     return vec2u(atomicLoad(&contour_known[2u * j]), atomicLoad(&contour_known[2u * j + 1u]));
@@ -22,8 +22,8 @@ fn contour_part(i: u32, j: u32) -> vec2f {
     return vec2f(at.x, max(at.y - at.x, 0.0));
 }
 
-// Where on its row a cell is asked for: in the middle of what emits of it; in rows of at least four cells the outermost
-// ones at the ends of the row.
+// The position in its row at which a cell is tested: the centre of its emitting part. In rows of at least four cells the outermost
+// cells are tested at the ends of the row.
 fn contour_sample(mask: Mask, i: u32, j: u32) -> f32 {
     let cells = contour_emit[j];
     let part = contour_part(i, j);
@@ -72,8 +72,8 @@ fn contour_rim(lane: u32) {
     }
 }
 
-// The middle cell of a block if it emits, else one that is known, else the emitting cell nearest to the middle; the last is
-// 0 where there is none.
+// The centre cell of a block if it emits, else one that is known, else the emitting cell nearest to the centre; the last component
+// is 0 if there is none.
 fn contour_representative(corner: vec2u, size: u32) -> vec3u {
     let middle = corner + size / 2u;
     if (bits_has(contour_emit[middle.y], middle.x)) {
@@ -109,7 +109,7 @@ fn contour_coarse(lane: u32, blocks: u32) {
     }
 }
 
-// The others follow it.
+// The untested cells take the result of their block's cell.
 fn contour_fill(lane: u32, blocks: u32) {
     let size = SIDE / blocks;
     for (var b = lane; b < blocks * blocks; b += LANES) {
@@ -133,7 +133,7 @@ fn contour_fill(lane: u32, blocks: u32) {
     }
 }
 
-// The unknown ones among neighbours that differ.
+// The unknown cells among neighbours that differ.
 fn contour_open(lane: u32) -> vec2u {
     var differ = contour_steps(lane);
     if (lane > 0u) {
@@ -145,7 +145,7 @@ fn contour_open(lane: u32) -> vec2u {
     return differ & contour_emit[lane] & ~contour_known_of(lane);
 }
 
-// Cells of row `j` that differ from a neighbour in row `k`; along the rim, across corners, too.
+// Cells of row `j` that differ from a neighbour in row `k`; along the rim, cells that touch at a corner are neighbours too.
 fn contour_differ(j: u32, k: u32) -> vec2u {
     let hides = contour_dark_of(j);
     let other = contour_dark_of(k);
@@ -154,7 +154,7 @@ fn contour_differ(j: u32, k: u32) -> vec2u {
     return ((hides ^ other) & contour_emit[k]) | (beside & contour_rim_cells(j));
 }
 
-// Cells of row `j` at the rim of what emits: not all four neighbours do.
+// Cells of row `j` at the rim of the emitting region: one of their four neighbours does not emit.
 fn contour_rim_cells(j: u32) -> vec2u {
     let e = contour_emit[j];
     var inner = bits_up(e) & bits_down(e);
@@ -178,7 +178,7 @@ fn contour_thin(lane: u32) -> vec2u {
     return thin & e;
 }
 
-// Cells of row `j` that differ from their left or right neighbour, where both emit.
+// Cells of row `j` that differ from their left or right neighbour, if both emit.
 fn contour_steps(j: u32) -> vec2u {
     let emits = contour_emit[j];
     let hides = contour_dark_of(j);

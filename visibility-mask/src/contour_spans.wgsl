@@ -1,25 +1,25 @@
-// What the contour of contour.wgsl covers: heights between rows, parts of cells, runs of a row.
+// The region that the contour of contour.wgsl covers: heights between rows, parts of cells, runs of a row.
 
-// How far the steps of a bisection are shifted: a little from line to line.
+// The shift of a bisection's steps: slightly different from line to line.
 fn contour_shift(line: u32) -> f32 {
     let order = ((line & 1u) << 2u) | (line & 2u) | ((line >> 2u) & 1u);
     return (f32(order) / 8.0 - 7.0 / 16.0) / f32(CONTOUR_STEPS);
 }
 
-// From where to where, between the dark point (0) and the lit one (1), what a bisection found is.
+// The interval, between the dark point (0) and the lit one (1), that a bisection has found.
 fn contour_bounds(line: u32, low: u32) -> vec2f {
     let at = vec2f(f32(low), f32(low + 1u)) / f32(CONTOUR_STEPS) + contour_shift(line);
     return vec2f(select(0.0, at.x, low > 0u), select(1.0, at.y, low + 1u < CONTOUR_STEPS));
 }
 
-// Where that is in the middle.
+// The middle of that interval.
 fn contour_way(line: u32, low: u32) -> f32 {
     let bounds = contour_bounds(line, low);
     return 0.5 * (bounds.x + bounds.y);
 }
 
-// The same of a step between a dark row and a lit one: twice what a bisection found and, next to either row, one more for
-// the upper half.
+// The same for a step between a dark row and a lit one: twice a bisection's result and, next to either row, one more for the upper
+// half.
 fn contour_height(line: u32, step: u32) -> f32 {
     let low = step / 2u;
     let bounds = contour_bounds(line, low);
@@ -28,7 +28,7 @@ fn contour_height(line: u32, step: u32) -> f32 {
     return select(half, middle, contour_is_inside(low));
 }
 
-// Whether what a bisection found is at neither end.
+// Whether a bisection's result is at neither end.
 fn contour_is_inside(low: u32) -> bool { return low > 0u && low + 1u < CONTOUR_STEPS; }
 
 fn contour_slot(layer: u32, i: u32, j: u32) -> u32 { return (layer * LANES + j) * CONTOUR_ROW + i / 8u; }
@@ -50,7 +50,7 @@ fn contour_forget(lane: u32) {
     workgroupBarrier();
 }
 
-// Where the contour runs along between rows `j` and `j + 1`: first columns of pairs, and all columns.
+// The columns in which the contour runs between rows `j` and `j + 1`: first columns of pairs, and all columns.
 struct Flat { starts: vec2u, all: vec2u }
 
 fn contour_flat(j: u32) -> Flat {
@@ -71,7 +71,7 @@ fn contour_flat(j: u32) -> Flat {
             first > 0u && bits_has(high & both, first - 1u)
         );
         let right = vec2<bool>(end < SIDE && bits_has(low & both, end), end < SIDE && bits_has(high & both, end));
-        // It comes through one line and soon leaves through the other.
+        // The contour enters through one line and soon leaves through the other.
         if (end - first < CONTOUR_LONG && left.x != left.y && right.x != right.y && left.x != right.x) {
             continue;
         }
@@ -83,8 +83,8 @@ fn contour_flat(j: u32) -> Flat {
     return out;
 }
 
-// Cells of row `j` with nothing that emits beyond them; and those of them whose way to the light's rim is asked for, where it
-// runs along the row.
+// Cells of row `j` beyond which nothing emits; and those of them whose distance to the light's rim is tested, if the rim runs along
+// the row.
 fn contour_outer(mask: Mask, j: u32, above: bool) -> Flat {
     var out = Flat(vec2u(0u), contour_emit[j] & ~contour_steps(j));
     if (above && j + 1u < SIDE) {
@@ -101,7 +101,7 @@ fn contour_outer(mask: Mask, j: u32, above: bool) -> Flat {
         rest &= ~bits_one(i);
         let x = mask_cell_center(mask, i, j).x;
         let height = sqrt(max(disc_sq - x * x, 0.0)) - select(-y, y, above);
-        // Not where the rim is steep, nor at the window's border or the horizon.
+        // Not if the rim is steep, nor at the window's border or the horizon.
         if (2.0 * x * x <= disc_sq && height >= 0.05 * cell && height <= cell) {
             out.starts |= bits_one(i);
             rest &= ~bits_one(i + 1u);
@@ -110,14 +110,14 @@ fn contour_outer(mask: Mask, j: u32, above: bool) -> Flat {
     return out;
 }
 
-// What the contour between two rows covers of a cell of the lower (or upper) of them, in 127ths.
+// The part of a cell of the lower (or upper) of two rows that the contour between them covers, in 127ths.
 fn contour_between(flat: Flat, i: u32, gap: u32, lower: bool) -> f32 {
     if (!bits_has(flat.all, i)) {
         return 0.0;
     }
     let start = select(i - 1u, i, bits_has(flat.starts, i));
     let way = contour_height(start / 2u, contour_noted(0u, start, gap) - 1u);
-    // Beyond half the way it reaches into the lit cells; before, it leaves some of the dark ones.
+    // Beyond half the height it covers a part of the lit cells; below that it leaves open a part of the dark ones.
     let below = bits_has(contour_dark_of(gap), start);
     let own = (below == lower) == (way < 0.5);
     return select(0.0, trunc((way - 0.5) * CONTOUR_WHOLE), own);
@@ -141,7 +141,7 @@ fn contour_beyond(outer: Flat, i: u32, j: u32, layer: u32) -> f32 {
     return trunc(0.5 * CONTOUR_WHOLE * select(way, way - 1.0, bits_has(hides, i)));
 }
 
-// Blocks the cells of the own row that are covered in part. Returns those that are covered as a whole.
+// Blocks the partly covered cells of the row. Returns the wholly covered ones.
 fn contour_write_parts(j: u32, mask: Mask) -> vec2u {
     let emits = contour_emit[j];
     var whole = contour_dark_of(j) & emits;
@@ -167,14 +167,14 @@ fn contour_write_parts(j: u32, mask: Mask) -> vec2u {
         let part = contour_part(i, j);
         let cell = mask_cell(mask).x;
         let left = mask_cell_center(mask, i, j).x + (part.x - f32(i) - 0.5) * cell;
-        // Ends among the samples of a cell that differ from cell to cell, else a whole row would round alike.
+        // The end is shifted among the cell's samples from cell to cell, or a whole row would round in the same way.
         let shift = (row_phase(i) + row_phase(j)) / mask.scale;
         mask_block_span(mask, j, left, left + share * part.y * cell + shift);
     }
     return whole;
 }
 
-// Where the contour is beside a dark cell `i` of row `j`, toward its neighbour `next`.
+// The contour beside a dark cell `i` of row `j`, toward its neighbour `next`.
 fn contour_edge(mask: Mask, i: u32, next: u32, j: u32, layer: u32) -> f32 {
     if (bits_has(contour_dark_of(j), next)) {
         return 0.5 * (mask_cell_center(mask, i, j).x + mask_cell_center(mask, next, j).x);
@@ -184,7 +184,7 @@ fn contour_edge(mask: Mask, i: u32, next: u32, j: u32, layer: u32) -> f32 {
     return start + (contour_sample(mask, next, j) - start) * way;
 }
 
-// Blocks the runs of cells that are covered as a whole.
+// Blocks the runs of wholly covered cells.
 fn contour_write_runs(lane: u32, mask: Mask, whole: vec2u) {
     let emits = contour_emit[lane];
     var rest = whole;

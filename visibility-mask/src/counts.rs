@@ -1,9 +1,9 @@
-//! How many samples of each column of each row emit and are lit: what weights are multiplied by.
+//! Numbers of emitting and of lit samples in each column of each row: the factors of weights.
 
 use crate::Mask;
 use crate::row::{self, EIGHT, Row, SIDE};
 
-/// Blocks of eight columns: what a weight is taken for. A column of a fine mask has eight samples, of a coarse one four.
+/// Blocks of eight columns; each column has one weight. A column of a fine mask has eight samples, of a coarse one four.
 pub(crate) const FINE: usize = 4;
 pub(crate) const COARSE: usize = 2;
 
@@ -13,7 +13,7 @@ pub(crate) struct Counts {
     bytes: [u8; SIDE * FINE * EIGHT],
     lit: [f32; SIDE * FINE * EIGHT],
     emitting: [f32; SIDE * FINE * EIGHT],
-    /// Depth and width of the mask of a whole disc that `emitting` is of, if it is.
+    /// Depth and width of the mask of a whole disc from which `emitting` was filled, if it was.
     disc: Option<(u32, usize)>,
 }
 
@@ -43,7 +43,7 @@ impl Counts {
             *disc = whole;
         }
     }
-    /// The columns of each row of the mask that they were filled from, in blocks of eight: what is lit, and what emits.
+    /// The columns of each row of the mask, in blocks of eight: lit samples, and emitting samples.
     #[inline(always)]
     pub(crate) fn rows<const B: usize>(&self, mask: &Mask) -> impl Iterator<Item = (&[[f32; EIGHT]], &[[f32; EIGHT]])> {
         let (lit, _) = self.lit.as_chunks::<EIGHT>();
@@ -52,8 +52,8 @@ impl Counts {
     }
 }
 
-/// Bits of each byte or, of coarse rows, half byte: added up in pairs, fours and eights. The even half bytes come first,
-/// then the odd ones.
+/// Sums the bits of each byte or, in coarse rows, half byte, in pairs, fours and eights. The even half bytes come first, then the
+/// odd ones.
 #[inline(always)]
 fn add_up<const B: usize>(rows: impl Iterator<Item = Row>, bytes: &mut [u8], out: &mut [f32]) {
     for (row, bytes) in rows.zip(bytes.chunks_exact_mut(B * EIGHT)) {
@@ -79,7 +79,7 @@ fn add_up<const B: usize>(rows: impl Iterator<Item = Row>, bytes: &mut [u8], out
     }
 }
 
-/// Plane coordinates x of the middles of the columns, in the order of the counts.
+/// Plane coordinates x of the columns' centres, in the order of the counts.
 #[inline(always)]
 pub(crate) fn middles<const B: usize>(mask: &Mask) -> [[f32; EIGHT]; B] {
     let square = mask.square();

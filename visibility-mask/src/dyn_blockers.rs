@@ -46,7 +46,8 @@ where
     }
 }
 
-/// Any number of blockers in one mask: those that are not known when a program is compiled. A [`Mixture`](crate::Mixture) is for those that are.
+/// Any number of blockers in one mask, chosen at run time. A [`Mixture`](crate::Mixture) is for blockers that are known at compile
+/// time.
 #[derive(Clone, Default)]
 pub struct DynMixture<'a>(pub Vec<&'a dyn DynBlockers>);
 
@@ -57,7 +58,7 @@ impl Debug for DynMixture<'_> {
 }
 
 impl Blockers for DynMixture<'_> {
-    /// That of each, and whether it has found something.
+    /// The scratch of each, and whether it has found a blocker.
     type Scratch = Vec<(DynScratch, bool)>;
 
     fn scratch(&self) -> Self::Scratch {

@@ -4,23 +4,23 @@ use fearless_simd::{Level, Simd, dispatch, f32x8, i32x8, prelude::*};
 use glam::{Vec2, Vec3};
 use lobe_core::Cone;
 
-/// Share of the light's radius that an edge of no direction is worth: what a mask is turned to where no edge says more.
+/// The weight of an edge without direction, as a fraction of the light's radius: it turns a mask if no edge does.
 pub(crate) const NOTHING: f32 = 1e-3;
 
-/// How much more the direction of a plane matters, the horizon's or a facet's, than a blocker's: rows alone cut by it.
+/// The weight of the edge of a plane (the horizon's or a facet's) relative to a blocker's edge, since masks cut by it on rows only.
 pub(crate) const PLANE: f32 = 4.0;
 
-/// The directions of all edges across a light: by their sum a [`Mask`](crate::Mask) is turned, so that its rows run
-/// across most of them.
+/// The directions of all edges across a light. A [`Mask`](crate::Mask) is turned by their sum, so that its rows run across most of
+/// them.
 ///
-/// A sum of `length·(cos 2φ, sin 2φ)` over the edges, φ the direction across an edge in the plane that faces the light: an
-/// edge and its opposite are the same, and two at right angles cancel. Lengths are in radii of the light's disc, and zero
-/// where an edge leaves the light: so the turn follows whatever moves without a step, except where the sum vanishes.
+/// The sum of `length·(cos 2φ, sin 2φ)` over the edges, where φ is the direction across an edge in the plane that faces the light:
+/// an edge and its opposite are the same, and two edges at right angles cancel. Lengths are in radii of the light's disc, and
+/// become zero as an edge leaves the light: the rotation therefore follows any motion without a step, except if the sum vanishes.
 ///
-/// An edge along the rows changes a whole row at once. So straight edges at right angles ([`add_lines`](Self::add_lines))
+/// An edge along the rows changes a whole row at once. Straight edges at right angles ([`add_lines`](Self::add_lines)) therefore
 /// make the mask lean, so that none of them runs along the rows. With s the length of the first sum, 2α its angle, and c the
-/// component of the sum of `length·(cos 4φ, sin 4φ)` along 4α, the mask leans by δ with `tan 2δ = (c − s)/s`: by nothing for
-/// edges of one direction, by 45° for a right angle between equal lengths.
+/// component of the sum of `length·(cos 4φ, sin 4φ)` along 4α, the mask leans by δ with `tan 2δ = (c − s)/s`: not at all for edges
+/// of one direction, by 45° for a right angle between equal lengths.
 ///
 /// ```
 /// use glam::Vec3;
@@ -36,12 +36,12 @@ pub struct Edges {
     right: Vec3,
     up: Vec3,
     sum: Vec2,
-    /// The sum of the edges that were added in any order, in [`STEP`]s, and that of four times their angles.
+    /// The sum of the edges that may be added in any order, in [`STEP`]s, and the sum with four times their angles.
     whole: [i64; 2],
     fourfold: [i64; 2],
 }
 
-/// Lengths that are added in any order are rounded to this part of the disc's radius.
+/// Lengths that may be added in any order are rounded to this fraction of the disc's radius.
 const STEP: f32 = 1.0 / 65_536.0;
 
 impl Edges {
@@ -52,7 +52,7 @@ impl Edges {
         Self { right, up, sum: Vec2::new(NOTHING, 0.0), whole: [0; 2], fourfold: [0; 2] }
     }
 
-    /// An edge with `across` (world space, any length) at right angles to it, `length` radii of the light's disc long.
+    /// Adds an edge perpendicular to `across` (world space, any length), `length` radii of the light's disc long.
     #[inline]
     pub fn add(&mut self, across: Vec3, length: f32) {
         let d = Vec2::new(self.right.dot(across), self.up.dot(across));
@@ -62,8 +62,8 @@ impl Edges {
         }
     }
 
-    /// [`add`](Self::add) of eight edges; a length of zero or less adds nothing. Whatever the order in which edges are added so,
-    /// the sum is the same to the bit.
+    /// Adds eight edges as [`add`](Self::add) does; a length of zero or less adds nothing. The sum is the same to the bit for any
+    /// order of the edges.
     #[doc(hidden)]
     #[inline(always)]
     pub fn add_lines<S: Simd>(&mut self, simd: S, across: [f32x8<S>; 3], length: f32x8<S>) {
@@ -83,21 +83,21 @@ impl Edges {
         }
     }
 
-    /// The edge of a plane through the receiver with this normal, where it cuts the disc of the cone.
+    /// Adds the edge of a plane through the receiver with this normal, as far as it crosses the disc of the cone.
     ///
-    /// Its direction matters more than a blocker's, since [`Mask`](crate::Mask) cuts by a plane on the rows' lines only.
+    /// It counts more than a blocker's edge, since [`Mask`](crate::Mask) cuts by a plane on the rows' lines only.
     pub fn add_plane(&mut self, normal: Vec3, cone: &Cone) {
         let cos = normal.dot(cone.axis);
-        // Distance of its chord from the middle: cos β/(sin β tan θ).
+        // Distance of its chord from the centre: cos β/(sin β tan θ).
         let off_sq = cos * cos / ((1.0 - cos * cos).max(0.0) * cone.tan().powi(2));
         if off_sq < 1.0 {
             self.add(normal, PLANE * 2.0 * (1.0 - off_sq).sqrt());
         }
     }
 
-    /// What of a circle's rim lies on the light's disc: its centre `to` (world space, seen from the disc's; what is along the
-    /// axis does not matter) and its radius, in radii of the disc. With α half the arc and φ the direction of the centre:
-    /// `∫ ρ (cos 2t, sin 2t) dt = ρ sin 2α (cos 2φ, sin 2φ)` over φ ± α.
+    /// Adds the arc of a circle that lies inside the light's disc. `to` is its centre (world space, relative to the disc's; the
+    /// part along the axis does not matter), and its radius is in radii of the disc. With α half the arc and φ the direction of the
+    /// centre: `∫ ρ (cos 2t, sin 2t) dt = ρ sin 2α (cos 2φ, sin 2φ)` over φ ± α.
     pub fn add_circle(&mut self, to: Vec3, radius: f32) {
         dispatch!(Level::new(), simd => {
             let one = |x: f32| f32x8::simd_from(simd, [x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
@@ -105,7 +105,7 @@ impl Edges {
         });
     }
 
-    /// [`add_circle`](Self::add_circle) of eight; a radius of zero adds nothing.
+    /// Adds eight circles as [`add_circle`](Self::add_circle) does; a radius of zero adds nothing.
     #[doc(hidden)]
     #[inline(always)]
     pub fn add_circles<S: Simd>(&mut self, simd: S, to: [f32x8<S>; 3], radius: f32x8<S>) {
@@ -115,7 +115,7 @@ impl Edges {
         let y = to[0] * v.x + to[1] * v.y + to[2] * v.z;
         let square = x * x + y * y;
         let distance = square.sqrt();
-        // cos α = n/(2ρd), sin α = √((1 − (d − ρ)²)((d + ρ)² − 1))/(2ρd), negative where the rims do not cross.
+        // cos α = n/(2ρd), sin α = √((1 − (d − ρ)²)((d + ρ)² − 1))/(2ρd), negative if the rims do not cross.
         let (apart, both) = (distance - radius, distance + radius);
         let root = ((one - apart * apart) * (both * both - one)).max(zero).sqrt();
         let scale = (square + radius * radius - one) * root / (square * square * (radius + radius));
@@ -124,7 +124,7 @@ impl Edges {
         self.sum += Vec2::new(sum((x * x - y * y) * scale), sum((x + x) * y * scale));
     }
 
-    /// The unit direction, at right angles to the light's axis, across which most edges run.
+    /// The unit direction, perpendicular to the light's axis, across which most edges run.
     #[must_use]
     pub fn across(&self) -> Vec3 {
         let [x, y] = self.whole.map(|whole| whole as f32 * STEP);
@@ -147,7 +147,7 @@ impl Edges {
     }
 }
 
-/// Two unit vectors that complete an axis to a basis, without a step except where it points straight down.
+/// Two unit vectors that complete an axis to a basis; continuous, except if the axis points straight down.
 fn frame(axis: Vec3) -> (Vec3, Vec3) {
     let Vec3 { x, y, z } = axis;
     let a = 1.0 / (1.0 + y).max(1e-6);
@@ -160,7 +160,7 @@ mod tests {
     use core::f64::consts::TAU;
     use lobe_core::oracle::Random;
 
-    /// Eight edges at once are the same edges one by one, in any order.
+    /// Eight edges at once give the same sum as one by one, in any order.
     #[test]
     fn lines_add_as_single_edges_do() {
         let mut random = Random::new(8);
@@ -186,7 +186,7 @@ mod tests {
         }
     }
 
-    /// Edges of one direction are crossed at right angles; the shorter of two at right angles to each other leans the mask.
+    /// Rows cross edges of one direction at right angles; the shorter of two perpendicular edges makes the mask lean.
     #[test]
     fn no_edge_runs_along_the_rows() {
         let cone = Cone { axis: Vec3::Y, one_minus_cos: 0.01, distance: 5.0 };
@@ -203,7 +203,7 @@ mod tests {
         }
     }
 
-    /// The rim's integral over the directions in which it lies on the disc, by quadrature in f64.
+    /// The arc's integral over the directions in which it lies on the disc, by quadrature in f64.
     #[test]
     fn circles_add_what_of_their_rims_is_on_the_disc() {
         let mut random = Random::new(5);
@@ -217,7 +217,7 @@ mod tests {
             let to = edges.right * (apart * c) as f32 + edges.up * (apart * s) as f32;
             edges.add_circle(to + 3.0 * Vec3::Y, radius as f32);
             let got = edges.sum - Vec2::new(NOTHING, 0.0);
-            // Fine steps around the point next to the disc's middle.
+            // Fine steps around the point nearest to the disc's centre.
             const STEPS: i32 = 200_000;
             let middle = (-apart * s).atan2(-apart * c);
             let reach = (3.0 / radius).min(0.5 * TAU);

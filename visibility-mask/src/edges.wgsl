@@ -1,16 +1,16 @@
-// The directions of all edges across a light: by their sum a mask is turned. Each thread adds its own ones; the sum of all
-// threads, with EDGES_NOTHING, gives the direction. Needs geometry.wgsl.
+// The directions of all edges across a light: a mask is turned by their sum. Each thread adds its own edges; the sum of all
+// threads, plus EDGES_NOTHING, gives the direction. Needs geometry.wgsl.
 
 // Two unit vectors across a cone's axis: the frame of the sum.
 struct EdgeFrame { right: vec3f, up: vec3f }
 
-// Share of the light's radius that an edge of no direction is worth.
+// The weight of an edge without direction, as a fraction of the light's radius.
 const EDGES_NOTHING = vec2f(1e-3, 0.0);
 
-// How much more the direction of a plane matters, the horizon's or a facet's, than a blocker's: rows alone cut by it.
+// The weight of the edge of a plane (the horizon's or a facet's) relative to a blocker's edge, since masks cut by it on rows only.
 const EDGES_PLANE = 4.0;
 
-// Two unit vectors that complete an axis to a basis, without a step except where it points straight down.
+// Two unit vectors that complete an axis to a basis; continuous, except if the axis points straight down.
 fn edges_frame(axis: vec3f) -> EdgeFrame {
     let a = 1.0 / max(1.0 + axis.y, 1e-6);
     let right = vec3f(1.0 - axis.x * axis.x * a, -axis.x, -axis.x * axis.z * a);
@@ -18,7 +18,7 @@ fn edges_frame(axis: vec3f) -> EdgeFrame {
     return EdgeFrame(right, up);
 }
 
-// An edge with `across` (world space, any length) at right angles to it, `length` radii of the light's disc long.
+// An edge perpendicular to `across` (world space, any length), `length` radii of the light's disc long.
 fn edges_add(frame: EdgeFrame, across: vec3f, length: f32) -> vec2f {
     let d = vec2f(dot(frame.right, across), dot(frame.up, across));
     let square = dot(d, d);
@@ -26,10 +26,10 @@ fn edges_add(frame: EdgeFrame, across: vec3f, length: f32) -> vec2f {
     return select(vec2f(0.0), vec2f(d.x * d.x - d.y * d.y, 2.0 * d.x * d.y) * (length / square), sound);
 }
 
-// The edge of a plane through the receiver with this normal, where it cuts the disc of the cone.
+// The edge of a plane through the receiver with this normal, as far as it crosses the disc of the cone.
 fn edges_add_plane(frame: EdgeFrame, normal: vec3f, cone: Cone) -> vec2f {
     let cos = dot(normal, cone.axis);
-    // Distance of its chord from the middle: cos β/(sin β tan θ).
+    // Distance of its chord from the centre: cos β/(sin β tan θ).
     let tan = cone_tan(cone);
     let off_sq = cos * cos / (max(1.0 - cos * cos, 0.0) * (tan * tan));
     if (off_sq < 1.0) {
@@ -38,8 +38,8 @@ fn edges_add_plane(frame: EdgeFrame, normal: vec3f, cone: Cone) -> vec2f {
     return vec2f(0.0);
 }
 
-// What of a circle's rim lies on the light's disc: its centre `to` (world space, seen from the disc's; what is along the axis
-// does not matter) and its radius, in radii of the disc.
+// The arc of a circle that lies inside the light's disc: `to` is its centre (world space, relative to the disc's; the part along
+// the axis does not matter), and its radius is in radii of the disc.
 fn edges_add_circle(frame: EdgeFrame, to: vec3f, radius: f32) -> vec2f {
     let d = vec2f(dot(frame.right, to), dot(frame.up, to));
     let square = dot(d, d);
@@ -52,8 +52,8 @@ fn edges_add_circle(frame: EdgeFrame, to: vec3f, radius: f32) -> vec2f {
     return select(vec2f(0.0), vec2f(d.x * d.x - d.y * d.y, 2.0 * d.x * d.y) * scale, adds);
 }
 
-// The unit direction, at right angles to the light's axis, across which most edges of the sum run: none of them along the rows, where
-// `fourfold` is the sum of four times their angles.
+// The unit direction, perpendicular to the light's axis, across which most edges of the sum run; no edge runs along the rows if
+// `fourfold` is the sum with four times their angles.
 fn edges_across(frame: EdgeFrame, sum: vec2f, fourfold: vec2f) -> vec3f {
     let square = dot(sum, sum);
     var d = select(vec2f(1.0, 0.0), sum * (1.0 / sqrt(square)), square > 1e-37);

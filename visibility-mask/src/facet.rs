@@ -1,9 +1,9 @@
 use lobe_core::{Cone, Coverage, Receiver};
 
-/// How much of a light the plane of the receiver's own facet hides: everything below it, since the facet itself is there.
+/// Coverage of a light by the plane of the receiver's own facet: everything below the plane is hidden by the facet itself.
 ///
-/// For receivers on an object that blocks. A smooth shading normal lets light from below the facet through; where it is the
-/// facet's own, the horizon leaves out the same directions, and a part is no more than [`Coverage::Lit`].
+/// For receivers on an object that blocks. A smooth shading normal lets light from below the facet through. If the shading normal
+/// is the facet's, the horizon leaves out the same directions, and a partly covered light counts as [`Coverage::Lit`].
 #[must_use]
 pub fn facet_coverage(at: &Receiver, cone: &Cone) -> Coverage {
     let (elevation, sin) = (at.face.dot(cone.axis), cone.sin_sq().sqrt());
@@ -56,8 +56,8 @@ mod tests {
         assert!(counts.iter().all(|n| *n > 100), "{counts:?}");
     }
 
-    /// A facet and a horizon that cut the light, and an edge between them that rays find: the lit share of the disc against a
-    /// sum over many directions, of fine masks and coarse ones, whole or zoomed.
+    /// A facet and a horizon that cut the light, and an edge between them that rays find: the visible fraction of the disc against
+    /// a sum over many directions, for fine masks and coarse ones, whole or zoomed.
     #[test]
     fn masks_are_cut_by_the_facet() {
         let mut random = Random::new(17);
@@ -72,7 +72,7 @@ mod tests {
                 random.axis_at(axis, angle).as_vec3()
             };
             let face = tilted(0.9);
-            // As far from the facet as smooth normals are.
+            // At an angle to the facet as smooth normals have.
             let normal = (face + 0.4 * tilted(1.0)).normalize();
             let edge = tilted(0.8);
             let mut edges = Edges::new(&cone);
@@ -85,7 +85,7 @@ mod tests {
             let finds = case % 3 > 0;
             if finds {
                 let asked = Contour::default().block_above(&mut mask, face, |v| {
-                    // A cell below the facet at most.
+                    // At most a cell below the facet.
                     assert!(v.dot(face) >= -2.0 * square.half.max_element() / 16.0, "case {case}: {}", v.dot(face));
                     v.dot(edge) < 0.0
                 });

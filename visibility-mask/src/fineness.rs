@@ -1,18 +1,18 @@
 use lobe_core::Accuracy;
 
-/// Tolerance from which on rows of 64 samples do for broad lobes, and one mask for narrow ones.
+/// The tolerance from which on rows of 64 samples suffice for broad lobes, and one mask for narrow ones.
 const COARSE: f32 = 0.005;
 
-/// How many samples stand for what a lobe sees of a light, besides the depth of the masks.
+/// The number of samples for a lobe's visible fraction, besides the depth of the masks.
 ///
-/// Samples come and go as things move: where some few carry what a lobe sees, each of them shows. So what is seen of the
-/// light is divided into parts with a mask each: of gentle motion the largest pop is 0.94 % of the unshadowed radiance at a
-/// tolerance of 1 %, 0.62 % at 0.5 %, 0.21 % at 0.3 % and 0.09 % at 0.1 %.
+/// Samples come and go as things move: if a few of them carry a lobe's visible fraction, each one is noticeable. The visible part
+/// of the light is therefore divided into parts with a mask each. For gentle motion the largest pop is 0.94 % of the unshadowed
+/// radiance at a tolerance of 1 %, 0.62 % at 0.5 %, 0.21 % at 0.3 % and 0.09 % at 0.1 %.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Fineness {
-    /// Whether rows have 64 samples instead of 256: masks err 1.5 times as much with them.
+    /// Whether rows have 64 samples instead of 256; masks then err 1.5 times as much.
     pub coarse: bool,
-    /// WindowMasks side by side and one above the other.
+    /// Masks side by side, and masks one above the other.
     pub grid: [u32; 2],
 }
 
@@ -20,7 +20,7 @@ impl Fineness {
     /// One mask with rows of 256 samples.
     pub const FINE: Self = Self { coarse: false, grid: [1, 1] };
 
-    /// For lobes that are broad beside the light: all see the same masks.
+    /// For lobes that are broad compared with the light: all share the same masks.
     #[must_use]
     pub fn broad(tolerance: f32) -> Self {
         let grid = if tolerance >= Accuracy::FINEST { [1, 1] } else { [2, 2] };

@@ -1,17 +1,17 @@
-// Lights that may have an outline, as outline.wgsl of lobe-core holds it; else they are seen as discs. Needs square.wgsl.
+// Lights that may have an outline, in the form of outline.wgsl of lobe-core; else they appear as discs. Needs square.wgsl.
 
-// A mask of a wider light than this (1 − cos θ) is turned as one of that width.
+// A mask of a wider light than this (1 − cos θ) is turned as one of this width.
 const FLAT_WIDE = 0.6;
 
-// Middle and radius of the disc of light in the plane of the last window.
+// Centre and radius of the light's disc in the plane of the last window.
 var<private> flat_disc: vec3f;
 
-// The window around what emits, turned so that `across` lies between right and axis.
+// The window around the emitting region, turned so that `across` lies between right and axis.
 fn light_window(light: Cone, across: vec3f, normal: vec3f) -> UnitSquare {
     if (!light_is_flat()) {
         return square_above(square_facing(light, across), normal);
     }
-    // As the image lies that it shows.
+    // Turned like the image that it shows.
     let right = outline_frame(select(across, outline_side(), outline_has_sides()));
     outline_project(right);
     var low = vec2f(3e38);
@@ -37,7 +37,7 @@ fn light_window(light: Cone, across: vec3f, normal: vec3f) -> UnitSquare {
     );
 }
 
-// What the turn of a window follows: of an outline's cone less than a hemisphere, toward its middle.
+// The cone that the rotation of a window follows: for an outline less than a hemisphere, toward the outline's centre.
 fn light_turn(light: Cone) -> Cone {
     if (!light_is_flat() || light.one_minus_cos < FLAT_WIDE) {
         return light;
@@ -45,12 +45,12 @@ fn light_turn(light: Cone) -> Cone {
     return Cone(light_middle(), FLAT_WIDE, 3e38);
 }
 
-// Half the size of what emits.
+// Half the size of the emitting region.
 fn light_size(square: UnitSquare) -> f32 {
     return select(square.disc, max(square.half.x, square.half.y), light_is_flat());
 }
 
-// The emitting point next to another one; `n` is the horizon's normal in the square's frame.
+// The emitting point nearest to another point; `n` is the horizon's normal in the square's frame.
 fn light_nearest(square: UnitSquare, start: vec2f, n: vec3f) -> vec2f {
     if (light_is_flat()) {
         return outline_nearest(start);
@@ -58,12 +58,12 @@ fn light_nearest(square: UnitSquare, start: vec2f, n: vec3f) -> vec2f {
     return disc_nearest(square, start, n);
 }
 
-// The disc of light in the plane: middle and radius.
+// The light's disc in the plane: centre and radius.
 fn light_disc(square: UnitSquare) -> vec3f {
     return select(vec3f(0.0, 0.0, square.disc), flat_disc, light_is_flat());
 }
 
-// What of a row from `ends.x` to `ends.y` emits, but for the horizon.
+// The emitting part of a row from `ends.x` to `ends.y`, without regard to the horizon.
 fn light_row(ends: vec2f, y: f32) -> vec2f {
     if (!light_is_flat()) {
         return ends;

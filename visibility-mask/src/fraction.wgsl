@@ -1,11 +1,11 @@
-// The fraction of a reflectance lobe's light that a mask leaves, summed over its samples: each thread its own row, with weights
-// of columns shared. Needs mask.wgsl, total.wgsl, and one of fraction_lambert_only.wgsl and fraction_both.wgsl.
+// The visible fraction of a reflectance lobe through a mask, summed over its samples: each thread sums its row, and the weights of
+// columns are shared. Needs mask.wgsl, total.wgsl, and one of fraction_lambert_only.wgsl and fraction_both.wgsl.
 
-// Four columns each: the weights u, u·dx, u·dx² where they are products of one by row and one by column.
+// Four columns each: the weights u, u·dx, u·dx², if weights are a product of one by row and one by column.
 var<workgroup> columns: array<mat3x4f, COLUMNS / 4u>;
 
-// Of all rows: Σ w over the lit samples, Σ w over those that emit, and the numbers of both. The unit is that of `window`, the
-// same for all masks that are parts of it. Requires uniform control flow.
+// Sums over all rows: Σ w over the lit samples, Σ w over the emitting samples, and the numbers of both. The unit is that of
+// `window`, the same for all masks that are parts of it. Requires uniform control flow.
 fn fraction_sums(lane: u32, mask: Mask, window: UnitSquare, at: Receiver, lobe: Lobe) -> vec4f {
     let weights = weights_of(mask, window, at, lobe);
     if (lane < row_groups) {
@@ -13,18 +13,18 @@ fn fraction_sums(lane: u32, mask: Mask, window: UnitSquare, at: Receiver, lobe: 
     }
     workgroupBarrier();
     var sum = vec4f(0.0, 0.0, f32(row_count(lit)), 0.0);
-    // Threads without a row, and rows that emit nothing, add nothing.
+    // Threads without a row, and rows without emitting samples, add nothing.
     if (emitting.x < emitting.y) {
         let y = mask_row_y(mask, lane);
         let factors = weights_row(weights, y);
         let counts = row_counts(lit);
-        // What emits, in columns.
+        // The emitting part, in columns.
         let ends = vec2f(emitting) / f32(row_width / (4u * row_groups));
         for (var group = 0u; group < row_groups; group++) {
             var w = columns[group] * factors;
             if (!weights.by_row) {
                 w = weights_samples(weights, middles(mask, group), y);
-                // A column that emits in part is seen in its middle, which may be below the horizon.
+                // A partly emitting column is sampled at its centre, which may be below the horizon.
                 w = select(vec4f(0.0), w, w > vec4f(0.0));
             }
             let column = vec4f(row_columns(group));
@@ -37,9 +37,9 @@ fn fraction_sums(lane: u32, mask: Mask, window: UnitSquare, at: Receiver, lobe: 
     return total(lane, sum);
 }
 
-// Fraction of the lobe's light that is lit.
+// The visible fraction of the lobe.
 fn fraction_of(sum: vec4f) -> f32 {
-    // Where the weights say nothing, since all of the light is far out of the lobe, every sample counts alike.
+    // If all weights vanish, since the whole light is far outside the lobe, every sample counts alike.
     let ratio = sum.x / sum.y;
     if (sum.y > 0.0 && sum.y < 3e38 && abs(ratio) < 3e38) {
         return clamp(ratio, 0.0, 1.0);
@@ -47,7 +47,7 @@ fn fraction_of(sum: vec4f) -> f32 {
     return select(0.0, sum.z / sum.w, sum.w > 0.0);
 }
 
-// Plane coordinates x of the middles of four columns, in the order of their counts.
+// Plane coordinates x of the centres of four columns, in the order of their counts.
 fn middles(mask: Mask, group: u32) -> vec4f {
     let width = 2.0 * mask.square.half.x / f32(4u * row_groups);
     let left = mask.square.center.x - mask.square.half.x + 0.5 * width;

@@ -1,24 +1,24 @@
-// Weights of a lobe: (a·p)ᵉ |p|⁻⁽ᵉ⁺³⁾ dA, times n·p/|p| for the receiver's cosine. Seen through a small window their logarithm
-// is a polynomial of second order about its peak. Needs mask.wgsl and special.wgsl of lobe-core.
+// Weights of a lobe: (a·p)ᵉ |p|⁻⁽ᵉ⁺³⁾ dA, times n·p/|p| for the receiver's cosine. In a small window their logarithm is a
+// polynomial of second order around its peak. Needs mask.wgsl and special.wgsl of lobe-core.
 
 struct GlossyWeights {
-    // Whether they are products of one by row and one by column.
+    // Whether the weights are a product of one by row and one by column.
     by_row: bool,
     cosine: bool,
     exponent: f32,
     // In the square's frame.
     axis: vec3f,
     normal: vec3f,
-    // The peak: the point of the light next to the lobe's axis.
+    // The peak: the point of the light nearest to the lobe's axis.
     peak: vec2f,
-    // About it: first, and second derivatives xx, yy, xy, of ln w.
+    // At the peak: first derivatives of ln w, and second derivatives xx, yy, xy.
     slope: vec2f,
     bend: vec3f,
 }
 
-// The third and fourth order of a weight's logarithm that are left out, at most.
+// The largest neglected third and fourth order of a weight's logarithm.
 const LEFT_OUT = 0.004;
-// Exponents beyond are taken only up to where a lobe is as narrow as a cell: a mirror sees some samples.
+// The largest exponent, unless a lobe is wider than a cell even with a larger one: a mirror still needs some samples.
 const MIRROR_EXPONENT = 1e6;
 
 fn glossy_of(mask: Mask, square: UnitSquare, at: Receiver, lobe: Lobe) -> GlossyWeights {
@@ -43,7 +43,7 @@ fn glossy_of(mask: Mask, square: UnitSquare, at: Receiver, lobe: Lobe) -> Glossy
     let steep = slope * reach;
     let third = e * (steep * steep * steep) / 3.0 + m * (sqrt(dot(c, c)) + 0.25 * reach) * (reach * reach * reach);
     weights.by_row = d > 0.0 && slope * half < 0.5 && third < LEFT_OUT;
-    // ln w about c; the cosine's own 1/|p| beside.
+    // ln w at c; the cosine's own factor 1/|p| counts too.
     let p = select(m, m + 1.0, weights.cosine);
     let of_d = 1.0 / d;
     weights.slope = aside * (e * of_d) - c * (p * over);

@@ -1,7 +1,7 @@
-// What is seen of a light that shows an image, by channel: as `image_fractions`. Needs visibility.wgsl, LOBES, image.wgsl of lobe-core, and
-// fraction_image_microfacets.wgsl or what stands for it.
+// The visible fraction of a light that shows an image, by channel: as `image_fractions`. Needs visibility.wgsl, LOBES, image.wgsl
+// of lobe-core, and fraction_image_microfacets.wgsl or its replacement.
 
-// The fraction of the light that a lobe sees. Requires uniform control flow.
+// The visible fraction of the light for a lobe. Requires uniform control flow.
 fn visible_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> vec3f {
     let is_facets = HAS_MICROFACETS && lobe.kind >= LOBE_MICROFACETS_F0;
     var square = whole;
@@ -29,7 +29,7 @@ fn visible_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: 
         }
         row_refine(false);
     }
-    // What a highlight's masks show is not counted in those of the whole light; a lobe's own window stands for it.
+    // The masks of the whole light leave out the window of a highlight's masks; a lobe's own window replaces them.
     if (decide(lane, !is_finer && (is_facets || !is_part))) {
         let low = select(vec2f(1e30), square.center - square.half, is_part);
         let high = select(vec2f(-1e30), square.center + square.half, is_part);
@@ -41,7 +41,7 @@ fn visible_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: 
             all += sums[1];
         }
     }
-    // Where the weights say nothing every sample counts alike.
+    // If all weights vanish, every sample counts alike.
     let areas = visibility_areas(lane);
     let alike = select(0.0, areas.x / areas.y, areas.y > 0.0);
     let fraction = seen / all;
@@ -49,8 +49,8 @@ fn visible_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: 
     return clamp(select(vec3f(alike), fraction, is_known), vec3f(0.0), vec3f(1.0));
 }
 
-// Of all rows, in steradians of samples: what is lit, and what emits. Samples between `low` and `high` do not count. Requires uniform control
-// flow.
+// Sums over all rows, in steradians of samples: the lit part, and the emitting part. Samples between `low` and `high` do not count.
+// Requires uniform control flow.
 fn image_sums(lane: u32, mask: Mask, at: Receiver, lobe: Lobe, is_facets: bool, low: vec2f, high: vec2f) -> array<vec3f, 2> {
     let square = mask.square;
     let axis = square_local(square, lobe.axis);

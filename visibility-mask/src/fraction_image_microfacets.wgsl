@@ -1,6 +1,6 @@
-// Lobes of microfacets in the light of an image. Needs fraction_image.wgsl and fraction_microfacets.wgsl.
+// Microfacet lobes for the light of an image. Needs fraction_image.wgsl and fraction_microfacets.wgsl.
 
-// Those of the lobe, in the frame of a mask's square.
+// The lobe's microfacets, in the frame of a mask's square.
 var<private> image_surface: MicrofacetsAt;
 var<private> image_is_edge: bool;
 

@@ -1,13 +1,13 @@
 // Weights of a Lambert lobe: n·p |p|⁻⁴ dA. Needs square.wgsl.
 
 struct LambertWeights {
-    // Whether they are products of one by row and one by column.
+    // Whether the weights are a product of one by row and one by column.
     by_row: bool,
     // In the square's frame.
     normal: vec3f,
 }
 
-// tan⁴θ/2 up to which they are.
+// The largest tan⁴θ/2 for which they are.
 const CORNER = 2e-4;
 
 fn lambert_of(window: UnitSquare, at: Receiver) -> LambertWeights {

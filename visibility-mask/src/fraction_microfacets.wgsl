@@ -1,9 +1,10 @@
-// What is seen of microfacets' light, as `MaskVisibility::microfacets`. Needs visibility.wgsl and microfacets.wgsl of lobe-core.
+// The visible fraction of microfacets' light, as `MaskVisibility::microfacets`. Needs visibility.wgsl and microfacets.wgsl of
+// lobe-core.
 
-// Microfacets' highlights have a mask of their own up to so many of their widths 2α, over the root of the tolerance.
+// Half the size of the window of highlights, in their widths 2α, times the root of the tolerance.
 const HIGHLIGHT = 0.2;
 
-// The exponent of microfacets whose visible fraction is known, and that of their edge.
+// The exponent of microfacets whose edge fraction is known, and that fraction.
 var<private> known_edge: vec2f = vec2f(-1.0, 0.0);
 
 // Requires uniform control flow.
@@ -20,7 +21,7 @@ fn microfacet_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, toleranc
     var square = microfacets_highlight(whole, microfacets, at.normal, tolerance);
     let is_part = any(square.half < whole.half);
     let is_finer = forms.z > 0u && !is_part && light_size(whole) > 2.0 * alpha;
-    // First those of the highlight, then those of the whole light, where what they show is not counted.
+    // First the masks of the highlight, then those of the whole light without the highlight's window.
     let own = select(0u, counts.z * counts.w, decide(lane, is_part || is_finer));
     let broad = select(counts.x * counts.y, 0u, decide(lane, is_finer));
     var sum = vec4f(0.0);
@@ -46,7 +47,7 @@ fn microfacet_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, toleranc
     }
     row_refine(forms.y > 0u);
     var fractions = sum.xy / sum.zw;
-    // Where the weights say nothing every sample counts alike.
+    // If all weights vanish, every sample counts alike.
     let areas = visibility_areas(lane);
     let alike = select(0.0, areas.x / areas.y, areas.y > 0.0);
     let is_known = (sum.zw > vec2f(0.0)) & (sum.zw < vec2f(3e38)) & (abs(fractions) < vec2f(3e38));
@@ -55,7 +56,7 @@ fn microfacet_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, toleranc
     return select(fractions.x, fractions.y, is_edge);
 }
 
-// The part of the window that shows the highlight, along its cells; all of it where that is most.
+// The part of the window that shows the highlight, along its cells; the whole window if the part is most of it.
 fn microfacets_highlight(whole: UnitSquare, microfacets: MicrofacetsAt, normal: vec3f, tolerance: f32) -> UnitSquare {
     let widths = clamp(HIGHLIGHT / sqrt(max(tolerance, 1e-6)), 1.5, 20.0);
     let mirror = 2.0 * dot(microfacets.normal, microfacets.view) * microfacets.normal - microfacets.view;
@@ -81,13 +82,13 @@ fn microfacets_highlight(whole: UnitSquare, microfacets: MicrofacetsAt, normal: 
     return whole;
 }
 
-// In the frame of a mask's square.
+// The microfacets in the frame of a mask's square.
 fn microfacets_in(square: UnitSquare, world: MicrofacetsAt) -> MicrofacetsAt {
     return MicrofacetsAt(square_local(square, world.normal), world.alpha_sq, square_local(square, world.view), world.shadowing);
 }
 
-// Of all rows, in steradians of samples: both lobes over the lit samples, and over those that emit. Samples between `low` and
-// `high` do not count. Requires uniform control flow.
+// Sums over all rows, in steradians of samples: both lobes over the lit samples, and over the emitting samples. Samples between
+// `low` and `high` do not count. Requires uniform control flow.
 fn microfacet_sums(lane: u32, mask: Mask, world: MicrofacetsAt, low: vec2f, high: vec2f) -> vec4f {
     let square = mask.square;
     let microfacets = microfacets_in(square, world);

@@ -1,4 +1,4 @@
-//! For tests of the WGSL alone: what a mask is made of.
+//! Access to the parts of a mask, only for tests of the WGSL.
 
 use crate::counts::Counts;
 use crate::visible_fraction::{narrowest, sums};
@@ -6,7 +6,7 @@ use crate::{Mask, UnitSquare};
 use glam::Vec3;
 use lobe_core::{Lobe, Receiver};
 
-/// A mask without blockers, by the choice of [`MaskVisibility`](crate::MaskVisibility) with coarse rows.
+/// A mask without blockers, with coarse rows or fine ones as [`MaskVisibility`](crate::MaskVisibility) chooses them.
 #[must_use]
 pub fn mask(square: &UnitSquare, depth: u32, coarse: bool, normal: Vec3) -> Mask {
     let mut mask = Mask::default();
@@ -21,7 +21,7 @@ pub fn row(mask: &Mask, j: usize) -> [u64; 4] {
     mask.lit(j).0
 }
 
-/// The fraction of a lobe's light that the mask leaves.
+/// The visible fraction of a lobe through the mask.
 #[must_use]
 pub fn fraction_of(mask: &Mask, at: &Receiver, lobe: &Lobe) -> f32 {
     let lobe = Lobe { exponent: lobe.exponent.min(narrowest(mask)), ..*lobe };

@@ -1,12 +1,15 @@
-//! What every visibility strategy shares: the unit square before a light, the mask on it, and what a lobe sees through it.
+//! The parts that all visibility strategies share: the unit square in front of a light, the mask on it, and visible fractions of
+//! lobes.
 //!
 //! The [`UnitSquare`] faces the light's cone; blockers are rasterised on it into a [`Mask`], a complete quad-tree as bits.
-//! [`MaskVisibility`] turns any [`Blockers`] into visible fractions of lobes, [`MaskLobes`] into lobes; [`PaperVisibility`] does it as the
-//! paper does. [`Mixture`] puts two kinds of blockers into one mask; [`Contour`] fills it by asking whether a direction is blocked.
+//! [`MaskVisibility`] turns any [`Blockers`] into visible fractions of lobes, [`MaskLobes`] into lobes; [`PaperVisibility`] follows
+//! the paper. [`Mixture`] draws two kinds of blockers into one mask; [`Contour`] fills a mask by testing whether directions are
+//! blocked.
 //!
-//! What takes eight rows or edges at once is for the workspace's own strategies: it is hidden, since its signatures are another crate's.
+//! Functions for eight rows or edges at once are meant for this workspace's strategies: they are hidden, since their signatures
+//! have types of another crate.
 //!
-//! Out of scope: what blocks (the other `visibility-*` crates), lights, scenes, images.
+//! Out of scope: the blockers themselves (the other `visibility-*` crates), lights, scenes, images.
 //!
 //! ```
 //! use glam::Vec3;

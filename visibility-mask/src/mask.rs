@@ -12,42 +12,42 @@ mod blocking;
 /// The visibility mask: the leaves of the complete quad-tree of a depth (§5.3 of the paper, Fig. 9), sampled as bits.
 ///
 /// `2^depth` rows of `2^depth` cells. A row is a line through its cells' centres with 256 samples, whatever the depth
-/// ([`MaskVisibility`](crate::MaskVisibility) takes 64 where the tolerance allows): a span is exact to 1/256 of the window
-/// along the row, and from row to row the samples are shifted, so that an edge across
-/// many rows is exact to a fraction of that. Across the rows an edge is met where it crosses their lines; one that runs
-/// along a row is taken by area ([`block_area`](Self::block_area)), with eight heights among the samples. An edge across
-/// the rows is the most exact: let [`UnitSquare::right`] point across the edges that matter.
+/// ([`MaskVisibility`](crate::MaskVisibility) uses 64 if the tolerance allows). Along the row a span is exact to 1/256 of the
+/// window. Samples are shifted from row to row, so that an edge across many rows is exact to a fraction of that. Across the rows an
+/// edge is sampled at its crossings with their lines; an edge along a row is drawn by area ([`block_area`](Self::block_area)), with
+/// eight heights among the samples. An edge across the rows is the most exact: let [`UnitSquare::right`] point across the edges
+/// that matter.
 ///
-/// Blockers fuse by union, bit by bit: their order does not matter, and what is blocked twice is blocked once. The paper
-/// decides a leaf as a whole and drops those that are partly covered.
+/// Blockers combine by union, bit by bit: their order does not matter, and blocking twice has no effect. The paper decides a leaf
+/// as a whole and drops leaves that are partly covered.
 #[derive(Clone, Debug)]
 pub struct Mask {
     square: UnitSquare,
     depth: u32,
     whole_disc: bool,
-    /// Plane coordinate of the window's left side; samples a unit of plane coordinates.
+    /// Plane coordinate of the window's left side, and samples per unit of plane coordinates.
     left: f32,
     scale: f32,
-    /// Half-planes `a x + b y + c > 0` of the square's plane outside of which nothing emits.
+    /// Half-planes `a x + b y + c > 0` of the square's plane; nothing outside of one emits.
     sides: Vec<Vec3>,
-    /// Middle and radius of a disc of light.
+    /// Centre and radius of the light's disc.
     circle: (Vec2, f32),
-    /// Samples of each row that emit: from, to.
+    /// Emitting samples of each row: from, to.
     emitting: [[u32; SIDE]; 2],
-    /// Samples that emit and are not blocked: of a fine mask the rows, of a coarse one their two halves, each a word.
+    /// Samples that emit and are not blocked: the rows of a fine mask; for a coarse one the two halves of its rows, one word each.
     lit: [Row; ROWS],
     halves: [[u32; ROWS]; 2],
     coarse: bool,
 }
 
-/// What emits where the window shows a whole disc: the same for all lights.
+/// The emitting samples of a window that shows a whole disc: the same for all lights.
 struct Disc {
     emitting: [[u32; SIDE]; 2],
     lit: [Row; ROWS],
     halves: [[u32; ROWS]; 2],
 }
 
-/// Fine ones, then coarse ones.
+/// First for fine masks, then for coarse ones.
 static DISCS: LazyLock<[[Disc; MAX_DEPTH as usize + 1]; 2]> = LazyLock::new(|| {
     [false, true].map(|coarse| {
         core::array::from_fn(|depth| {
@@ -79,19 +79,19 @@ impl Default for Mask {
 }
 
 impl Mask {
-    /// Starts anew: no blocker; what emits is the light's disc above the horizon of `normal` (world space).
+    /// Clears the mask: no blocker; the light's disc above the horizon of `normal` (world space) emits.
     ///
     /// # Panics
-    /// When `depth` is not in 1…[`MAX_DEPTH`].
+    /// If `depth` is not in 1…[`MAX_DEPTH`].
     pub fn reset(&mut self, square: &UnitSquare, depth: u32, normal: Vec3) {
         self.reset_to(square, depth, normal, None);
     }
 
-    /// [`reset`](Self::reset) for a window [around an outline](UnitSquare::around_outline): what emits is what of that is above the
-    /// horizon.
+    /// As [`reset`](Self::reset), for a window [around an outline](UnitSquare::around_outline): the part of the outline above the
+    /// horizon emits.
     ///
     /// # Panics
-    /// When `depth` is not in 1…[`MAX_DEPTH`].
+    /// If `depth` is not in 1…[`MAX_DEPTH`].
     pub fn reset_to(&mut self, square: &UnitSquare, depth: u32, normal: Vec3, outline: Option<&Outline>) {
         assert!((1..=MAX_DEPTH).contains(&depth), "mask depth {depth} is not in 1..={MAX_DEPTH}");
         self.depth = depth;
@@ -126,13 +126,13 @@ impl Mask {
         }
     }
 
-    /// The scale of the window.
+    /// Computes the scale of the window.
     fn fit(&mut self) {
         self.left = self.square.center.x - self.square.half.x;
         self.scale = self.width() as f32 / (2.0 * self.square.half.x);
     }
 
-    /// From the next [`reset`](Self::reset) on: whether rows have 64 samples instead of 256, for tolerances of a few
+    /// Sets whether rows have 64 samples instead of 256, from the next [`reset`](Self::reset) on: for tolerances of a few
     /// thousandths and more.
     pub(crate) fn set_coarse(&mut self, coarse: bool) {
         self.coarse = coarse;
@@ -143,7 +143,7 @@ impl Mask {
         if self.coarse { COARSE } else { WIDTH }
     }
 
-    /// What emits, with the normal in the square's frame.
+    /// Computes the emitting samples, with the normal in the square's frame.
     fn emit(&mut self, n: Vec3) {
         dispatch!(Level::new(), simd => self.emit_rows(simd, n));
     }
@@ -190,7 +190,7 @@ impl Mask {
         }
     }
 
-    /// Whether the window shows all of the light's disc and the horizon cuts nothing off it.
+    /// Whether the window shows the whole disc of the light, above the horizon.
     pub(crate) fn is_whole_disc(&self) -> bool {
         self.whole_disc
     }
@@ -236,7 +236,7 @@ impl Mask {
         row::index(position).min(self.width() as u32)
     }
 
-    /// Plane coordinates x as samples of row `j`, clamped to the row. An empty or NaN interval gives an empty one.
+    /// Converts plane coordinates x to samples of row `j`, clamped to the row. An empty or NaN interval gives an empty one.
     fn samples(&self, j: usize, from: f32, to: f32) -> (u32, u32) {
         if from < to {
             let at = |x: f32| self.index((x - self.left) * self.scale - row::PHASE[j]);
@@ -246,8 +246,8 @@ impl Mask {
         }
     }
 
-    /// Samples of row `j` that emit and are not below a plane through the receiver, with its normal in the square's frame:
-    /// from, to. None where `to` is not above `from`.
+    /// Samples of row `j` that emit and are not below a plane through the receiver, with its normal in the square's frame: from,
+    /// to. Empty if `to` is not above `from`.
     #[must_use]
     pub fn emitting_above(&self, n: Vec3, j: usize) -> (u32, u32) {
         let (from, to) = self.emitting(j);
@@ -262,8 +262,8 @@ impl Mask {
         }
     }
 
-    /// The lit samples of the eight rows from `j` on, a multiple of eight: 64 in each word, as many words as are asked for.
-    /// Rows that the mask does not have are dark.
+    /// The lit samples of the eight rows from `j` on, a multiple of eight: 64 in each word, for the requested number of words. Rows
+    /// beyond the mask are dark.
     #[inline(always)]
     pub fn lit_rows(&self, j: usize, samples: &mut [EightRows]) {
         let count = EIGHT.min(self.side() - j);
@@ -275,7 +275,7 @@ impl Mask {
         }
     }
 
-    /// How plane coordinates become rows and samples.
+    /// The conversion from plane coordinates to rows and samples.
     #[inline(always)]
     #[must_use]
     pub fn raster(&self) -> Raster {
@@ -288,7 +288,7 @@ impl Mask {
         }
     }
 
-    /// Samples of row `j` that emit: from, to. None where `to` is not above `from`.
+    /// Emitting samples of row `j`: from, to. Empty if `to` is not above `from`.
     #[inline(always)]
     #[must_use]
     pub fn emitting(&self, j: usize) -> (u32, u32) {
@@ -307,27 +307,27 @@ impl Mask {
         &self.lit[..1 << self.depth]
     }
 
-    /// Those of a coarse one, as halves.
+    /// The rows of a coarse mask, as halves.
     #[inline(always)]
     pub(crate) fn halves(&self) -> [&[u32]; 2] {
         [&self.halves[0][..1 << self.depth], &self.halves[1][..1 << self.depth]]
     }
 
-    /// Those of eight rows of a coarse one, as halves.
+    /// Eight rows of a coarse mask, as halves.
     #[inline(always)]
     fn eight_halves<S: Simd>(&self, simd: S, j: usize) -> [u32x8<S>; 2] {
-        // A closure would not be told to use the wide instructions.
+        // A closure would not be compiled with the wide instructions.
         let [low, high] = &self.halves;
         [u32x8::simd_from(simd, row::eight(low, j)), u32x8::simd_from(simd, row::eight(high, j))]
     }
 
-    /// Cells of row `j` that emit at all.
+    /// Cells of row `j` with any emitting sample.
     #[must_use]
     pub fn emitting_cells(&self, j: usize) -> u64 {
         self.cells_of(self.emitting(j))
     }
 
-    /// The cells in which samples of a row lie.
+    /// The cells that contain samples of a row.
     pub(crate) fn cells_of(&self, (from, to): (u32, u32)) -> u64 {
         let width = self.width() as u32 >> self.depth;
         if from < to { ones(to.div_ceil(width)) & !ones(from / width) } else { 0 }
@@ -339,14 +339,14 @@ impl Mask {
         row::any(&self.lit(j), self.width() >> self.depth)
     }
 
-    /// True when nothing of row `j` is lit.
+    /// True if no sample of row `j` is lit.
     #[must_use]
     #[inline(always)]
     pub fn is_row_dark(&self, j: usize) -> bool {
         if self.coarse { self.halves[0][j] | self.halves[1][j] == 0 } else { self.lit[j] == row::NONE }
     }
 
-    /// Which of the eight rows from `j` on have anything lit between two samples, as bits.
+    /// Which of the eight rows from `j` on have a lit sample between two samples, as bits.
     #[doc(hidden)]
     #[must_use]
     #[inline(always)]
@@ -365,7 +365,7 @@ impl Mask {
         lit
     }
 
-    /// The rows and the samples that all that is lit lies in; empty when nothing is.
+    /// The rows and samples that contain all lit samples; empty if there are none.
     #[doc(hidden)]
     #[must_use]
     #[inline(always)]
@@ -392,7 +392,7 @@ impl Mask {
         LitBounds { rows: [rows.trailing_zeros(), u64::BITS - rows.leading_zeros()], samples }
     }
 
-    /// Part of a cell in which samples of its row lie, as (start, length) in cells.
+    /// The part of a cell that contains samples of its row, as (start, length) in cells.
     pub(crate) fn part_of(&self, i: usize, (from, to): (u32, u32)) -> (f32, f32) {
         let width = (self.width() >> self.depth) as f32;
         let at = |sample: u32| (sample as f32 / width).clamp(i as f32, i as f32 + 1.0);
@@ -420,14 +420,14 @@ impl Mask {
         self.fine_rows().iter().map(row::count).sum()
     }
 
-    /// The rows and the samples that all that is lit lies in; none where nothing is.
+    /// The rows and samples that contain all lit samples; `None` if there are none.
     pub(crate) fn lit_block(&self) -> Option<[core::ops::Range<u32>; 2]> {
         let bounds = dispatch!(Level::new(), simd => self.lit_bounds(simd));
         let LitBounds { rows, samples } = bounds;
         (!bounds.is_empty()).then(|| [samples[0]..samples[1], rows[0]..rows[1].min(self.side() as u32)])
     }
 
-    /// What a sample stands for in plane coordinates.
+    /// The area of a sample in plane coordinates.
     pub(crate) fn sample_area(&self) -> f32 {
         self.cell().element_product() * self.side() as f32 / self.width() as f32
     }
@@ -444,7 +444,7 @@ impl Mask {
         (emitting as f32 / cell, lit as f32 / cell)
     }
 
-    /// True when nothing that emits is blocked.
+    /// True if no emitting sample is blocked.
     #[must_use]
     pub fn is_lit(&self) -> bool {
         if self.whole_disc && self.coarse {
@@ -454,7 +454,7 @@ impl Mask {
         (0..self.side()).all(|j| self.lit(j) == row::span(self.emitting[0][j], self.emitting[1][j]))
     }
 
-    /// True when every emitting sample is blocked.
+    /// True if every emitting sample is blocked.
     #[must_use]
     #[inline(always)]
     pub fn is_dark(&self) -> bool {
@@ -462,7 +462,7 @@ impl Mask {
     }
 }
 
-/// The inner sides of an outline in its own plane.
+/// The inner half-planes of an outline's sides, in its own plane.
 fn sides(outline: &Outline, square: &UnitSquare) -> impl Iterator<Item = Vec3> {
     let corners = outline.on_plane([square.right, square.up]);
     let next = corners.clone().cycle().skip(1);

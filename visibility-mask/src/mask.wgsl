@@ -1,20 +1,20 @@
-// The visibility mask, one row a thread: thread j of the workgroup owns row j, threads from SIDE on own an empty one.
-// Needs the header and square.wgsl.
+// The visibility mask, one row a thread: thread j of the workgroup has row j; threads from SIDE on have an empty one. Needs the
+// header and square.wgsl.
 
 struct Mask {
     square: UnitSquare,
-    // Plane coordinate of the window's left side; samples a unit of plane coordinates.
+    // Plane coordinate of the window's left side, and samples per unit of plane coordinates.
     left: f32,
     scale: f32,
 }
 
-// How plane coordinates become rows and samples: row line `j` is at height `j + ½` of `(y − bottom)·rows`, samples count
-// from `(x − left)·samples`, less the shift of the row.
+// The conversion from plane coordinates to rows and samples: row line `j` is at height `j + ½` of `(y − bottom)·rows`; samples are
+// counted from `(x − left)·samples`, minus the shift of the row.
 struct Raster { left: f32, bottom: f32, samples: f32, rows: f32 }
 
-// Samples of the own row that emit and are not blocked.
+// Samples of the row that emit and are not blocked.
 var<private> lit: Row;
-// Samples of the own row that emit: start, end.
+// Emitting samples of the row: start, end.
 var<private> emitting: vec2u;
 
 // The first sample at or after a position (sample k is at k + ½), 0…row_width; 0 for NaN.
@@ -28,7 +28,7 @@ fn row_indices(positions: vec4f) -> vec4u {
     return vec4u(round(min(x, vec4f(f32(row_width)))));
 }
 
-// Bands of SIDE rows that a mask is drawn by, and its rows below those of the own band.
+// Number of bands of SIDE rows in which a mask is drawn, and the number of its rows before this band.
 var<private> row_bands: u32 = 1u;
 var<private> row_first: u32 = 0u;
 
@@ -44,13 +44,13 @@ fn mask_of(square: UnitSquare) -> Mask {
     return Mask(square, square.center.x - square.half.x, f32(row_width) / (2.0 * square.half.x));
 }
 
-// Starts the own row anew: no blocker; what emits is the light's disc above the horizon of `normal` (world space).
+// Clears the row: no blocker; the light's disc above the horizon of `normal` (world space) emits.
 fn mask_reset(square: UnitSquare, j: u32, normal: vec3f) -> Mask {
     let mask = mask_of(square);
     let n = square_local(square, normal);
     let above = n.z > 0.0 && n.z * n.z >= square.disc * square.disc * dot(n.xy, n.xy);
     if (!light_is_flat() && above && all(square.half == vec2f(square.disc)) && all(square.center == vec2f(0.0))) {
-        // All whole discs are the same.
+        // All whole discs have the same samples.
         let unit = UnitSquare(square.right, square.up, square.axis, vec2f(0.0), vec2f(1.0), 1.0);
         mask_emit(Mask(unit, -1.0, f32(row_width) * 0.5), j, vec3f(0.0, 0.0, 1.0));
     } else {
@@ -59,7 +59,7 @@ fn mask_reset(square: UnitSquare, j: u32, normal: vec3f) -> Mask {
     return mask;
 }
 
-// What emits, with the normal in the square's frame.
+// Computes the emitting samples, with the normal in the square's frame.
 fn mask_emit(mask: Mask, j: u32, n: vec3f) {
     let disc = light_disc(mask.square);
     let y = mask_row_y(mask, j);
@@ -102,10 +102,10 @@ fn mask_raster(mask: Mask) -> Raster {
     return Raster(mask.left, mask.square.center.y - half, mask.scale, f32(SIDE) / (2.0 * half));
 }
 
-// A plane coordinate x as a sample, without a shift.
+// Converts a plane coordinate x to a sample, without a shift.
 fn mask_sample(mask: Mask, x: f32) -> u32 { return row_index((x - mask.left) * mask.scale); }
 
-// Plane coordinates x as samples of row `j`, clamped to the row. An empty or NaN interval gives an empty one.
+// Converts plane coordinates x to samples of row `j`, clamped to the row. An empty or NaN interval gives an empty one.
 fn mask_samples(mask: Mask, j: u32, start: f32, end: f32) -> vec2u {
     let phase = row_phase(j);
     let a = row_index((start - mask.left) * mask.scale - phase);
@@ -113,14 +113,14 @@ fn mask_samples(mask: Mask, j: u32, start: f32, end: f32) -> vec2u {
     return select(vec2u(0u), vec2u(a, b), start < end);
 }
 
-// Blocks the own row `j` between two plane coordinates x; infinite ones are fine, an empty or NaN interval blocks nothing.
+// Blocks the row `j` between two plane coordinates x; these may be infinite; an empty or NaN interval blocks nothing.
 fn mask_block_span(mask: Mask, j: u32, start: f32, end: f32) {
     let samples = mask_samples(mask, j, start, end);
     mask_block_samples(samples.x, samples.y);
 }
 
-// Blocks everything of the own row `j` below the plane through the receiver with this normal (world space), and returns the
-// samples that emit above it: start, end.
+// Blocks everything in the row `j` below the plane through the receiver with this normal (world space), and returns the emitting
+// samples above it: start, end.
 fn mask_block_below(mask: Mask, j: u32, normal: vec3f) -> vec2u {
     let n = square_local(mask.square, normal);
     let rest = n.y * mask_row_y(mask, j) + n.z;
@@ -143,13 +143,13 @@ fn mask_block_below(mask: Mask, j: u32, normal: vec3f) -> vec2u {
     );
 }
 
-// Blocks samples `start..end` of the own row: for shapes that find the samples themselves, with mask_raster and row_phase.
+// Blocks samples `start..end` of the row: for shapes that compute the samples themselves, with mask_raster and row_phase.
 fn mask_block_samples(start: u32, end: u32) { lit = row_without(lit, row_span(start, end)); }
 
-// Blocks samples of the own row `j` at height `k`, one of eight: those of every eight samples that are at this height, another
-// one in each row. For shapes whose edge runs along the row; `start` and `end` without a shift.
+// Blocks samples of the row `j` at height `k`, one of eight. Of every eight samples one is at this height, a different one in each
+// row. For shapes whose edge runs along the row; `start` and `end` are without a shift.
 fn mask_block_line(j: u32, k: u32, start: u32, end: u32) {
-    // Bits reversed, so that any few of them are spread.
+    // Bits reversed, so that any few heights are spread evenly.
     let order = ((k & 1u) << 2u) | (k & 2u) | (k >> 2u);
     lit = row_without_line(lit, (order + j) & 7u, start, end);
 }
@@ -161,14 +161,14 @@ fn mask_heights(j: u32, first: u32) -> vec4f {
     return (vec4f(k) + 0.5) * 0.125 - 0.5;
 }
 
-// Blocks what mask_block_line does of the four lines that have these heights.
+// Blocks the same as mask_block_line on the four lines that have these heights.
 fn mask_block_lines(first: u32, starts: vec4u, ends: vec4u) { lit = row_without_lines(lit, first, starts, ends); }
 
-// Blocks those of samples 32k … 32k + 31 of the own row that have a bit.
+// Blocks those of samples 32k … 32k + 31 of the row whose bit is set.
 fn mask_block_set(k: u32, bits: u32) { lit = row_without_samples(lit, k, bits); }
 
-// Blocks every sample of the own row.
+// Blocks every sample of the row.
 fn mask_block_all() { lit = row_none(); }
 
-// True when nothing of the own row is lit.
+// True if no sample of the row is lit.
 fn mask_is_row_dark() -> bool { return row_is_none(lit); }

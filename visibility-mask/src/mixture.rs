@@ -2,10 +2,10 @@ use crate::{Blockers, Edges, Mask, UnitSquare};
 use glam::Vec2;
 use lobe_core::{Coverage, Shaft, VisibilityQuery};
 
-/// Two kinds of blockers in one mask: what either hides is hidden. Pairs of pairs give more.
+/// Two kinds of blockers in one mask: a direction is hidden if either hides it. Pairs of pairs give more kinds.
 ///
-/// A strategy per object (walls by rays, characters by spheres) is a mixture of strategies that hold different objects.
-/// Each is asked on its own; only what finds something blocks cells.
+/// A strategy per object (walls by rays, characters by spheres) is a mixture of strategies that have different objects. Each is
+/// searched by itself; only those that find a blocker draw into the mask.
 ///
 /// ```
 /// use visibility_mask::{Blockers, MaskVisibility, Mixture};
@@ -31,7 +31,7 @@ impl<A, B> Mixture<A, B> {
 pub struct MixtureScratch<A, B> {
     first: A,
     second: B,
-    /// Which of the two have found something.
+    /// Which of the two have found a blocker.
     partial: (bool, bool),
 }
 

@@ -5,9 +5,9 @@ use crate::{MAX_DEPTH, Mask, UnitSquare};
 use glam::Vec3;
 use lobe_core::exponent_of_spread;
 
-/// The moments of a set of mask cells: what its moment lobe is made of.
+/// The moments of a set of mask cells, from which its moment lobe is computed.
 ///
-/// Keeps `Ω − M·axis` instead of `M·axis`: the spread of a small light's nodes is a difference in the seventh digit.
+/// Stores `Ω − M·axis` instead of `M·axis`, since the spread of a small light's nodes is a difference in the seventh digit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Moments {
     /// Solid angle Ω, sr.
@@ -37,7 +37,7 @@ pub(crate) struct NodeLobe {
 }
 
 impl Moments {
-    /// The moment lobe's axis and exponent; `cell` bounds the spread from below (a set has at least one cell).
+    /// The moment lobe's axis and exponent; `cell` is a lower bound of the spread (a set has at least one cell).
     pub(crate) fn lobe(&self, cell: f32) -> NodeLobe {
         let z = self.omega - self.defect;
         let aside = self.x * self.x + self.y * self.y;
@@ -72,16 +72,16 @@ const BYTE: [[u8; 3]; 256] = {
     table
 };
 
-/// Which part of the mask a sum is over.
+/// The samples over which a sum is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
-    /// What emits.
+    /// Emitting samples.
     Emitting,
-    /// What emits and is not blocked.
+    /// Emitting samples that are not blocked.
     Lit,
 }
 
-/// Whether a block's cells are too far apart, seen from the receiver, to be taken together; only for wide lights.
+/// Whether a block's cells are too far apart, seen from the receiver, to be summed together; only for wide lights.
 fn is_wide(mask: &Mask, x0: usize, y0: usize, size: usize) -> bool {
     let side = size as f32 * mask.cell();
     let middle = mask.cell_center(x0, y0) + 0.5 * (side - mask.cell());
@@ -101,8 +101,8 @@ pub(crate) fn block(mask: &Mask, part: Part, x0: usize, y0: usize, size: usize) 
     Sums::new(mask, part, x0, y0, size).moments(mask, x0, y0)
 }
 
-/// Number, first and second moments of a block's samples, in columns of samples and rows from its first sample:
-/// independent of the light's size.
+/// Number, first and second moments of a block's samples, in columns of samples and rows from its first sample: independent of the
+/// light's size.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     count: u32,
@@ -129,7 +129,7 @@ impl Sums {
             let (mut count, mut x, mut xx) = (0, 0, 0);
             let mut at = from;
             while at < to {
-                // A byte, or a cell where those are smaller.
+                // A byte, or a cell if it is smaller.
                 let byte = (row.0[at / 64] >> (at % 64)) as usize & ((1 << width.min(8)) - 1);
                 let [n, sum, squares] = BYTE[byte].map(u32::from);
                 let offset = (at - from) as u32;
@@ -147,8 +147,8 @@ impl Sums {
         sums
     }
 
-    /// The cells of a block are close together: their solid angle `dA/(1+x²+y²)^{3/2}` and the defect are taken at the
-    /// mean of x²+y², their mean vector at the centroid.
+    /// The cells of a block are close together: their solid angle `dA/(1+x²+y²)^{3/2}` and the defect are computed at the mean of
+    /// x²+y², their mean vector at the centroid.
     fn moments(&self, mask: &Mask, x0: usize, y0: usize) -> Moments {
         if self.count == 0 {
             return Moments::default();
@@ -169,7 +169,7 @@ impl Sums {
     }
 }
 
-/// The sums of an uncut disc's blocks, once a depth.
+/// The sums of an uncut disc's blocks, computed once for a depth.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Discs {
     depths: [Vec<Sums>; MAX_DEPTH as usize + 1],
@@ -180,7 +180,7 @@ impl Discs {
     fn get(&mut self, mask: &Mask, size: usize) -> &[Sums] {
         let sums = &mut self.depths[mask.depth() as usize];
         if sums.is_empty() {
-            // Not of the mask that happens to ask first, whose disc is rounded in its own way: no result may depend on
+            // Not computed from the mask that happens to come first, whose disc is rounded in its own way: no result may depend on
             // the order of receivers.
             let mut disc = Mask::default();
             disc.reset(&UnitSquare::default(), mask.depth(), Vec3::Z);
@@ -203,10 +203,10 @@ pub(crate) struct Pyramid {
 const LEVELS: usize = 4;
 
 impl Pyramid {
-    /// Sums the moments of what emits, from blocks up.
+    /// Sums the moments of the emitting samples, from blocks up.
     pub(crate) fn build_emitting(&mut self, mask: &Mask, discs: &mut Discs) {
         self.build(mask, |x0, y0, size, index| {
-            // The disc in its own window looks the same for all lights.
+            // A disc in its own window has the same samples for all lights.
             if mask.is_whole_disc() && !is_wide(mask, x0, y0, size) {
                 discs.get(mask, size)[index].moments(mask, x0, y0)
             } else {
@@ -215,7 +215,7 @@ impl Pyramid {
         });
     }
 
-    /// Sums the moments of what is lit; a block without blockers is that of `emitting`.
+    /// Sums the moments of the lit samples; a block without blockers takes those of `emitting`.
     pub(crate) fn build_lit(&mut self, mask: &Mask, emitting: &Self) {
         let finest = &emitting.levels[emitting.top];
         self.build(mask, |x0, y0, size, index| {
@@ -238,7 +238,7 @@ impl Pyramid {
         });
     }
 
-    /// `block(x0, y0, size, index)` gives the finest nodes.
+    /// `block(x0, y0, size, index)` returns the finest nodes.
     fn build(&mut self, mask: &Mask, mut block: impl FnMut(usize, usize, usize, usize) -> Moments) {
         self.top = (mask.depth() as usize).min(LEVELS - 1);
         let side = 1usize << self.top;

@@ -1,26 +1,26 @@
-//! Masks of what is lit where that is little of the light.
+//! Masks around the lit part of a light, if it is small.
 
 use crate::row::{self, Row};
 use crate::{Mask, UnitSquare};
 use core::ops::Range;
 use glam::Vec2;
 
-/// Of masks that leave less than this part of what emits,
+/// Masks may be drawn again if less than 1/LITTLE of their emitting samples is lit,
 const LITTLE: u32 = 3;
-/// those are drawn again that leave less than this part,
+/// and if either less than 1/LEAST of these is lit,
 const LEAST: u32 = 40;
-/// or that have anything lit in less than so many of this number of rows: where few rows cross what is lit, its ends count.
+/// or fewer than FEW of OF rows have a lit sample: with few rows the ends of the lit part matter.
 const FEW: u32 = 3;
 const OF: u32 = 8;
-/// Masks of which this part is lit are fine enough.
+/// A mask is fine enough if 1/FILLED of its samples is lit.
 const FILLED: u32 = 4;
-/// So many masks are drawn for a window at most.
+/// The most masks for a window.
 const MOST: usize = 16;
-/// What is lit lies between samples that are dark: a window around them leaves so much room, in samples and in rows.
+/// The lit part ends between two samples, of which one is dark: a window around it has this much room, in samples and in rows.
 const ROOM_SAMPLES: f32 = 2.0;
 const ROOM_ROWS: f32 = 1.0;
 
-/// How many samples of masks are lit, how many emit; how many rows have anything lit, and how many there are.
+/// Numbers of lit and of emitting samples of masks; numbers of rows with any lit sample, and of all rows.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LitCounts {
     lit: u32,
@@ -37,7 +37,7 @@ impl LitCounts {
         self.rows += mask.side() as u32;
     }
 
-    /// Whether what is lit is so little that few samples tell its size.
+    /// Whether so little is lit that few samples measure its size.
     pub(crate) fn are_few(self) -> bool {
         let Self { lit, emitting, lit_rows, rows } = self;
         LITTLE * lit < emitting && (LEAST * lit < emitting || OF * lit_rows < FEW * rows)
@@ -78,19 +78,19 @@ impl Rect {
 /// Samples and rows of a mask.
 type Block = [Range<u32>; 2];
 
-/// A window that is to be drawn, and the part of the light that it may grow to.
+/// A window to be drawn, and the part of the light up to which it may grow.
 #[derive(Clone, Copy, Debug)]
 struct Job {
     window: Rect,
     limit: Rect,
 }
 
-/// Masks of the parts of a window that are lit.
+/// Masks around the lit parts of a window.
 ///
 /// # Method
-/// A mask is drawn around what is lit. Where that reaches its side the next one is larger there; where it fills less than a quarter, the
-/// next one is smaller or, where no smaller rectangle holds all of it, it is divided in the middle: as long as there are masks
-/// left of [`MOST`].
+/// A mask is drawn around the lit part. If that reaches the mask's side, the next mask is larger on that side. If it fills less
+/// than a quarter of the mask, the next one is smaller; if no smaller rectangle contains all of it, it is divided in the middle.
+/// This is repeated as long as there are masks left of [`MOST`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NearMasks {
     masks: Vec<Mask>,
@@ -99,7 +99,7 @@ pub(crate) struct NearMasks {
 }
 
 impl NearMasks {
-    /// No masks.
+    /// Removes all masks.
     pub(crate) fn clear(&mut self) {
         self.used = 0;
     }
@@ -108,7 +108,7 @@ impl NearMasks {
         &self.masks[..self.used]
     }
 
-    /// Draws what is lit of a window, which is in the rectangle `lit` as far as masks of all of it show.
+    /// Draws masks around the lit part of a window, which lies in the rectangle `lit` as far as masks of the whole window show.
     pub(crate) fn draw(&mut self, window: &UnitSquare, lit: Rect, mut draw: impl FnMut(&UnitSquare, &mut Mask)) {
         self.clear();
         self.jobs.clear();
@@ -126,7 +126,7 @@ impl NearMasks {
             draw(&UnitSquare { center, half, ..*window }, mask);
             left -= 1;
             let Some(block) = mask.lit_block() else { continue };
-            // Each window that waits has a mask for certain.
+            // Each waiting window is certain to get a mask.
             let room = left.saturating_sub(self.jobs.len());
             match next(mask, &job, &block, smallest) {
                 [Some(one), None] if room >= 1 => self.jobs.push(one),
@@ -137,12 +137,12 @@ impl NearMasks {
     }
 }
 
-/// What is drawn instead of a mask whose lit samples are in a block: nothing, a window, or two.
+/// The windows that replace a mask whose lit samples are in a block: none, one, or two.
 fn next(mask: &Mask, job: &Job, block: &Block, smallest: Vec2) -> [Option<Job>; 2] {
     let Job { window, limit } = *job;
     let all = Vec2::new(mask.width() as f32, mask.side() as f32);
     let [samples, rows] = block;
-    // What is lit at a side goes on beyond it.
+    // A lit part at a side continues beyond it.
     let room = 1e-3 * window.size();
     let at_low = [samples.start == 0, rows.start == 0];
     let at_high = [samples.end == mask.width() as u32, rows.end == mask.side() as u32];
@@ -176,7 +176,7 @@ fn next(mask: &Mask, job: &Job, block: &Block, smallest: Vec2) -> [Option<Job>; 
     }
 }
 
-/// What is drawn of one side of the middle of a block, cut across its samples (0) or its rows (1).
+/// The window for one half of a block, which is cut in the middle of its samples (0) or its rows (1).
 fn part(mask: &Mask, job: &Job, block: &Block, across: usize, first: bool) -> Option<Job> {
     let Job { window, mut limit } = *job;
     let middle = (block[across].start + block[across].end) / 2;
@@ -195,7 +195,7 @@ fn part(mask: &Mask, job: &Job, block: &Block, across: usize, first: bool) -> Op
     lit_block(mask, samples, rows).map(|lit| Job { window: rect(mask, &lit).within(limit), limit })
 }
 
-/// Samples and rows of a part of a mask that are lit lie between these.
+/// The samples and rows that contain all lit samples of a part of a mask.
 fn lit_block(mask: &Mask, samples: Range<u32>, rows: Range<u32>) -> Option<Block> {
     let within = row::span(samples.start, samples.end);
     let (mut columns, mut first, mut end) = (row::NONE, None, 0);
@@ -211,7 +211,7 @@ fn lit_block(mask: &Mask, samples: Range<u32>, rows: Range<u32>) -> Option<Block
     first.map(|first| [from..to, first..end])
 }
 
-/// Where that may lie in the plane.
+/// The rectangle of the plane that contains the lit part of a block.
 pub(crate) fn rect(mask: &Mask, [samples, rows]: &Block) -> Rect {
     let Rect { low, high } = Rect::of(mask.square());
     let sample = (high - low) / Vec2::new(mask.width() as f32, mask.side() as f32);
@@ -228,7 +228,7 @@ mod tests {
     use lobe_core::Cone;
     use lobe_core::oracle::Random;
 
-    /// Blocks all but rectangles.
+    /// Blocks everything except rectangles.
     fn block_around(holes: &[Rect], mask: &mut Mask) {
         for j in 0..mask.side() {
             let y = mask.row_y(j);
@@ -243,7 +243,7 @@ mod tests {
         }
     }
 
-    /// The lit area that masks show of all that is around holes, how many were drawn, and what one mask alone shows.
+    /// The lit area of masks around all holes, the number of masks, and the lit area of a single mask.
     fn area(holes: &[Rect]) -> (f32, usize, f32) {
         let cone = Cone { axis: Vec3::Z, one_minus_cos: 0.01, distance: f32::INFINITY };
         let window = UnitSquare::facing(&cone, Vec3::X);
@@ -272,7 +272,7 @@ mod tests {
         let disc = 0.14;
         let (mut worst, mut without, mut most) = ([0.0_f32; 2], 0.0_f32, 0);
         for case in 0..400 {
-            // Two may meet, but do not overlap.
+            // Two holes may touch, but do not overlap.
             let count = 1 + case % 2;
             let holes: Vec<Rect> = (0..count)
                 .map(|k| {
@@ -295,7 +295,7 @@ mod tests {
         assert!(worst[0] < 0.08 && worst[1] < 0.08 && without > 0.3 && most <= MOST, "{worst:?} {without} {most}");
     }
 
-    /// However many parts are lit, no more masks are drawn than there may be, and none of the light is counted twice.
+    /// However many parts are lit, no more masks are drawn than allowed, and no part of the light counts twice.
     #[test]
     fn many_holes_keep_to_the_budget() {
         let at = |i: usize, j: usize| 0.14 * Vec2::new(i as f32 * 0.17 - 0.6, j as f32 * 0.17 - 0.6);

@@ -55,7 +55,7 @@ impl<B: Blockers> Blockers for Option<B> {
     }
 }
 
-/// Blockers that are somebody else's: kept from frame to frame.
+/// Borrowed blockers, for example those that are kept from frame to frame.
 impl<B: Blockers> Blockers for &B {
     type Scratch = B::Scratch;
 

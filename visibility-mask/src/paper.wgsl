@@ -1,27 +1,27 @@
-// The paper's shadow nodes (§5.3) by a workgroup, from a mask of DEPTH: those of a quad-tree of PAPER_DEPTH, which is one
-// less, or the same at the greatest depth. Needs `paper_header`, mask.wgsl, square.wgsl, total.wgsl, paper.wgsl of lobe-core.
+// The paper's shadow nodes (§5.3) by a workgroup, from a mask of DEPTH. Their quad-tree has PAPER_DEPTH, which is one less, or the
+// same at the greatest depth. Needs `paper_header`, mask.wgsl, square.wgsl, total.wgsl, paper.wgsl of lobe-core.
 
 const CELL_SAMPLES = WIDTH / SIDE;
 
-// Rows of all levels as bits, row r of level l at 2^l + r: nodes that the disc touches, and those where any of it is seen.
+// Rows of all levels as bits, row r of level l at 2^l + r: nodes that the disc touches, and nodes in which any of it is visible.
 var<workgroup> tree_touched: array<vec2u, 2u * SIDE>;
 var<workgroup> tree_seen: array<vec2u, 2u * SIDE>;
 
 // Nodes k and above of a row of 64.
 fn cells_above(k: u32) -> vec2u {
     let shift = min(max(vec2u(k), vec2u(0u, 32u)) - vec2u(0u, 32u), vec2u(32u));
-    // A shift by 32 is not defined, two by half as much are.
+    // A shift by 32 is not defined; two shifts by half of it are.
     let half = shift >> vec2u(1u);
     return (vec2u(0xffffffffu) << half) << (shift - half);
 }
 
-// Cells of the own row that emit at all.
+// Cells of the row with any emitting sample.
 fn emitting_cells() -> vec2u {
     let last = (emitting.y + (CELL_SAMPLES - 1u)) / CELL_SAMPLES;
     return select(vec2u(0u), cells_above(emitting.x / CELL_SAMPLES) & ~cells_above(last), emitting.x < emitting.y);
 }
 
-// Cells of the own row that emit and are not blocked from end to end.
+// Cells of the row that emit and are not blocked from end to end.
 fn lit_cells() -> vec2u {
     // Four samples are one bit of the four planes of either half.
     let low = (lit.a.x | lit.a.y) | (lit.a.z | lit.a.w);
@@ -75,7 +75,7 @@ fn paper_tree(lane: u32) {
     workgroupBarrier();
 }
 
-// The shadow nodes of a row: touched, nothing of them seen, something of the node above.
+// The shadow nodes of a row: touched by the disc, wholly hidden, in a parent that is not wholly hidden.
 fn paper_row(row: u32) -> vec2u {
     let dark = tree_touched[row] & ~tree_seen[row];
     if row <= 1u {
@@ -105,7 +105,7 @@ fn nth_bit(bits: vec2u, n: u32) -> u32 {
     return at;
 }
 
-// How many shadow nodes there are.
+// The number of shadow nodes.
 fn paper_count(lane: u32) -> u32 {
     var count = 0u;
     for (var row = lane; row < (2u << PAPER_DEPTH); row += LANES) {
@@ -116,7 +116,7 @@ fn paper_count(lane: u32) -> u32 {
     return u32(total(lane, vec4f(f32(count), 0.0, 0.0, 0.0)).x);
 }
 
-// `PaperWeights::weight`, of the pairs after the tables: level by level, distance by distance.
+// `PaperWeights::weight`, from the pairs after the tables: level by level, distance by distance.
 fn paper_weight(level: u32, dist: f32) -> f32 {
     var above = u32(min(dist, 9.0)) + 2u;
     if dist < 1.0 {
@@ -141,7 +141,7 @@ fn paper_solved(distance: u32, level: u32) -> f32 {
     return select(pair.x, pair.y, (k & 1u) != 0u);
 }
 
-// `node_lobe`: that of the sphere around a node's square (Fig. 10).
+// `node_lobe`: the lobe of the sphere around a node's square (Fig. 10).
 fn paper_node_lobe(square: UnitSquare, level: u32, node: vec2u) -> Lobe {
     let half = square.half.x / f32(1u << level);
     let at = vec2f(2u * node + vec2u(1u)) * half - square.half;
@@ -149,8 +149,8 @@ fn paper_node_lobe(square: UnitSquare, level: u32, node: vec2u) -> Lobe {
     return paper_occluder(Cone(unit(square_world(square, cone.axis)), cone.one_minus_cos, cone.distance));
 }
 
-// A thread's part of the sum of a product's products with the lobes of all shadow nodes, weighted; how many it has dropped
-// below the threshold.
+// A thread's part of the weighted sum of a product's products with the lobes of all shadow nodes; and the number of products
+// dropped below the threshold.
 fn paper_shadow(lane: u32, square: UnitSquare, product: Lobe, threshold: f32) -> vec4f {
     let dist = 0.5 / square.disc;
     var sum = vec3f(0.0);
@@ -159,7 +159,7 @@ fn paper_shadow(lane: u32, square: UnitSquare, product: Lobe, threshold: f32) ->
     for (var row = 1u; row < (2u << PAPER_DEPTH); row++) {
         let bits = paper_row(row);
         let nodes = count_of(bits);
-        // Nodes in the order of levels and rows, to the threads by turns.
+        // The nodes in the order of levels and rows are distributed to the threads in turn.
         for (var k = (lane - first) & (LANES - 1u); k < nodes; k += LANES) {
             let level = firstLeadingBit(row);
             let lobe = paper_node_lobe(square, level, vec2u(nth_bit(bits, k), row - (1u << level)));

@@ -6,23 +6,22 @@ use lobe_core::paper;
 use lobe_core::{Coverage, Lobe, Shaft, Visibility, VisibilityLobes, VisibilityQuery, VisibilitySum};
 use std::sync::OnceLock;
 
-/// The paper's visibility (§5.3): shadow nodes of a quad-tree as least-squares lobes, any [`Blockers`].
+/// The paper's visibility (§5.3): shadow nodes of a quad-tree as least-squares lobes, for any [`Blockers`].
 ///
-/// `V = 1 − Σ wᵢcᵢ` (Eq. 38): one lobe of scale 1 for each shadow node, that of the sphere around the node's square
-/// (Eqs. 34, 35, Fig. 10), times a weight by level and distance ([`PaperWeights`]). A leaf is in shadow when it is wholly
-/// covered; partly covered ones are ignored; a node whose leaves are all in shadow is one node. The same sum serves
-/// every reflectance lobe. For [`PaperIntegrator`](lobe_core::paper::PaperIntegrator): the weights assume `f̃·L` taken first, by
-/// the table.
+/// `V = 1 − Σ wᵢcᵢ` (Eq. 38): one lobe of scale 1 for each shadow node, the lobe of the sphere around the node's square (Eqs. 34,
+/// 35, Fig. 10), times a weight by level and distance ([`PaperWeights`]). A leaf is in shadow if it is wholly covered; partly
+/// covered leaves are ignored; a node whose leaves are all in shadow is one node. The same sum serves every reflectance lobe. For
+/// [`PaperIntegrator`](lobe_core::paper::PaperIntegrator): the weights assume that the table gives `f̃·L` first.
 ///
 /// # Decisions that the paper leaves open
-/// - Leaves of the unit square outside of the light's disc are neither asked to be covered nor given a lobe: full cover
-///   is one root node, whatever the square's corners show.
+/// - Leaves of the unit square outside the light's disc need not be covered and have no lobe: full cover is one root node, whatever
+///   the square's corners show.
 /// - "Wholly covered" is decided on two row lines through each leaf, exactly along them (one line at depth 6).
 /// - The receiver's horizon plays no part; the reflectance lobe ends there.
-/// - The square's sides follow the world's X axis, so that neighbouring receivers turn theirs alike.
+/// - The square's sides follow the world's X axis, so that neighbouring receivers turn their squares alike.
 ///
 /// # Cost
-/// One mask of depth + 1 for each receiver that any blocker may shade, umbra included, and one lobe for each shadow node.
+/// One mask of depth + 1 for each receiver that any blocker may shade, in the umbra too, and one lobe for each shadow node.
 ///
 /// # Accuracy
 /// Mean error of V in penumbrae over random blockers, in % (in brackets the bias; `tests/paper.rs` measures):
@@ -34,27 +33,27 @@ use std::sync::OnceLock;
 /// | 15° | 3.7 (+3.6) | 2.0 (+1.4) | 1.7 (−0.1) | 4.8 (+1.0) | 4.8 (−1.3) | 5.1 (−2.7) |
 ///
 /// # Limits
-/// A baseline, reproduced. Leaves that are partly covered let light through. Lobes reach past their nodes, so a
-/// reflectance lobe about as narrow as the light gains nothing by depth. Lights under 2.9° use the weights of 2.9°, but
-/// the product table is too coarse for their lobes: of a cover by level-1 nodes 10 % of the light is left at 1°, of one
-/// by leaves a third at 0.25°. `MaskVisibility` has none of these.
+/// A baseline, reproduced. Partly covered leaves let light through. Lobes reach beyond their nodes, so a reflectance lobe about as
+/// narrow as the light gains nothing from depth. Lights under 2.9° use the weights of 2.9°, but the product table is too coarse for
+/// their lobes: a full cover by level-1 nodes leaves 10 % of the light at 1°, one by leaves a third at 0.25°. `MaskVisibility` has
+/// none of these limits.
 #[derive(Clone, Debug)]
 pub struct PaperVisibility<'t, B> {
     blockers: B,
     tables: &'t paper::Tables,
-    /// By depth, solved for when they are first needed.
+    /// By depth, solved for at their first use.
     weights: [OnceLock<PaperWeights>; MAX_DEPTH as usize + 1],
 }
 
 impl<'t, B: Blockers> PaperVisibility<'t, B> {
-    /// Quad-trees of the depth that a query asks for, clamped to 1…[`MAX_DEPTH`]; the paper uses 4 or 5. The first query of a
-    /// depth solves for the weights, which takes milliseconds: [`with_weights`](Self::with_weights) takes them ready.
+    /// Quad-trees of the depth of a query's accuracy, clamped to 1…[`MAX_DEPTH`]; the paper uses 4 or 5. The first query of a depth
+    /// solves for the weights, which takes milliseconds: [`with_weights`](Self::with_weights) takes solved ones.
     #[must_use]
     pub fn new(blockers: B, tables: &'t paper::Tables) -> Self {
         Self { blockers, tables, weights: Default::default() }
     }
 
-    /// With weights of a depth that were solved for before.
+    /// Uses weights of a depth that were solved before.
     #[must_use]
     pub fn with_weights(mut self, weights: PaperWeights) -> Self {
         let depth = weights.depth() as usize;
@@ -85,13 +84,13 @@ pub struct PaperScratch<S> {
 }
 
 impl<S> PaperScratch<S> {
-    /// The unit square of the receiver that looked last.
+    /// The unit square of the last receiver.
     #[must_use]
     pub fn square(&self) -> &UnitSquare {
         self.mask.square()
     }
 
-    /// The shadow nodes that it found, in the order of its lobes.
+    /// Its shadow nodes, in the order of its lobes.
     #[must_use]
     pub fn nodes(&self) -> &[ShadowNode] {
         &self.nodes
@@ -115,7 +114,7 @@ impl<B: Blockers> Visibility for PaperVisibility<'_, B> {
         self.blockers.enter(shaft, &mut scratch.blockers)
     }
 
-    /// [`Coverage::Lit`] when no leaf is in shadow. An umbra is [`Coverage::Partial`]: the paper sums its root lobe.
+    /// [`Coverage::Lit`] if no leaf is in shadow. An umbra is [`Coverage::Partial`]: the paper sums its root lobe.
     /// [`Coverage::Dark`] only for a point light, which has no square.
     fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
         scratch.nodes.clear();
@@ -145,7 +144,7 @@ impl<B: Blockers> Visibility for PaperVisibility<'_, B> {
         if scratch.nodes.is_empty() { Coverage::Lit } else { Coverage::Partial }
     }
 
-    /// That of the [lobes](VisibilityLobes::lobes), by closed products.
+    /// The fraction of the [lobes](VisibilityLobes::lobes), by closed products.
     fn fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, unshadowed: f32, scratch: &mut Self::Scratch) -> Vec3 {
         let mut sum = core::mem::take(&mut scratch.sum);
         let fraction = self.fraction_of_lobes(query, brdf, unshadowed, scratch, &mut sum);

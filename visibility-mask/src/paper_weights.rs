@@ -10,17 +10,16 @@ pub(crate) const LEVELS: usize = crate::MAX_DEPTH as usize + 1;
 /// The weights `w_i` of the paper's visibility lobes (Eq. 38), by distance of the unit square and level of the quad-tree.
 ///
 /// # Objective
-/// The paper sets them by eye: the first level for "a perfect dark in the umbra area", each next one without a step from
-/// the one before. Here they are solved for. The light is faced by a Lambert receiver and covered from rim to rim by
-/// nodes of one level `l`, all those that touch its disc; then its radiance is to be zero,
-/// `w_l · Σᵢ ∫ (f̃·L)·cᵢ dv = ∫ f̃·L dv`, with the table's own products: one equation a level. A whole cover is zero at
-/// every level, so a shadow keeps its strength when nodes merge; what one merge alone changes is measured in
-/// `tests/paper.rs` (at most 0.8 % of the light).
-/// Overlap of the lobes, light outside of the square and errors of the tables are all in the weights.
+/// The paper sets them by eye: the first level for "a perfect dark in the umbra area", each next one without a step from the one
+/// before. Here they are solved for. A Lambert receiver faces the light, and nodes of one level `l`, all those that touch its disc,
+/// cover it from rim to rim. Its radiance must then be zero, `w_l · Σᵢ ∫ (f̃·L)·cᵢ dv = ∫ f̃·L dv`, with the table's own products:
+/// one equation a level. A full cover is zero at every level, so a shadow keeps its strength when nodes merge; `tests/paper.rs`
+/// measures the change of a single merge (at most 0.8 % of the light). The weights include the overlap of the lobes, the light
+/// outside the square and the errors of the tables.
 ///
 /// # Domain
-/// Linear in `dist = 1/(2 tan θ)` between [`DISTANCES`](Self::DISTANCES), as printed; the first and last weights
-/// outside (half-angles above 63° and below 2.9°, which the paper leaves open).
+/// Linear in `dist = 1/(2 tan θ)` between [`DISTANCES`](Self::DISTANCES), as printed; the first and last weights apply outside
+/// (half-angles above 63° and below 2.9°, which the paper leaves open).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PaperWeights {
     depth: u32,
@@ -28,7 +27,7 @@ pub struct PaperWeights {
 }
 
 impl PaperWeights {
-    /// Where weights are solved for (§5.3): distance of a square of side 1 that surrounds the light's cone.
+    /// The distances for which weights are solved (§5.3), of a square of side 1 around the light's cone.
     pub const DISTANCES: [f32; 12] = [0.25, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0];
 
     /// Solves for the weights of a quad-tree of the given depth, clamped to 1…[`MAX_DEPTH`](crate::MAX_DEPTH).
@@ -57,8 +56,8 @@ impl PaperWeights {
         Self { depth, by_distance }
     }
 
-    /// The weights as the WGSL of [`wgsl::PAPER`](crate::wgsl::PAPER) reads them behind the pairs of
-    /// [`Tables::pack`](lobe_core::paper::Tables::pack): level by level for each distance, two a pair.
+    /// Packs the weights for the WGSL of [`wgsl::PAPER`](crate::wgsl::PAPER), which reads them after the pairs of
+    /// [`Tables::pack`](lobe_core::paper::Tables::pack): level by level for each distance, two in a pair.
     #[must_use]
     pub fn pack(&self) -> Vec<[f32; 2]> {
         let weights = self.by_distance.as_flattened();
@@ -74,7 +73,7 @@ impl PaperWeights {
     /// `w_i` of a node of the given level (0 the root) with the unit square at `dist`.
     ///
     /// # Panics
-    /// When `level` is above [`MAX_DEPTH`](crate::MAX_DEPTH).
+    /// If `level` is above [`MAX_DEPTH`](crate::MAX_DEPTH).
     #[must_use]
     pub fn weight(&self, level: u32, dist: f32) -> f32 {
         self.at(dist)[level as usize]
@@ -97,7 +96,7 @@ fn one_minus_cos(tan: f32) -> f32 {
     tan * tan * cos * cos / (1.0 + cos)
 }
 
-/// The lobe of one shadow node, scale 1 (Eqs. 34, 35): that of the sphere around the node's square (Fig. 10).
+/// The lobe of one shadow node, scale 1 (Eqs. 34, 35): the lobe of the sphere around the node's square (Fig. 10).
 pub(crate) fn node_lobe(square: &UnitSquare, node: ShadowNode, caps: &CapTable) -> Lobe {
     let half = square.half.x / (1u32 << node.level) as f32;
     let at = |k: usize| (2 * k + 1) as f32 * half - square.half.x;

@@ -1,4 +1,4 @@
-//! The quad-tree cut: which nodes of the mask become lobes.
+//! The quad-tree cut: the nodes of the mask that become lobes.
 
 use crate::Mask;
 use crate::moments::{Discs, Moments, Part, Pyramid, block};
@@ -8,10 +8,10 @@ use lobe_core::{Lobe, LobeWriter, Receiver, VisibilitySum, is_lambert};
 /// Calibration of the error estimate against measured errors: a cut is refined while `E > CUT·τ²·U`.
 const CUT: f32 = 40.0;
 
-/// A node counts as partly lit in full when its lesser part is a share of 1/PARTLY.
+/// A node counts as partly lit in full if its smaller part is a fraction of 1/PARTLY or more.
 const PARTLY: f32 = 20.0;
 
-/// Exponents beyond are refined like this one, infinite ones included.
+/// Larger exponents, infinite ones included, are refined like this one.
 const NARROWEST: f32 = 1e9;
 
 /// Working memory of a cut.
@@ -30,7 +30,7 @@ impl QuadtreeMoments {
     }
 }
 
-/// What a cut is made for.
+/// The inputs of a cut.
 pub(crate) struct QuadtreeCut<'a> {
     pub(crate) mask: &'a Mask,
     pub(crate) scratch: &'a QuadtreeMoments,
@@ -67,7 +67,7 @@ impl<'a> QuadtreeCut<'a> {
 
     /// Writes the lobes of the lit part and, node by node, of the whole light.
     ///
-    /// A Lambert lobe needs one node: total and mean vector of what is lit are exact whatever its shape.
+    /// A Lambert lobe needs one node: total and mean vector of the lit samples are exact whatever their shape.
     pub(crate) fn write(&self, out: &mut VisibilitySum) {
         out.base = 0.0;
         self.node(0, 0, 0, 1.0, &mut out.lobes.writer(), &mut out.whole.writer());
@@ -106,12 +106,12 @@ impl<'a> QuadtreeCut<'a> {
         })
     }
 
-    /// How much of a node its children stand for: 0 below the threshold, 1 above twice that, smooth between, so that
-    /// nothing pops as a node is refined.
+    /// The fraction of a node that its children replace: 0 below the threshold, 1 above twice the threshold, smooth between, so
+    /// that nothing pops as a node is refined.
     ///
-    /// The moment lobe of a node is right to first order; what is left of the reflectance's variation over the node is
-    /// of relative size `r = e_f(1−R)` where it is partly lit, `r²` where it is not, under the envelope of the
-    /// reflectance lobe as far as the node reaches: `exp(−z²/2(1+r))`, `z² = −2 e_f ln cos` of the angle between the two.
+    /// The moment lobe of a node is right to first order. The rest of the reflectance's variation over the node has the relative
+    /// size `r = e_f(1−R)` if the node is partly lit, `r²` if not, under the envelope of the reflectance lobe as far as the node
+    /// reaches: `exp(−z²/2(1+r))`, `z² = −2 e_f ln cos` of the angle between the two.
     fn refinement(&self, level: usize, all: &Moments, lit: f32) -> f32 {
         if level as u32 == self.mask.depth() || is_lambert(self.at, self.brdf) {
             return 0.0;
@@ -124,7 +124,7 @@ impl<'a> QuadtreeCut<'a> {
         // A node behind the lobe still reaches in front by its own width.
         let log_cos = (-one_minus_cos.min(0.999_9)).ln_1p();
         let envelope = (e * log_cos / (1.0 + r)).exp();
-        // Without a step where the last bit of a node is hidden, or lit: what is left of it is its error.
+        // Continuous as the last bit of a node becomes hidden or lit: the rest of it is its error.
         let share = lit / all.omega;
         let partly = (PARTLY * share.min(1.0 - share)).clamp(0.0, 1.0);
         let relative = 0.1 * r * r + partly * (0.4 * r + 0.2 * r * r);
@@ -144,8 +144,8 @@ impl<'a> QuadtreeCut<'a> {
         }
         let lobe = moments.lobe(self.mask.cell().min_element());
         let axis = self.mask.square().world(lobe.axis).normalize();
-        // No lobe has a mean vector below half its flux, as a ring of a wide light has: for a Lambert lobe the vector is
-        // what has to be kept.
+        // A lobe's mean vector is never below half its flux, while that of a wide light's ring is. For a Lambert lobe the vector
+        // must be kept.
         let kept = if lobe.spread > 0.5 && is_lambert(self.at, self.brdf) { 2.0 * (1.0 - lobe.spread) } else { 1.0 };
         out.push(Lobe::with_flux(axis, lobe.exponent, Vec3::splat(moments.omega * weight * kept)));
     }

@@ -1,7 +1,7 @@
 use crate::row;
 use fearless_simd::{Simd, f32x8, prelude::*, u32x8};
 
-/// Rows and samples, from and to, outside of which a mask is dark.
+/// Rows and samples, from and to; a mask is dark outside of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LitBounds {
     /// Rows.
@@ -11,7 +11,7 @@ pub struct LitBounds {
 }
 
 impl LitBounds {
-    /// True when nothing is lit.
+    /// True if nothing is lit.
     #[must_use]
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
@@ -19,25 +19,24 @@ impl LitBounds {
     }
 }
 
-/// From plane coordinates to rows and samples: row line `j` is at height `j + ½` of `(y − bottom)·rows`, samples count
-/// from `(x − left)·samples`, less the shift of the row.
+/// The conversion from plane coordinates to rows and samples: row line `j` is at height `j + ½` of `(y − bottom)·rows`; samples are
+/// counted from `(x − left)·samples`, minus the shift of the row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Raster {
     /// Plane coordinate x of the window's left side.
     pub left: f32,
     /// Plane coordinate y of its lower side.
     pub bottom: f32,
-    /// Samples a unit of plane coordinates.
+    /// Samples per unit of plane coordinates.
     pub samples: f32,
-    /// Rows a unit.
+    /// Rows per unit.
     pub rows: f32,
     /// Samples in a row.
     pub width: f32,
 }
 
 impl Raster {
-    /// How far the samples of row `j` are shifted, in samples within ±½. Positions in samples lose it before
-    /// they are rounded.
+    /// The shift of the samples of row `j`, in samples within ±½. Subtract it from positions in samples before rounding.
     #[inline(always)]
     #[must_use]
     pub fn shift(j: usize) -> f32 {

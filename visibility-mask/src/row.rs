@@ -1,15 +1,15 @@
-//! One row of a mask: 256 samples as bits, and what is done to them.
+//! One row of a mask: 256 samples as bits, and operations on them.
 
 use fearless_simd::{Simd, prelude::*, u32x8};
 
 /// The deepest quad-tree: 64 × 64 cells.
 pub const MAX_DEPTH: u32 = 6;
-/// Most rows of a mask, and most cells in a row.
+/// The most rows of a mask, and the most cells in a row.
 pub(crate) const SIDE: usize = 1 << MAX_DEPTH;
-/// Samples in a row, and in one of a coarse mask, which takes the first word.
+/// Samples in a row, and in a row of a coarse mask, which uses the first word.
 pub(crate) const WIDTH: usize = 256;
 pub(crate) const COARSE: usize = 64;
-/// Rows that are taken at once.
+/// Rows that are processed at once.
 pub(crate) const EIGHT: usize = 8;
 /// Heights within a row at which shapes along the row are sampled.
 pub(crate) const SUBLINES: usize = 8;
@@ -25,7 +25,7 @@ pub type EightRows = [u64; EIGHT];
 /// No sample.
 pub(crate) const NONE: Row = Row([0; WIDTH / 64]);
 
-/// A row of 64 from its halves.
+/// A row of 64 samples from its halves.
 #[inline(always)]
 pub(crate) fn coarse(low: u32, high: u32) -> Row {
     let mut row = NONE;
@@ -52,7 +52,7 @@ static FROM: [Row; 2 * WIDTH] = {
 
 /// Shifts of the rows' samples, in samples: multiples of the golden section, whose fractions fill an interval evenly.
 ///
-/// Eight more than there are rows, for whoever takes eight rows at once.
+/// Eight more than there are rows, since eight rows are read at once.
 pub(crate) static PHASE: [f32; SIDE + 8] = {
     let mut phase = [0.0; SIDE + 8];
     let mut j = 0;
@@ -70,7 +70,7 @@ pub(crate) fn phases(j: usize) -> &'static [f32; 8] {
     PHASE[j & (SIDE - 1)..].first_chunk().unwrap_or(&[0.0; 8])
 }
 
-/// The order in which eight neighbouring samples take the eight heights: bits reversed, so that any few of them are spread.
+/// The order in which eight neighbouring samples take the eight heights: bits reversed, so that any few of them are spread evenly.
 const ORDER: [u32; SUBLINES] = [0, 4, 2, 6, 1, 5, 3, 7];
 
 /// Height of line `k` above the row's own, in rows.
@@ -82,7 +82,7 @@ pub(crate) const fn height(k: usize) -> f32 {
 /// The first sample at or after a position (sample k is at k + ½), 0…256; 0 for NaN.
 #[inline(always)]
 pub(crate) fn index(position: f32) -> u32 {
-    // Comparisons that NaN fails, and the float's own last bits: what a cast does in many steps.
+    // Comparisons that are false for NaN, and the float's own last bits: a cast takes more steps.
     let x = if position > 0.0 { position } else { 0.0 };
     let x = if x < WIDTH as f32 { x } else { WIDTH as f32 };
     (x + 12_582_912.0).to_bits() & 0x1ff
@@ -94,7 +94,7 @@ pub(crate) fn span(from: u32, to: u32) -> Row {
     without(&FROM[(from & 0x1ff) as usize], &FROM[(to & 0x1ff) as usize])
 }
 
-/// The same of a row of 64: `from` and `to` are at most 64.
+/// The same for a row of 64 samples: `from` and `to` are at most 64.
 #[inline(always)]
 pub(crate) fn span_of_64(from: u32, to: u32) -> u64 {
     u64::MAX.unbounded_shl(from) & !u64::MAX.unbounded_shl(to)
@@ -127,7 +127,7 @@ pub(crate) fn with(a: &Row, b: &Row) -> Row {
     out
 }
 
-/// The first sample, and the one behind the last; the first is not below the other when there is none.
+/// The first sample, and the one after the last; the first is not below the second if there are no samples.
 #[inline(always)]
 pub(crate) fn bounds(row: &Row) -> [u32; 2] {
     let mut bounds = [WIDTH as u32, 0];
@@ -138,7 +138,7 @@ pub(crate) fn bounds(row: &Row) -> [u32; 2] {
     bounds
 }
 
-/// Of some samples of row `j` those at height `k`: one of every eight, another one in each row.
+/// Those samples of row `j` that are at height `k`: one of every eight, a different one in each row.
 #[inline(always)]
 pub(crate) fn of_line(row: &Row, j: usize, k: usize) -> Row {
     let which = 0x0101_0101_0101_0101 << ((ORDER[k] + j as u32) & 7);
@@ -149,7 +149,7 @@ pub(crate) fn of_line(row: &Row, j: usize, k: usize) -> Row {
     out
 }
 
-// Functions and no closures: a closure is not told to stay inside the code that has the wide instructions.
+// Functions instead of closures: a closure may not be inlined into the code that has the wide instructions.
 
 /// The samples `from..to` of eight rows of 64, as their lower and upper halves.
 #[inline(always)]
@@ -169,7 +169,7 @@ fn up_from<S: Simd>(simd: S, k: u32x8<S>) -> [u32x8<S>; 2] {
     [is_low.select(part, none), is_low.select(all, is_within.select(part, none))]
 }
 
-/// A row of 64 of which eight lines are covered in part, each having its own samples as in [`of_line`].
+/// A row of 64 samples of which eight lines are partly covered, each with its own samples as in [`of_line`].
 #[inline(always)]
 pub(crate) fn of_lines<S: Simd>(simd: S, j: usize, from: u32x8<S>, to: u32x8<S>) -> [u32; 2] {
     let turn = j as u32 & 7;
@@ -182,14 +182,14 @@ pub(crate) fn of_lines<S: Simd>(simd: S, j: usize, from: u32x8<S>, to: u32x8<S>)
 /// Room for a mask's rows, and for eight that begin at any of them.
 pub(crate) const ROWS: usize = SIDE + EIGHT;
 
-/// Those of eight rows from `j` on. In a form in which nothing is left to be checked.
+/// The eight rows from `j` on, in a form without bounds checks.
 #[inline(always)]
 pub(crate) fn eight<T: Copy>(rows: &[T; ROWS], j: usize) -> [T; EIGHT] {
     let j = j & (SIDE - 1);
     core::array::from_fn(|k| rows[j + k])
 }
 
-/// [`eight`], to be written.
+/// [`eight`], mutable.
 #[inline(always)]
 pub(crate) fn eight_mut<T>(rows: &mut [T; ROWS], j: usize) -> &mut [T] {
     let j = j & (SIDE - 1);
@@ -209,7 +209,7 @@ pub(crate) fn count(row: &Row) -> u32 {
     row.0.iter().map(|word| word.count_ones()).sum()
 }
 
-/// Which of the cells of a row, so many samples wide, have any sample.
+/// Which cells of a row, `width` samples each, have any sample.
 pub(crate) fn any(row: &Row, width: usize) -> u64 {
     if width == 1 {
         return row.0[0];
@@ -233,7 +233,7 @@ pub(crate) fn any(row: &Row, width: usize) -> u64 {
         for i in 0..count {
             cells |= (w >> (i * width) & 1) << i;
         }
-        // Words that a coarse mask leaves empty add nothing.
+        // The words that a coarse mask leaves empty add nothing.
         out |= cells.checked_shl((k * count) as u32).unwrap_or(0);
     }
     out

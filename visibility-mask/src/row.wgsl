@@ -1,5 +1,5 @@
-// One row of a mask: 256 samples as bits, in eight planes: bit c of plane k is sample 8c + k. A span starts and ends in each
-// plane at one of two neighbouring bits, and a line of `mask_block_line` is one plane.
+// One row of a mask: 256 samples as bits, in eight planes: bit c of plane k is sample 8c + k. A span starts and ends in each plane
+// at one of two neighbouring bits, and a line of `mask_block_line` is one plane.
 
 // Planes 0…3 and 4…7.
 struct Row { a: vec4u, b: vec4u }
@@ -17,7 +17,7 @@ fn row_span(start: u32, end: u32) -> Row {
 }
 
 fn planes_span(planes: vec4u, start: u32, s: u32, end: u32, e: u32) -> vec4u {
-    // A plane before the start's own one has its first sample a bit later.
+    // In a plane before the start's own one, the first sample is a bit later.
     let starts = select(vec4u(s), vec4u(s << 1u), planes < vec4u(start & 7u));
     let ends = select(vec4u(e), vec4u(e << 1u), planes < vec4u(end & 7u));
     return starts & ~ends;
@@ -25,13 +25,13 @@ fn planes_span(planes: vec4u, start: u32, s: u32, end: u32, e: u32) -> vec4u {
 
 // Bits from `k` on, up to 32.
 fn plane_from(k: u32) -> u32 {
-    // A shift by 32 is not defined, two by half as much are.
+    // A shift by 32 is not defined; two shifts by half of it are.
     return (0xffffffffu << (k >> 1u)) << (k - (k >> 1u));
 }
 
 fn row_without(row: Row, blocked: Row) -> Row { return Row(row.a & ~blocked.a, row.b & ~blocked.b); }
 
-// Without those of samples `start` up to `end` that are in one plane.
+// The row without the samples from `start` up to `end` that are in one plane.
 fn row_without_line(row: Row, plane: u32, start: u32, end: u32) -> Row {
     let line = plane_from((start + 7u - plane) >> 3u) & ~plane_from((end + 7u - plane) >> 3u);
     return Row(
@@ -55,7 +55,7 @@ fn planes_from(k: vec4u) -> vec4u {
     return (vec4u(0xffffffffu) << half) << (k - half);
 }
 
-// Without those of samples 32k … 32k + 31 that have a bit.
+// The row without those of samples 32k … 32k + 31 whose bit is set.
 fn row_without_samples(row: Row, k: u32, bits: u32) -> Row {
     let low = vec4u(bits) >> PLANES_A;
     return Row(row.a & ~(planes_gathered(low) << vec4u(4u * k)), row.b & ~(planes_gathered(low >> vec4u(4u)) << vec4u(4u * k)));

@@ -1,18 +1,18 @@
-// Columns of rows that have 64 samples for what is broad and 256 for what is narrow, the 64 in place of the first of the 256.
+// Columns of rows with 64 samples for broad lobes and 256 for narrow ones; the 64 are stored in place of the first of the 256.
 // Needs row.wgsl.
 
 var<private> row_width: u32 = 64u;
 // Groups of four columns.
 var<private> row_groups: u32 = 4u;
 
-// Whether masks made from here on have 256.
+// Whether masks that are drawn from here on have 256 samples a row.
 fn row_refine(finer: bool) {
     row_width = select(64u, 256u, finer);
     row_groups = select(4u, 8u, finer);
 }
 
-// Samples in columns of eight: of word i, half byte n is column 4n + i. Of 64 samples in columns of
-// four: half bytes 0 and 4 are columns 2i and 2i + 8, half bytes 2 and 6 those next to them.
+// Samples in columns of eight: half byte n of word i is column 4n + i. For 64 samples in columns of four: half bytes 0 and 4 are
+// columns 2i and 2i + 8, half bytes 2 and 6 those next to them.
 fn row_counts(row: Row) -> Counts {
     let a = (planes_counts(row.a.x) + planes_counts(row.a.y)) + (planes_counts(row.a.z) + planes_counts(row.a.w));
     let b = (planes_counts(row.b.x) + planes_counts(row.b.y)) + (planes_counts(row.b.z) + planes_counts(row.b.w));

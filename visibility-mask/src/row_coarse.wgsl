@@ -11,9 +11,9 @@ fn row_span(start: u32, end: u32) -> Row { return Row(planes_from(start) & ~plan
 // Samples k and above.
 fn planes_from(k: u32) -> vec2u {
     let bit = k >> 3u;
-    // A plane before the sample's own one has its first sample a bit later.
+    // In a plane before the sample's own one, the first sample is a bit later.
     let before = vec2u(min(k & 7u, 4u), max(k & 7u, 4u) - 4u);
-    // A shift by 32 is not defined, two by half as much are.
+    // A shift by 32 is not defined; two shifts by half of it are.
     let half = 4u * (4u - before);
     let late = (vec2u(0x01010101u) >> half) >> half;
     return vec2u(((0xffu << bit) & 0xffu) * 0x01010101u) & ~(late << vec2u(bit & 7u));
@@ -21,7 +21,7 @@ fn planes_from(k: u32) -> vec2u {
 
 fn row_without(row: Row, blocked: Row) -> Row { return Row(row.a & ~blocked.a); }
 
-// Without those of samples `start` up to `end` that are in one plane.
+// The row without the samples from `start` up to `end` that are in one plane.
 fn row_without_line(row: Row, plane: u32, start: u32, end: u32) -> Row {
     let line = select(vec2u(0xffu, 0u), vec2u(0u, 0xffu), plane > 3u) << vec2u(8u * (plane & 3u));
     return Row(row.a & ~(row_span(start, end).a & line));
@@ -36,7 +36,7 @@ fn row_without_lines(row: Row, first: u32, starts: vec4u, ends: vec4u) -> Row {
     return Row(row.a & ~select(vec2u(word, 0u), vec2u(0u, word), first > 0u));
 }
 
-// Without those of samples 32k … 32k + 31 that have a bit.
+// The row without those of samples 32k … 32k + 31 whose bit is set.
 fn row_without_samples(row: Row, k: u32, bits: u32) -> Row {
     var blocked = vec2u(0u);
     for (var plane = 0u; plane < 8u; plane++) {
@@ -74,7 +74,7 @@ fn row_counts(row: Row) -> Counts { return row.a; }
 // Numbers of the four columns of a group.
 fn row_columns(group: u32) -> vec4u { return vec4u(0u, 2u, 4u, 6u) + (8u * (group & 1u) + (group >> 1u)); }
 
-// Samples in each of the four.
+// Samples in each of the four columns.
 fn counts_of(counts: Counts, group: u32) -> vec4f {
     let word = select(counts.x, counts.y, group > 1u) >> (4u * (group & 1u));
     return vec4f(countOneBits((vec4u(word) >> vec4u(0u, 1u, 2u, 3u)) & vec4u(0x01010101u)));

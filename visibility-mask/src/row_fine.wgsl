@@ -6,7 +6,7 @@ const row_groups = 8u;
 
 fn row_refine(finer: bool) {}
 
-// Samples in columns of eight: of word i, half byte n is column 4n + i.
+// Samples in columns of eight: half byte n of word i is column 4n + i.
 fn row_counts(row: Row) -> Counts {
     return (planes_counts(row.a.x) + planes_counts(row.a.y)) + (planes_counts(row.a.z) + planes_counts(row.a.w))
         + (planes_counts(row.b.x) + planes_counts(row.b.y)) + (planes_counts(row.b.z) + planes_counts(row.b.w));

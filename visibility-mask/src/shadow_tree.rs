@@ -25,10 +25,10 @@ impl ShadowNode {
     }
 }
 
-/// The quad-tree of Fig. 9 as bits: for each leaf, whether the light's disc touches it and whether any of that is seen.
+/// The quad-tree of Fig. 9 as bits: for each leaf, whether the light's disc touches it and whether any of that part is visible.
 ///
-/// Leaves outside of the disc count for nothing: they are neither asked to be covered nor cast a lobe, so a light that
-/// is hidden from rim to rim is one root node whatever happens in the corners of the square.
+/// Leaves outside the disc do not count: they need not be covered and have no lobe, so a light that is hidden from rim to rim is
+/// one root node, whatever the corners of the square show.
 #[derive(Clone, Debug)]
 pub(crate) struct ShadowTree {
     depth: u32,
@@ -50,8 +50,8 @@ impl ShadowTree {
         self.depth
     }
 
-    /// Depth of the mask to fill: two row lines through each leaf, so that one covered along its middle only is not
-    /// taken for a whole one; a single line at the greatest depth.
+    /// Depth of the mask to fill: two row lines through each leaf, so that a leaf that is covered only along its middle does not
+    /// count as covered; a single line at the greatest depth.
     pub(crate) fn mask_depth(&self) -> u32 {
         (self.depth + 1).min(MAX_DEPTH)
     }
@@ -60,8 +60,8 @@ impl ShadowTree {
         1 << self.depth
     }
 
-    /// Reads a mask of depth [`mask_depth`](Self::mask_depth). A leaf is in shadow when nothing of the disc is seen on
-    /// its row lines; "partially covered leaves are ignored".
+    /// Reads a mask of depth [`mask_depth`](Self::mask_depth). A leaf is in shadow if nothing of the disc is visible on its row
+    /// lines; "partially covered leaves are ignored".
     pub(crate) fn read(&mut self, mask: &Mask) {
         debug_assert_eq!(mask.depth(), self.mask_depth());
         let lines = mask.side() / self.side();
@@ -78,7 +78,7 @@ impl ShadowTree {
         }
     }
 
-    /// Whether the disc touches a node, and whether any of it is seen there.
+    /// Whether the disc touches a node, and whether any of it is visible there.
     fn state(&self, node: ShadowNode) -> (bool, bool) {
         let size = self.side() >> node.level;
         let columns = (u64::MAX >> (64 - size)) << (node.x * size);
@@ -90,14 +90,14 @@ impl ShadowTree {
         (touched != 0, seen != 0)
     }
 
-    /// The nodes of a level that the disc touches: a whole cover by nodes of that level.
+    /// The nodes of a level that the disc touches: a full cover by nodes of that level.
     pub(crate) fn cover(&self, level: u32) -> impl Iterator<Item = ShadowNode> {
         let side = 1usize << level;
         (0..side * side).map(move |k| ShadowNode { level, x: k % side, y: k / side }).filter(|node| self.state(*node).0)
     }
 
-    /// The shadow nodes: subdivides from the root, stops where all is in shadow ("frozen") or outside of the disc, drops
-    /// leaves that are not wholly covered.
+    /// The shadow nodes: subdivides from the root, stops at nodes that are wholly in shadow ("frozen") or outside the disc, and
+    /// drops leaves that are not wholly covered.
     pub(crate) fn shadows(&self, out: &mut Vec<ShadowNode>) {
         out.clear();
         self.descend(ShadowNode { level: 0, x: 0, y: 0 }, out);
@@ -163,7 +163,7 @@ mod tests {
         for depth in 1..=MAX_DEPTH {
             assert!(covered_by(depth, |_| ()).is_empty());
             assert_eq!(covered_by(depth, Mask::block_all), root);
-            // The corners of the square stay open; a blocker just as large as the light is the closest case.
+            // The corners of the square stay open; a blocker as large as the light is the closest case.
             for r in [1.0, 1.001, 1.01, 1.1] {
                 assert_eq!(covered_by(depth, |m| disc(m, 0.0, 0.0, r)), root, "{depth} {r}");
             }
@@ -196,7 +196,7 @@ mod tests {
         }
     }
 
-    /// The recursive definition, leaf by leaf, on exact discs; leaves within `slack` of its edge may go either way.
+    /// The recursive definition, leaf by leaf, on exact discs; leaves within `slack` of its edge may have either result.
     #[test]
     fn leaves_of_a_disc() {
         for depth in 2..=MAX_DEPTH {

@@ -1,28 +1,29 @@
 use glam::{UVec2, Vec2, Vec3};
 use lobe_core::{Cone, Lobe, MicrofacetsAt, Outline, nearest_of, orthonormal_basis};
 
-/// Half-angles above this (85°) are treated as if the light were seen up to it: the square faces one hemisphere.
+/// Half-angles above this (85°) count as this one: the square faces one hemisphere.
 pub(crate) const WIDEST_TAN: f32 = 11.43;
 
-/// A window is not made smaller than for this exponent: plane coordinates in f32 resolve no more.
+/// The exponent of the smallest window: plane coordinates in f32 resolve no smaller one.
 pub(crate) const NARROWEST: f32 = 1e8;
 
-/// Lobes farther beside the light than so many of their reaches have the window of one that is so far.
+/// A lobe whose axis is beside the light by more than this many of its reaches has the window of one at that distance.
 pub(crate) const FARTHEST: f32 = 8.0;
 
-/// Microfacets' highlights have a mask of their own up to so many of their widths `2α`, over the root of the tolerance: a share of
-/// `1/(1 + widths²)` of them is beyond, and seen through the mask of the whole light.
+/// Half the size of the window of microfacets' highlights, in their widths `2α`, times the root of the tolerance. A fraction of
+/// `1/(1 + widths²)` of a highlight is outside, and seen through the mask of the whole light.
 pub(crate) const HIGHLIGHT: f32 = 0.2;
 
-/// Half a window is at least so many radii of the light: samples of less drown in the rounding of plane coordinates.
+/// The smallest half side of a window, in radii of the light: smaller samples would drown in the rounding of plane coordinates.
 pub(crate) const THINNEST: f32 = 1e-4;
 
 /// The unit square (Fig. 8): the window in the plane facing the light on which visibility is rasterised.
 ///
 /// Coordinates are those of the plane at distance 1 along `axis`: the direction of a point `(x, y)` is
-/// `(x·right + y·up + axis)/√(1+x²+y²)`. The paper scales the same square to side 1 and moves it to
-/// `dist = 1/(2 tan θ)`. The light is the disc of radius `tan θ` about the origin, or a polygon, whose own plane it then is; the window is
-/// a rectangle around all of it, around what is above the horizon, or, for a narrow reflectance lobe, around the part that the lobe sees.
+/// `(x·right + y·up + axis)/√(1+x²+y²)`. The paper scales the same square to side 1 and moves it to `dist = 1/(2 tan θ)`. The light
+/// is the disc of radius `tan θ` around the origin, or a polygon, in whose own plane the square then is. The window is a rectangle
+/// around the whole light, around the part above the horizon, or, for a narrow reflectance lobe, around the part that the lobe
+/// covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnitSquare {
     /// World direction of +x.
@@ -35,22 +36,22 @@ pub struct UnitSquare {
     pub center: Vec2,
     /// Half its sides.
     pub half: Vec2,
-    /// Radius `tan θ` of the light's disc; of a polygon that of a disc about the origin around it.
+    /// Radius `tan θ` of the light's disc; for a polygon that of a disc around the origin that contains it.
     pub disc: f32,
 }
 
-/// The largest value of a lobe over what emits of a light: where it is, the width `σ` of the lobe there, and `σ²g` with g the
-/// gradient of its logarithm.
+/// The largest value of a lobe over the emitting region: its position, the width `σ` of the lobe there, and `σ²g` with g the
+/// gradient of the lobe's logarithm.
 pub(crate) struct Peak {
     point: Vec2,
     width: f32,
     uphill: Vec2,
-    /// Half the size of what emits.
+    /// Half the size of the emitting region.
     size: f32,
 }
 
 impl Peak {
-    /// How far the logarithm of the lobe falls at most over one radius of the light: `gr + r²/2σ²`.
+    /// The largest fall of the lobe's logarithm over one radius of the light: `gr + r²/2σ²`.
     pub(crate) fn fall(&self) -> f32 {
         self.size * (self.uphill.length() + 0.5 * self.size) / (self.width * self.width)
     }
@@ -63,8 +64,8 @@ impl Default for UnitSquare {
 }
 
 impl UnitSquare {
-    /// The window that covers the whole light, turned so that `across` (world space, any length) lies between right and
-    /// axis: edges across it are exact in a [`Mask`](crate::Mask). Without a component across the axis, any turn.
+    /// The window of the whole light, turned so that `across` (world space, any length) lies between right and axis: edges across
+    /// it are exact in a [`Mask`](crate::Mask). If `across` has no component across the axis, the rotation is arbitrary.
     #[must_use]
     pub fn facing(cone: &Cone, across: Vec3) -> Self {
         let aside = across - cone.axis * across.dot(cone.axis);
@@ -72,7 +73,7 @@ impl UnitSquare {
         let right = if square > 0.5 * all && (1e-30..f32::INFINITY).contains(&square) {
             aside / square.sqrt()
         } else if square > 1e-12 * all {
-            // A small rest of a long vector: its rounding errors need not be at right angles to the axis.
+            // A small rest of a long vector: its rounding errors need not be perpendicular to the axis.
             let r = aside.normalize_or_zero();
             (r - cone.axis * r.dot(cone.axis)).normalize_or_zero()
         } else {
@@ -83,8 +84,8 @@ impl UnitSquare {
         Self { right, up: cone.axis.cross(right), axis: cone.axis, center: Vec2::ZERO, half: Vec2::splat(disc), disc }
     }
 
-    /// The window around a polygon of light, in its own plane, turned so that `across` (world space, any length) lies between right and
-    /// axis.
+    /// The window around a polygon light, in its own plane, turned so that `across` (world space, any length) lies between right
+    /// and axis.
     #[must_use]
     pub fn around_outline(outline: &Outline, across: Vec3) -> Self {
         let frame = outline.frame(across);
@@ -100,8 +101,8 @@ impl UnitSquare {
         Self { right: frame[0], up: frame[1], axis: outline.axis(), center, half, disc }
     }
 
-    /// The window around what of the light is above the horizon of `normal`: of a sliver of the light no sample is lost. All
-    /// of the window where the horizon leaves all or nothing.
+    /// The window around the part of the light above the horizon of `normal`: a sliver of the light gets all samples. The whole
+    /// window if the horizon leaves all or nothing.
     #[must_use]
     pub fn above(&self, normal: Vec3) -> Self {
         let n = self.local(normal);
@@ -110,7 +111,7 @@ impl UnitSquare {
         if !(aside > 0.0 && from > -self.disc && from < self.disc) {
             return *self;
         }
-        // The disc's outermost points, or the ends of the horizon's chord where those are below.
+        // The disc's outermost points, or the ends of the horizon's chord if those points are below.
         let m = n.truncate() / aside;
         let reach = Vec2::new(m.y, m.x).abs() * (self.disc * self.disc - from * from).max(0.0).sqrt();
         let disc = Vec2::splat(self.disc);
@@ -119,11 +120,11 @@ impl UnitSquare {
         self.within(low, high)
     }
 
-    /// Where on what emits a reflectance lobe has its largest value, and how it falls from there.
+    /// The point of the emitting region at which a reflectance lobe is largest, and its fall from there.
     pub(crate) fn peak(&self, lobe: &Lobe, normal: Vec3, bright: Option<&Outline>) -> Peak {
         let along = self.axis.dot(lobe.axis);
         let aside = Vec2::new(self.right.dot(lobe.axis), self.up.dot(lobe.axis));
-        // The lobe's axis on the plane, or the point of the emitting disc next to it.
+        // The lobe's axis on the plane, or the point of the emitting disc nearest to it.
         let mut point = if along > 1e-3 { aside / along } else { aside.normalize_or_zero() * 1e3 };
         let n = self.local(normal);
         if let Some(bright) = bright {
@@ -145,31 +146,31 @@ impl UnitSquare {
         Peak { point, width, uphill: uphill * (stretch * stretch), size }
     }
 
-    /// The part of the window that a reflectance lobe needs: where its logarithm is within `sigmas²/2` of its largest value
-    /// over what emits.
+    /// The part of the window that a reflectance lobe needs: where its logarithm is within `sigmas²/2` of its largest value over
+    /// the emitting region.
     ///
-    /// With p the emitting point next to the lobe's axis, g the gradient of `ln (a·v)ᵉ` there and `σ = (1 + p²)/√e`, the width
-    /// of the lobe on the plane, that is `g·δ − δ²/2σ² ≥ −sigmas²/2`: a disc about `p + σ²g` of radius `√(σ⁴g² + sigmas²σ²)`.
-    /// Where the axis is on the light, g = 0. Beside it only the rim is seen: the farther away, the less deep. Moves and
-    /// grows continuously with lobe and light and becomes the whole window for a lobe broader than the light
-    /// (sigmas·σ above its radius).
+    /// With p the emitting point nearest to the lobe's axis, g the gradient of `ln (a·v)ᵉ` there and `σ = (1 + p²)/√e` the width of
+    /// the lobe on the plane, the condition is `g·δ − δ²/2σ² ≥ −sigmas²/2`: a disc around `p + σ²g` of radius
+    /// `√(σ⁴g² + sigmas²σ²)`. If the axis is on the light, g = 0. If it is beside the light, only the rim is covered, and less
+    /// deeply the farther away the axis is. The window moves and grows continuously with lobe and light, and becomes the whole
+    /// window for a lobe broader than the light (sigmas·σ above its radius).
     #[must_use]
     pub fn zoomed(&self, lobe: &Lobe, normal: Vec3, sigmas: f32) -> Self {
         self.around(&self.peak(lobe, normal, None), sigmas)
     }
 
-    /// That of a lobe with this peak.
+    /// The window of a lobe with this peak.
     pub(crate) fn around(&self, peak: &Peak, sigmas: f32) -> Self {
         let reach = sigmas * peak.width;
         let uphill = peak.uphill.clamp_length_max(FARTHEST * reach);
-        // A window as large as the light is not worth a mask: from four fifths on it grows to all of it.
+        // A window as large as the light is not worth a mask: from four fifths on it grows to the whole window.
         let broad = (5.0 * reach / peak.size - 4.0).clamp(0.0, 1.0);
         let radius = (uphill.length_squared() + reach * reach).sqrt() + broad * (2.0 * peak.size);
         self.within(peak.point + uphill - radius, peak.point + uphill + radius)
     }
 
-    /// The part of the window that shows the highlight of microfacets, along `cells` of so many across and upward: as far as a tolerance
-    /// requires. None where that is most of the window.
+    /// The part of the window that shows the highlight of microfacets, as large as a tolerance requires, along `cells` (so many
+    /// across and upward). `None` if it is most of the window.
     pub(crate) fn highlight(
         &self,
         microfacets: &MicrofacetsAt,
@@ -183,7 +184,7 @@ impl UnitSquare {
         let along = self.axis.dot(mirror);
         let aside = Vec2::new(self.right.dot(mirror), self.up.dot(mirror));
         let beside = if along > 1e-3 { (aside / along - peak.point).length() } else { f32::INFINITY };
-        // Directions turn twice as far as half vectors. Beside the light it is broader.
+        // Directions turn twice as far as half vectors. The highlight is broader if it is beside the light.
         let widths = (HIGHLIGHT / tolerance.max(1e-6).sqrt()).clamp(1.5, 20.0);
         let reach = widths * (2.0 * alpha * (1.0 + peak.point.length_squared())).max(0.5 * beside);
         let cell = 2.0 * self.half / cells.as_vec2();
@@ -196,7 +197,7 @@ impl UnitSquare {
         is_small.then(|| Self { center: origin + 0.5 * (low + high) * cell, half: 0.5 * size * cell, ..*self })
     }
 
-    /// The part of the window between two corners; not less than [`THINNEST`].
+    /// The part of the window between two corners; not smaller than [`THINNEST`].
     fn within(&self, low: Vec2, high: Vec2) -> Self {
         let (low, high) = (low.max(self.center - self.half), high.min(self.center + self.half));
         let half = (0.5 * (high - low)).max(Vec2::splat(THINNEST * self.disc)).min(self.half);
@@ -210,7 +211,7 @@ impl UnitSquare {
         THINNEST * self.disc
     }
 
-    /// The part `k` of the window divided into so many across and upward.
+    /// Part `k` of the window, divided into `across` parts horizontally and vertically.
     pub(crate) fn part(&self, k: u32, across: UVec2) -> Self {
         if across == UVec2::ONE {
             return *self;
@@ -220,7 +221,7 @@ impl UnitSquare {
         Self { half, center: self.center - self.half + half * place.as_vec2(), ..*self }
     }
 
-    /// About the directions that the window shows, as a cone.
+    /// Approximately the directions in the window, as a cone.
     pub(crate) fn cone(&self, distance: f32) -> Cone {
         let tan = self.half.max_element() / (1.0 + self.center.length_squared());
         let root = (1.0 + tan * tan).sqrt();
@@ -234,7 +235,7 @@ impl UnitSquare {
         Vec3::new(self.right.dot(v), self.up.dot(v), self.axis.dot(v))
     }
 
-    /// A vector of the square's frame in the world.
+    /// Converts a vector of the square's frame to the world.
     #[must_use]
     pub fn world(&self, v: Vec3) -> Vec3 {
         self.right * v.x + self.up * v.y + self.axis * v.z

@@ -12,16 +12,16 @@ struct UnitSquare {
     disc: f32,
 }
 
-// Half-angles above this (85°) are treated as if the light were seen up to it.
+// Half-angles above this (85°) count as this one.
 const WIDEST_TAN = 11.43;
-// A window is not made smaller than for this exponent.
+// The exponent of the smallest window.
 const NARROWEST = 1e8;
-// Lobes farther beside the light than so many of their reaches have the window of one that is so far.
+// A lobe whose axis is beside the light by more than this many of its reaches has the window of one at that distance.
 const FARTHEST = 8.0;
-// Half a window is at least so many radii of the light.
+// The smallest half side of a window, in radii of the light.
 const THINNEST = 1e-4;
 
-// The window that covers the whole light, turned so that `across` lies between right and axis.
+// The window of the whole light, turned so that `across` lies between right and axis.
 fn square_facing(cone: Cone, across: vec3f) -> UnitSquare {
     let aside = across - cone.axis * dot(across, cone.axis);
     let square = dot(aside, aside);
@@ -30,7 +30,7 @@ fn square_facing(cone: Cone, across: vec3f) -> UnitSquare {
     if (square > 1e-12 * all && square > 1e-37) {
         right = aside * (1.0 / sqrt(square));
         if (square <= 0.5 * all) {
-            // A small rest of a long vector: its rounding errors need not be at right angles to the axis.
+            // A small rest of a long vector: its rounding errors need not be perpendicular to the axis.
             right = unit(right - cone.axis * dot(right, cone.axis));
         }
     }
@@ -41,7 +41,7 @@ fn square_facing(cone: Cone, across: vec3f) -> UnitSquare {
     return UnitSquare(right, cross(cone.axis, right), cone.axis, vec2f(0.0), vec2f(disc), disc);
 }
 
-// The window around what of the light is above the horizon of `normal`.
+// The window around the part of the light above the horizon of `normal`.
 fn square_above(square: UnitSquare, normal: vec3f) -> UnitSquare {
     let n = square_local(square, normal);
     let aside = sqrt(dot(n.xy, n.xy));
@@ -50,7 +50,7 @@ fn square_above(square: UnitSquare, normal: vec3f) -> UnitSquare {
     if (!(aside > 0.0 && start > -disc && start < disc)) {
         return square;
     }
-    // The disc's outermost points, or the ends of the horizon's chord where those are below.
+    // The disc's outermost points, or the ends of the horizon's chord if those points are below.
     let m = n.xy / aside;
     let reach = abs(m.yx) * sqrt(max(disc * disc - start * start, 0.0));
     let high = select(start * m + reach, vec2f(disc), m * disc >= vec2f(start));
@@ -58,21 +58,21 @@ fn square_above(square: UnitSquare, normal: vec3f) -> UnitSquare {
     return square_within(square, low, high);
 }
 
-// The largest value of a lobe over what emits of a light: where it is, the width σ of the lobe there, and σ²g with g the
-// gradient of its logarithm.
+// The largest value of a lobe over the emitting region: its position, the width σ of the lobe there, and σ²g with g the gradient of
+// the lobe's logarithm.
 struct Peak { point: vec2f, width: f32, uphill: vec2f }
 
-// How far the logarithm of the lobe falls at most over one radius of the light: gr + r²/2σ².
+// The largest fall of the lobe's logarithm over one radius of the light: gr + r²/2σ².
 fn peak_fall(peak: Peak, square: UnitSquare) -> f32 {
     let size = light_size(square);
     return size * (sqrt(dot(peak.uphill, peak.uphill)) + 0.5 * size) / (peak.width * peak.width);
 }
 
-// That of a lobe above the horizon of `normal` (world space).
+// The peak of a lobe above the horizon of `normal` (world space).
 fn square_peak(square: UnitSquare, lobe: Lobe, normal: vec3f) -> Peak {
     let along = dot(square.axis, lobe.axis);
     let aside = vec2f(dot(square.right, lobe.axis), dot(square.up, lobe.axis));
-    // The lobe's axis on the plane, or the point of the emitting disc next to it.
+    // The lobe's axis on the plane, or the point of the emitting disc nearest to it.
     var point = plane_point(aside, along);
     point = light_nearest(square, point, square_local(square, normal));
     // A cone of directions is stretched by 1/cos² across the plane. A mirror still needs a window.
@@ -82,7 +82,7 @@ fn square_peak(square: UnitSquare, lobe: Lobe, normal: vec3f) -> Peak {
     return Peak(point, width, slope * (stretch * stretch));
 }
 
-// The point of the disc above the horizon next to another one.
+// The point of the disc above the horizon nearest to another point.
 fn disc_nearest(square: UnitSquare, start: vec2f, n: vec3f) -> vec2f {
     var point = start;
     for (var k = 0u; k < 3u; k++) {
@@ -95,17 +95,17 @@ fn disc_nearest(square: UnitSquare, start: vec2f, n: vec3f) -> vec2f {
     return point;
 }
 
-// The part of the window that a reflectance lobe needs: a disc about p + σ²g of radius √(σ⁴g² + sigmas²σ²), p the emitting
-// point next to the lobe's axis, g the gradient of the lobe's logarithm there, σ its width on the plane.
+// The part of the window that a reflectance lobe needs: a disc around p + σ²g of radius √(σ⁴g² + sigmas²σ²), with p the emitting
+// point nearest to the lobe's axis, g the gradient of the lobe's logarithm there, σ its width on the plane.
 fn square_zoomed(square: UnitSquare, lobe: Lobe, normal: vec3f, sigmas: f32) -> UnitSquare {
     return square_around(square, square_peak(square, lobe, normal), sigmas);
 }
 
-// That of a lobe with this peak.
+// The window of a lobe with this peak.
 fn square_around(square: UnitSquare, peak: Peak, sigmas: f32) -> UnitSquare {
     let reach = sigmas * peak.width;
     let uphill = shortened(peak.uphill, FARTHEST * reach);
-    // A window as large as the light is not worth a mask: from four fifths on it grows to all of it.
+    // A window as large as the light is not worth a mask: from four fifths on it grows to the whole window.
     let size = light_size(square);
     let broad = clamp(5.0 * reach / size - 4.0, 0.0, 1.0);
     let radius = sqrt(dot(uphill, uphill) + reach * reach) + broad * (2.0 * size);
@@ -122,14 +122,14 @@ fn square_within(square: UnitSquare, low: vec2f, high: vec2f) -> UnitSquare {
     return UnitSquare(square.right, square.up, square.axis, center, half, square.disc);
 }
 
-// About the directions that the window shows, as a cone.
+// Approximately the directions in the window, as a cone.
 fn square_cone(square: UnitSquare, distance: f32) -> Cone {
     let tan = max(square.half.x, square.half.y) / (1.0 + dot(square.center, square.center));
     let root = sqrt(1.0 + tan * tan);
     return Cone(unit(square_world(square, vec3f(square.center, 1.0))), tan * tan / (root * (1.0 + root)), distance);
 }
 
-// The part `k` of the window divided into so many across and upward.
+// Part `k` of the window, divided into `across` parts horizontally and vertically.
 fn square_part(window: UnitSquare, k: u32, across: vec2u) -> UnitSquare {
     if (all(across == vec2u(1u))) {
         return window;
@@ -145,12 +145,12 @@ fn square_local(square: UnitSquare, v: vec3f) -> vec3f {
     return vec3f(dot(square.right, v), dot(square.up, v), dot(square.axis, v));
 }
 
-// A vector of the square's frame in the world.
+// Converts a vector of the square's frame to the world.
 fn square_world(square: UnitSquare, v: vec3f) -> vec3f {
     return square.right * v.x + square.up * v.y + square.axis * v.z;
 }
 
-// Where a direction of the square's frame meets the plane, or a point far away in that direction.
+// The point at which a direction of the square's frame meets the plane, or a point far away in that direction.
 fn plane_point(aside: vec2f, along: f32) -> vec2f {
     if (along > 1e-3) {
         return aside / along;

@@ -1,4 +1,4 @@
-//! Windows against the weight of what they leave out, in f64.
+//! Windows against the lobe's weight outside of them, in f64.
 
 use crate::UnitSquare;
 use crate::visibility::zoom_sigmas;
@@ -6,8 +6,8 @@ use glam::{DVec3, Vec2, Vec3};
 use lobe_core::oracle::Random;
 use lobe_core::{Cone, Lobe};
 
-/// The lobe's weight outside of the window, relative to that over the emitting disc, and that relative to the lobe's over all
-/// directions.
+/// The lobe's weight outside the window, relative to its weight over the emitting disc; and the latter relative to its weight over
+/// all directions.
 fn outside(window: &UnitSquare, lobe: &Lobe, normal: Vec3) -> Option<(f64, f64)> {
     const SIDE: i32 = 400;
     let [right, up, toward] = [window.right, window.up, window.axis].map(Vec3::as_dvec3);
@@ -33,7 +33,7 @@ fn outside(window: &UnitSquare, lobe: &Lobe, normal: Vec3) -> Option<(f64, f64)>
     (all > 0.0).then(|| (out / all, part))
 }
 
-/// Lobes about the rim and about the horizon, of lights large and small, as wide as the light and a tenth of it.
+/// Lobes around the rim and around the horizon, of large and small lights, from a tenth of the light's width to its full width.
 #[test]
 fn windows_hold_all_but_a_part_of_the_tolerance() {
     let mut random = Random::new(21);

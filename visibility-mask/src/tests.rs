@@ -19,7 +19,7 @@ fn mask(square: &UnitSquare, depth: u32, normal: Vec3) -> Mask {
     mask
 }
 
-/// What emits on a row, in cells, from the definition.
+/// The emitting part of a row, in cells, from the definition.
 fn emission(mask: &Mask, j: usize, normal: Vec3) -> Option<(f64, f64)> {
     let square = mask.square();
     let y = f64::from(mask.row_y(j));
@@ -45,7 +45,7 @@ fn emission(mask: &Mask, j: usize, normal: Vec3) -> Option<(f64, f64)> {
     (from < to).then_some((from, to))
 }
 
-/// What f32 costs, in cells: plane coordinates are differences, and a horizon along the rows is ill-conditioned.
+/// Rounding errors of f32, in cells: plane coordinates are differences, and a horizon along the rows is ill-conditioned.
 fn rounding(mask: &Mask, normal: Vec3) -> f64 {
     let square = mask.square();
     let n = square.local(normal);
@@ -77,7 +77,7 @@ fn sample(mask: &Mask) -> f64 {
     mask.side() as f64 / WIDTH as f64
 }
 
-/// In cells, about the window's left edge.
+/// A plane coordinate in cells from the window's left edge.
 fn in_cells(mask: &Mask, x: f32) -> f64 {
     (f64::from(x) - f64::from(mask.square().center.x) + f64::from(mask.square().half.x)) / f64::from(mask.cell().x)
 }
@@ -164,11 +164,11 @@ fn lit_is_emitting_without_the_union_of_spans() {
             spans.iter().filter(|s| s.0 < s.1).map(|s| (in_cells(&mask, s.0), in_cells(&mask, s.1))).collect();
         let want = emission(&mask, j, normal).map_or(0.0, |e| open_length(e, &valid));
         let error = (lit_row(&mask, j) - want).abs();
-        // Half a sample at either end of a span and of what emits.
+        // Half a sample at either end of a span and of the emitting part.
         let slack = (valid.len() as f64 + 1.001) * sample(&mask) + rounding(&mask, normal);
         worst = worst.max(error);
         assert!(error < slack, "case {case}: {error} {spans:?} {square:?}");
-        // Blocking more never opens; all other rows are untouched.
+        // Blocking more never opens a sample; all other rows stay the same.
         let before = lit_row(&mask, j);
         mask.block_span(j, low, low + 1.3 * cell);
         assert!(lit_row(&mask, j) <= before);
@@ -198,13 +198,13 @@ fn spans_fuse_as_their_union_in_any_order() {
         spans.reverse();
         assert_eq!(first, fill(&spans));
         spans.swap(0, 3);
-        // The same blocker twice is still the same blocker.
+        // Blocking twice equals blocking once.
         spans.push(spans[1]);
         assert_eq!(first, fill(&spans));
     }
 }
 
-/// An edge across many rows is known to a small part of a sample, since the rows' samples are shifted.
+/// The position of an edge across many rows is known to a small part of a sample, since the rows' samples are shifted.
 #[test]
 fn shifted_samples_add_up() {
     let square = UnitSquare { half: Vec2::ONE, disc: 100.0, ..UnitSquare::default() };
@@ -264,8 +264,8 @@ fn what_is_dark_is_found_by_rows_and_by_bounds() {
     }
 }
 
-/// An edge along a row covers as many samples as it covers of the row, to an eighth; two that meet in it from either side
-/// fuse as they should.
+/// An edge along a row blocks as many samples as the part of the row that it covers, to an eighth; two edges in one row from either
+/// side combine correctly.
 #[test]
 fn edges_along_a_row_are_taken_by_area() {
     let square = UnitSquare { half: Vec2::ONE, disc: 100.0, ..UnitSquare::default() };
@@ -286,7 +286,7 @@ fn edges_along_a_row_are_taken_by_area() {
     }
 }
 
-/// Exact moments of the samples as rectangles as high as a row, about the square's axis.
+/// Exact moments of the samples as rectangles as high as a row, around the square's axis.
 fn moments_of(mask: &Mask, part: Part, x0: usize, y0: usize, size: usize) -> [f64; 4] {
     let (square, cell) = (mask.square(), mask.cell().as_dvec2());
     let width = WIDTH / mask.side();

@@ -1,10 +1,10 @@
-// What threads of a workgroup find together. Needs the header.
+// Results that the threads of a workgroup compute together. Needs the header.
 
 var<workgroup> totals: array<vec4f, LANES>;
 var<workgroup> whole_total: vec4f;
 var<workgroup> decision: bool;
 
-// The sum over all threads, always in the same order, the same for each of them. Requires uniform control flow.
+// The sum over all threads, always in the same order, and the same for each thread. Requires uniform control flow.
 fn total(lane: u32, value: vec4f) -> vec4f {
     totals[lane] = value;
     workgroupBarrier();
@@ -22,7 +22,7 @@ fn total(lane: u32, value: vec4f) -> vec4f {
     return workgroupUniformLoad(&whole_total);
 }
 
-// What the first thread says: for a decision that all take alike. Requires uniform control flow.
+// The first thread's value, for a decision that must be the same in all threads. Requires uniform control flow.
 fn decide(lane: u32, what: bool) -> bool {
     if (lane == 0u) {
         decision = what;

@@ -9,23 +9,23 @@ use lobe_core::{
     VisibilityLobes, VisibilityQuery, VisibilitySum, is_lambert,
 };
 
-/// A lobe whose logarithm falls by more than this over a radius of the light is seen as finely as a narrow one: else some
-/// few samples would carry its share, and show as they come and go.
+/// A lobe whose logarithm falls by more than this over a radius of the light has masks as fine as a narrow one: otherwise a few
+/// samples would carry its visible fraction, and each would be noticeable as it comes or goes.
 pub(crate) const STEEP: f32 = 1.0;
 
-/// A flat light whose circle is filled to one part in so many has a mask like any other.
+/// A flat light that fills at least 1/FILLED of its circle has a mask like any other.
 const FILLED: f32 = 3.0;
 
-/// A mask of a wider light than this (1 − cos θ) is turned as one of that width.
+/// A mask of a wider light than this (1 − cos θ) is turned as one of this width.
 const WIDE: f32 = 0.6;
 
-/// From so many times their mean solid angle in the middle on there are more samples: lights of 65° and more. Masks are deeper from there,
-/// and once more from four times that, 79°.
+/// The crowding from which on there are more samples (the solid angle of samples in the middle of the light over their mean):
+/// lights of 65° and more. Masks are deeper from there on, and once more from four times that, 79°.
 const CROWDED: f32 = 4.0;
 
-/// Something that blocks light, rasterised: what a visibility strategy has to provide.
+/// Blockers of light that can be rasterised: the interface of a visibility strategy.
 ///
-/// [`MaskVisibility`] makes a [`Visibility`] of it: masks, cuts and lobes are the same for all strategies.
+/// [`MaskVisibility`] makes a [`Visibility`] of them: masks, cuts and lobes are the same for all strategies.
 ///
 /// ```
 /// use glam::Vec3;
@@ -58,20 +58,20 @@ pub trait Blockers: Sync {
     /// New working memory.
     fn scratch(&self) -> Self::Scratch;
 
-    /// Told before a group of receivers and one light: all following receivers are inside `shaft` until the next call.
-    /// [`Coverage::Lit`] says that none of them meets a blocker, as [`select`](Self::select) would say of each, but for the
-    /// facets of receivers whose shading normal is another one.
+    /// Called before a group of receivers and one light: all following receivers are inside `shaft` until the next call.
+    /// [`Coverage::Lit`] means that no receiver meets a blocker, as [`select`](Self::select) would return for each, except for the
+    /// facets of receivers whose shading normal differs from the facet's.
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
         let _ = (shaft, scratch);
         Coverage::Partial
     }
 
-    /// Finds the blockers that this receiver's light cone may meet. [`Coverage::Lit`] when there is none,
-    /// [`Coverage::Dark`] when one alone hides the whole light; no mask is made in either case.
+    /// Finds the blockers that may meet this receiver's light cone. [`Coverage::Lit`] if there are none, [`Coverage::Dark`] if a
+    /// single one hides the whole light; no mask is drawn in either case.
     fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage;
 
-    /// Adds the edges that run across the light, so that masks are turned to where most of them are exact; none when their
-    /// directions don't matter to [`splat`](Self::splat). Only after [`select`](Self::select) of the same query.
+    /// Adds the edges across the light, so that masks are turned in the direction in which most of them are exact. Add none if
+    /// their directions do not matter to [`splat`](Self::splat). Call it only after [`select`](Self::select) of the same query.
     fn edges(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, edges: &mut Edges) {
         let _ = (query, scratch, edges);
     }
@@ -83,8 +83,8 @@ pub trait Blockers: Sync {
         edges.across()
     }
 
-    /// Two corners of the plane of a window between which all edges in it lie, where that is known: more than masks show may be lit there
-    /// and nowhere else. Only after [`splat`](Self::splat) of the same query. Provided: nothing is known.
+    /// Two corners of a box in the plane that contains all edges in a window, if known: samples may be wrong only there. Call it
+    /// only after [`splat`](Self::splat) of the same query. Provided: `None`.
     fn edge_bounds(
         &self,
         query: &VisibilityQuery<'_>,
@@ -95,7 +95,7 @@ pub trait Blockers: Sync {
         None
     }
 
-    /// Blocks cells of the mask, whose window is any part of the receiver's unit square. Only after
+    /// Blocks cells of the mask, whose window is any part of the receiver's unit square. Call it only after
     /// [`select`](Self::select) of the same query.
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask);
 }
@@ -103,41 +103,41 @@ pub trait Blockers: Sync {
 /// The `moments` visibility: any [`Blockers`] through the mask.
 ///
 /// # Method
-/// The blockers fill a mask of the whole light. Where so little of it is lit that few samples tell its size, masks are drawn again in windows
-/// around what is lit, or around all edges where that is less than half of the light, so that the error is small beside what is seen. A lobe narrower than the light has a mask of its own over the part of the
-/// light that it sees, since there the cells would limit the accuracy. As things move, samples come and go: below a
-/// tolerance of 0.5 % what a narrow lobe sees is divided into 2 × 2 parts with a mask each, below 0.2 % into 3 × 2 and the
-/// whole light into 2 × 2 ([`Fineness`]), so that of
-/// gentle motion 95 % of the pops are smaller than the tolerance. What a reflectance lobe sees of the
-/// light is then
-/// - a *visible fraction* (the default), summed over the mask's samples: the sum of one lobe times every sample in closed form, at
-///   the price of a few visibility lobes; no lobe is written. Or
-/// - *lobes* ([`MaskLobes`]): a Lambert lobe takes one lobe of the mask, whose total and mean vector are
-///   those of the lit part; a glossy lobe takes a cut of the quad-tree, refined where the reflectance varies over a node
-///   and the node is partly lit. Each node gives a lobe of its lit part and one of its whole part; the visible fraction is
-///   their ratio.
+/// The blockers fill a mask of the whole light. If so little of it is lit that few samples measure its size, masks are drawn again
+/// in windows around the lit part, or around all edges if these take less than half of the light, so that the error is small
+/// compared with the visible part. A lobe narrower than the light has a mask of its own over the part of the light that it covers,
+/// since the cells of the whole mask would limit its accuracy. As things move, samples come and go. Below a tolerance of 0.5 % the
+/// window of a narrow lobe is divided into 2 × 2 parts with a mask each, below 0.2 % into 3 × 2 and the whole light into 2 × 2
+/// ([`Fineness`]): with gentle motion 95 % of the pops are then smaller than the tolerance. The visible part of the light for a
+/// reflectance lobe is then
+/// - a *visible fraction* (the default), summed over the mask's samples: the sum of one lobe times every sample in closed form. It
+///   costs as much as a few visibility lobes, and no lobe is written. Or
+/// - *lobes* ([`MaskLobes`]): a Lambert lobe takes one lobe of the mask, whose total and mean vector are those of the lit part; a
+///   glossy lobe takes a cut of the quad-tree, refined where the reflectance varies over a node and the node is partly lit. Each
+///   node gives a lobe of its lit part and one of the whole node; the visible fraction is their ratio.
 ///
 /// # Cost
-/// Nothing for lit and fully hidden receivers; else one mask, plus one for each narrow lobe; as many as there are parts where
-/// the tolerance divides them.
+/// Nothing for lit and fully hidden receivers; otherwise one mask, plus one for each narrow lobe; if the tolerance divides the
+/// window, one mask for each part.
 #[derive(Clone, Copy, Debug)]
 pub struct MaskVisibility<B> {
     blockers: B,
-    /// One mask of full fineness, whatever the tolerance: a cut is made of one mask.
+    /// Whether there is a single mask of full fineness, whatever the tolerance, since a cut needs one mask.
     is_single: bool,
-    /// Whether masks are drawn again around what is lit where that is little.
+    /// Whether masks are drawn again around the lit part if it is small.
     of_own: bool,
 }
 
 impl<B: Blockers> MaskVisibility<B> {
-    /// The visible fraction of each lobe, by masks of the depth that a query asks for, clamped to 1…[`MAX_DEPTH`].
+    /// The visible fraction of each lobe, from masks of the depth of a query's accuracy, clamped to 1…[`MAX_DEPTH`].
     #[must_use]
     pub const fn new(blockers: B) -> Self {
         Self { blockers, is_single: false, of_own: false }
     }
 
-    /// The same for a tolerance that is a part of each receiver's own radiance, and not of the unshadowed one: where little of a light is lit,
-    /// masks are drawn again around that. For rooms that are lit through a window; the cost is up to 13 % elsewhere, and 70 % there.
+    /// Makes the tolerance relative to each receiver's own radiance instead of the unshadowed radiance: if little of a light is
+    /// lit, masks are drawn again around that part. For rooms that are lit through a window; up to 13 % slower elsewhere, and 70 %
+    /// there.
     #[must_use]
     pub fn of_own_radiance(self, of_own: bool) -> Self {
         Self { of_own, ..self }
@@ -149,7 +149,7 @@ impl<B: Blockers> MaskVisibility<B> {
         MaskLobes { masks: Self { is_single: true, ..self } }
     }
 
-    /// Across the edges of the blockers and, where it cuts the light, the horizon.
+    /// The direction across the edges of the blockers and, if it cuts the light, of the horizon.
     fn across(&self, query: &VisibilityQuery<'_>, scratch: &B::Scratch) -> Vec3 {
         if let Some(outline) = query.outline.filter(|outline| outline.has_sides()) {
             return outline.side();
@@ -162,7 +162,7 @@ impl<B: Blockers> MaskVisibility<B> {
         edges.across()
     }
 
-    /// The window around all that emits.
+    /// The window around the whole emitting region.
     fn whole(query: &VisibilityQuery<'_>, across: Vec3) -> UnitSquare {
         match query.outline {
             None => UnitSquare::facing(query.cone, across).above(query.at.normal),
@@ -170,8 +170,8 @@ impl<B: Blockers> MaskVisibility<B> {
         }
     }
 
-    /// The window of a lobe that needs a mask of its own: one that sees only a part of the light, turned by the edges that
-    /// run through it, or the whole light if that is for more samples.
+    /// The window of a lobe that needs a mask of its own: the part of the light that it covers, turned by the edges in that part;
+    /// or the whole light, if that is for more samples.
     fn window(
         &self,
         query: &VisibilityQuery<'_>,
@@ -197,8 +197,8 @@ impl<B: Blockers> MaskVisibility<B> {
         Some(whole.around(&peak(&whole), sigmas))
     }
 
-    /// What is seen of microfacets' light: their highlight through a mask of its own where it is narrow beside the light, all around it
-    /// through that of the whole light. Both lobes at once.
+    /// The visible fraction of microfacets' light. The highlight has a mask of its own if it is narrow compared with the light; the
+    /// rest is summed over the mask of the whole light. Computes both lobes at once.
     fn microfacets(
         &self,
         query: &VisibilityQuery<'_>,
@@ -234,8 +234,8 @@ impl<B: Blockers> MaskVisibility<B> {
         unit(facets.part.of(both))
     }
 
-    /// Whether the lobe is seen through masks of its own, `scratch.own`, which are drawn then, or else through those of the
-    /// whole light, `scratch.full`.
+    /// Whether the lobe has masks of its own, `scratch.own`, which are then drawn; otherwise it uses those of the whole light,
+    /// `scratch.full`.
     fn draw_own(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, scratch: &mut MaskScratch<B::Scratch>) -> bool {
         let whole = scratch.full.window();
         let Some(square) = self.window(query, brdf, whole, &scratch.blockers) else { return false };
@@ -247,7 +247,7 @@ impl<B: Blockers> MaskVisibility<B> {
         true
     }
 
-    /// How finely broad lobes see: a cut is made of one mask.
+    /// The fineness of masks for broad lobes: full for a cut, which needs one mask.
     fn broad(&self, query: &VisibilityQuery<'_>) -> Fineness {
         if self.is_single { Fineness::FINE } else { Fineness::broad(tolerance(query)) }
     }
@@ -263,14 +263,15 @@ impl<B: Blockers> MaskVisibility<B> {
         (depth(query.accuracy) + more).min(MAX_DEPTH)
     }
 
-    /// Draws the masks of a window of narrow lobes, and what little of it is lit again where that was done of the whole light.
+    /// Draws the masks of a window of narrow lobes; draws them again around the lit part if that was done for the whole light.
     fn draw_narrow(&self, square: &UnitSquare, query: &VisibilityQuery<'_>, scratch: &mut MaskScratch<B::Scratch>) {
         let MaskScratch { blockers, full, own, .. } = scratch;
         let fineness = [self.narrow(query), Fineness::narrow(evenly(query))];
         self.draw(square, fineness, query, blockers, own, full.has_near());
     }
 
-    /// Draws the masks of a window, of the first fineness, and what little of it is lit again if it `is_looked_into`, of the second.
+    /// Draws the masks of a window with the first fineness; if `is_looked_into`, draws masks around a small lit part with the
+    /// second one.
     fn draw(
         &self,
         square: &UnitSquare,
@@ -295,7 +296,7 @@ impl<B: Blockers> MaskVisibility<B> {
         });
     }
 
-    /// The blockers, given back.
+    /// Returns the blockers.
     #[must_use]
     pub fn into_blockers(self) -> B {
         self.blockers
@@ -316,7 +317,7 @@ pub struct MaskScratch<S> {
     /// Whether `own` shows the whole light of the query.
     is_whole: bool,
     counts: [Counts; 2],
-    /// What is seen of the microfacets' edge that follows, and its exponent.
+    /// The visible fraction of the microfacets' edge lobe, which follows, and its exponent.
     edge: Option<(f32, f32)>,
 }
 
@@ -348,7 +349,7 @@ impl<B: Blockers> Visibility for MaskVisibility<B> {
             return selected;
         }
         if query.cone.one_minus_cos <= 0.0 {
-            // What touches the direction of a point light hides it.
+            // A blocker that touches the direction of a point light hides it.
             return Coverage::Dark;
         }
         let square = Self::whole(query, self.across(query, &scratch.blockers));
@@ -380,7 +381,7 @@ impl<B: Blockers> Visibility for MaskVisibility<B> {
     }
 }
 
-/// The same masks with visibility as a sum of lobes, cut from the mask's quad-tree ([`MaskVisibility`] has both methods).
+/// The same masks with visibility as a sum of lobes, cut from the mask's quad-tree ([`MaskVisibility`] describes both methods).
 #[derive(Clone, Copy, Debug)]
 pub struct MaskLobes<B> {
     masks: MaskVisibility<B>,
@@ -409,7 +410,7 @@ impl<B: Blockers> Visibility for MaskLobes<B> {
         self.masks.coverage(query, &mut scratch.masks)
     }
 
-    /// That of the [lobes](VisibilityLobes::lobes), by closed products.
+    /// The fraction of the [lobes](VisibilityLobes::lobes), by closed products.
     fn fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, unshadowed: f32, scratch: &mut Self::Scratch) -> Vec3 {
         let mut sum = core::mem::take(&mut scratch.sum);
         let fraction = self.fraction_of_lobes(query, brdf, unshadowed, scratch, &mut sum);
@@ -441,12 +442,12 @@ fn unit(fraction: f32) -> Vec3 {
     Vec3::splat(fraction.clamp(0.0, 1.0))
 }
 
-/// What a light shows, and where.
+/// The image that a light shows, and its outline.
 fn shown<'q>(query: &VisibilityQuery<'q>) -> Option<(&'q LightImage, &'q Outline)> {
     query.image.zip(query.outline)
 }
 
-/// Of a polygon's cone what the turn of its mask follows: toward its middle, and less than a hemisphere.
+/// The cone that the rotation of a polygon's mask follows: toward the polygon's centre, and less than a hemisphere.
 fn toward_middle(outline: &Outline, cone: &Cone) -> Cone {
     if cone.one_minus_cos < WIDE {
         return *cone;
@@ -454,24 +455,25 @@ fn toward_middle(outline: &Outline, cone: &Cone) -> Cone {
     Cone { axis: outline.middle().normalize_or(cone.axis), one_minus_cos: WIDE, distance: f32::INFINITY }
 }
 
-/// The tolerance for a light that fills its window, with samples that stand for the same: a long one has few of the window's samples, a
-/// wide one few that count.
+/// The tolerance of a light that fills its window with equal samples: a long light has few of the window's samples, a wide one few
+/// that count.
 fn tolerance(query: &VisibilityQuery<'_>) -> f32 {
     evenly(query) * (2.0 * CROWDED / crowding(query)).min(1.0)
 }
 
-/// The same where samples count alike.
+/// The same if samples count alike.
 fn evenly(query: &VisibilityQuery<'_>) -> f32 {
     query.accuracy.tolerance * query.outline.map_or(1.0, |outline| fill_factor(outline.roundness()))
 }
 
-/// The fill factor of a mask: the part of a tolerance that masks of a flat light of some [roundness](Outline::roundness) are made for.
+/// The fill factor of a mask: masks of a flat light with a [roundness](Outline::roundness) are drawn for this fraction of the
+/// tolerance.
 #[must_use]
 pub fn fill_factor(roundness: f32) -> f32 {
     (FILLED * roundness).min(1.0)
 }
 
-/// How many times their mean solid angle samples in the middle of a round light stand for, as they are even on a plane before it:
+/// The solid angle of samples in the middle of a round light over their mean, since samples are even on a plane in front of it:
 /// `tan²θ/2(1 − cos θ) = (1 + cos θ)/2cos²θ`.
 fn crowding(query: &VisibilityQuery<'_>) -> f32 {
     if query.outline.is_some() {
@@ -481,13 +483,12 @@ fn crowding(query: &VisibilityQuery<'_>) -> f32 {
     (1.0 + cos) / (2.0 * cos * cos)
 }
 
-/// The depth that an accuracy asks for.
+/// The depth of an accuracy.
 fn depth(accuracy: Accuracy) -> u32 {
     accuracy.depth.clamp(1, MAX_DEPTH)
 }
 
-/// How far a lobe's own window reaches, in its standard deviations: `√(2 ln(2/τ))` leaves less than half the tolerance
-/// outside.
+/// The reach of a lobe's own window, in its standard deviations: `√(2 ln(2/τ))` leaves less than half the tolerance outside.
 pub(crate) fn zoom_sigmas(tolerance: f32) -> f32 {
     (2.0 * (2.0 / tolerance.clamp(1e-6, 0.5)).ln()).sqrt()
 }

@@ -1,23 +1,23 @@
-// What MaskVisibility makes of blockers, by a workgroup. Needs mask.wgsl, edges.wgsl, total.wgsl, fraction.wgsl, and of the
-// strategies that there are `blockers_edges(lane, tile, at, light, window) -> vec4f` (a thread's part of the sums of edges)
-// and `blockers_splat(lane, tile, at, light, mask)`; and one of visibility_whole.wgsl and visibility_window.wgsl.
+// MaskVisibility for blockers, by a workgroup. Needs mask.wgsl, edges.wgsl, total.wgsl, fraction.wgsl; from the strategies
+// `blockers_edges(lane, tile, at, light, window) -> vec4f` (a thread's part of the sums of edges) and
+// `blockers_splat(lane, tile, at, light, mask)`; and one of visibility_whole.wgsl and visibility_window.wgsl.
 
-// How finely the light is seen, found by the first thread: masks of broad lobes and of narrow ones, the bands of masks that are one above
-// the other among them.
+// Numbers of masks across and upward, computed by the first thread: for broad lobes, then for narrow ones. They include the bands
+// of a mask, which are one above the other.
 var<workgroup> grid_counts: vec4u;
-// Bands of a mask; whether broad lobes have fine masks; whether narrow ones have finer ones; whether the masks of the whole light are too
-// many to be kept, and drawn for each lobe.
+// Bands of a mask; whether broad lobes have fine masks; whether narrow lobes have finer ones; whether the masks of the whole light
+// are too many to be stored, and are drawn for each lobe.
 var<workgroup> grid_forms: vec4u;
-// Samples of all masks of the whole light, of the own rows: lit ones, and those that emit.
+// Samples of all masks of the whole light, in this thread's rows: lit samples, and emitting samples.
 var<private> broad_areas: vec2u;
 
-// From so many times their mean solid angle in the middle on there are more samples: lights of 65° and more.
+// The crowding from which on there are more samples: lights of 65° and more.
 const CROWDED = 4.0;
-// Tolerances from which on masks are coarse, and in one piece.
+// The tolerances from which on masks are coarse, and in one piece.
 const COARSE = 0.005;
 const FINEST = 0.002;
 
-// As `MaskVisibility::depth` and the tolerance that its masks are made for. A deeper mask is here several bands of SIDE rows.
+// As `MaskVisibility::depth`, and the tolerance of its masks. A deeper mask is here several bands of SIDE rows.
 fn visibility_fineness(light: Cone, tolerance: f32) {
     grid_counts = vec4u(BROAD_GRID, NARROW_GRID);
     grid_forms = vec4u(1u, 0u, u32(IS_NARROW_FINER), 0u);
@@ -32,14 +32,14 @@ fn visibility_fineness(light: Cone, tolerance: f32) {
     let is_finest = finer < FINEST;
     let broad = select(vec2u(1u), vec2u(2u), is_finest);
     let narrow = select(select(vec2u(1u), vec2u(2u), is_fine), vec2u(3u, 2u), is_finest);
-    // Where all rows have 64 samples, four of them beside each other have 256.
+    // If all rows have 64 samples, four masks side by side have 256.
     row_refine(is_fine);
     let parts = select(1u, 256u / row_width, is_fine);
     grid_counts = vec4u(broad * vec2u(parts, bands), narrow * vec2u(1u, bands));
     grid_forms = vec4u(bands, u32(is_fine), u32(!is_fine || any(broad != narrow)), 1u);
 }
 
-// Draws the mask of part `k` of so many. This and what follows require uniform control flow.
+// Draws the mask of part `k` of `grid`. This function and the following ones require uniform control flow.
 fn visibility_draw(
     lane: u32, tile: u32, at: Receiver, light: Cone, window: UnitSquare, k: u32, grid: vec2u, bands: u32
 ) -> Mask {
@@ -52,7 +52,7 @@ fn visibility_draw(
     return mask;
 }
 
-// Draws the masks of the whole light, whose window it returns.
+// Draws the masks of the whole light, and returns its window.
 fn visibility_window(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32) -> UnitSquare {
     if (lane == 0u) {
         visibility_fineness(light, tolerance);
@@ -70,10 +70,10 @@ fn visibility_window(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance:
     return window;
 }
 
-// Samples that are lit and samples that emit, of all masks.
+// Lit and emitting samples of all masks.
 fn visibility_areas(lane: u32) -> vec2f { return total(lane, vec4f(vec2f(broad_areas), 0.0, 0.0)).xy; }
 
-// How much of what emits the masks leave.
+// Coverage of the emitting region by all masks.
 fn visibility_coverage(lane: u32) -> u32 {
     let areas = visibility_areas(lane);
     if (areas.x == areas.y) {
@@ -82,7 +82,7 @@ fn visibility_coverage(lane: u32) -> u32 {
     return select(PARTIAL, DARK, areas.x == 0.0);
 }
 
-// Across most edges that cross a window: those of blockers and, where it cuts the light, the horizon.
+// The direction across most edges in a window: those of blockers and, if it cuts the light, the horizon.
 fn visibility_across(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec3f {
     let basis = edges_frame(window.axis);
     let edges = total(lane, blockers_edges(lane, tile, at, light, window));

@@ -1,12 +1,12 @@
-// Only Lambert lobes: all are seen through the masks of the whole light, and alike. Needs visibility.wgsl.
+// Only Lambert lobes: all use the masks of the whole light, with the same result. Needs visibility.wgsl.
 
 const NARROW_GRID = BROAD_GRID;
 const IS_NARROW_FINER = false;
 
-// What masks of the whole light say, as `fraction_sums`.
+// The sums of the masks of the whole light, as `fraction_sums`.
 var<private> broad_sums: vec4f;
 
-// What each mask of the whole light is for.
+// Called for each mask of the whole light.
 fn visibility_drawn(lane: u32, k: u32, mask: Mask, window: UnitSquare, at: Receiver) {
     let sums = fraction_sums(lane, mask, window, at, Lobe());
     broad_sums = select(broad_sums + sums, sums, k == 0u);

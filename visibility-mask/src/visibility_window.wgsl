@@ -1,12 +1,12 @@
-// Lobes narrower than the light are seen through masks of their own, with 256 samples a row. Needs visibility.wgsl, and
-// special.wgsl of lobe-core.
+// Lobes narrower than the light have masks of their own, with 256 samples a row. Needs visibility.wgsl, and special.wgsl of
+// lobe-core.
 
-// What emits and what is lit of the own row of each part of the whole light, where these are few enough to be kept.
+// Emitting and lit samples of this thread's row in each part of the whole light, if the parts are few enough to be stored.
 var<private> broad_emitting: array<vec2u, BROAD_COUNT>;
 var<private> broad_lit: array<Row, BROAD_COUNT>;
 const BROAD_COUNT = BROAD_GRID.x * BROAD_GRID.y;
 
-// What each mask of the whole light is for.
+// Called for each mask of the whole light.
 fn visibility_drawn(lane: u32, k: u32, mask: Mask, window: UnitSquare, at: Receiver) {
     if (k < BROAD_COUNT) {
         broad_emitting[k] = emitting;
@@ -14,7 +14,7 @@ fn visibility_drawn(lane: u32, k: u32, mask: Mask, window: UnitSquare, at: Recei
     }
 }
 
-// The fraction of the light that a lobe sees. Requires uniform control flow.
+// The visible fraction of the light for a lobe. Requires uniform control flow.
 fn lobe_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 {
     if (HAS_MICROFACETS && decide(lane, lobe.kind >= LOBE_MICROFACETS_F0)) {
         return microfacet_fraction(lane, tile, at, light, tolerance, whole, lobe);
@@ -29,7 +29,7 @@ fn lobe_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32
     let is_own = decide(lane, !is_lambert(at, lobe) && (is_part || is_steep));
     var window = whole;
     if (is_own && decide(lane, is_part)) {
-        // Windows on a flat light are all turned alike.
+        // All windows on a flat light are turned alike.
         var turned = whole;
         if (!light_is_flat()) {
             let turn = visibility_across(lane, tile, at, light, square_cone(square, light.distance));
@@ -53,8 +53,8 @@ fn lobe_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32
     return fraction_of(sum);
 }
 
-// A lobe whose logarithm falls by more than this over a radius of the light is seen as finely as a narrow one.
+// A lobe whose logarithm falls by more than this over a radius of the light has masks as fine as a narrow one.
 const STEEP = 1.0;
 
-// How far a lobe's own window reaches, in its standard deviations: √(2 ln(2/τ)).
+// The reach of a lobe's own window, in its standard deviations: √(2 ln(2/τ)).
 fn zoom_sigmas(tolerance: f32) -> f32 { return sqrt(2.0 * ln_1p(2.0 / clamp(tolerance, 1e-6, 0.5) - 1.0)); }

@@ -1,4 +1,4 @@
-//! The fraction of a reflectance lobe's light that a mask leaves, summed over its samples.
+//! The visible fraction of a reflectance lobe through a mask, summed over its samples.
 
 use crate::counts::{COARSE, Counts, FINE, middles};
 use crate::lanes::{NUMBERS, sum};
@@ -10,20 +10,20 @@ use glam::{Vec2, Vec3};
 use lobe_core::special::{exp, ln_1p};
 use lobe_core::{BrdfLobe, LightImage, Lobe, Microfacets, Places, Receiver, is_lambert};
 
-/// The third and fourth order of a weight's logarithm that are left out, at most.
+/// The largest neglected third and fourth order of a weight's logarithm.
 pub(crate) const LEFT_OUT: f32 = 0.004;
-/// `tan⁴θ/2` up to which a Lambert lobe's weights are a product of one by row and one by column.
+/// The largest `tan⁴θ/2` for which a Lambert lobe's weights are a product of one by row and one by column.
 pub(crate) const CORNER: f32 = 2e-4;
-/// Exponents beyond are taken only up to where a lobe is as narrow as a cell: a mirror sees some samples.
+/// The largest exponent, unless a lobe is wider than a cell even with a larger one: a mirror still needs some samples.
 pub(crate) const MIRROR: f32 = 1e6;
 
-/// `Σ w` over the lit samples of a mask and over those that emit, `w` the lobe's value times the solid angle of a sample
-/// (times the receiver's cosine where the lobe says so).
+/// `Σ w` over the lit samples of a mask and over the emitting ones; `w` is the lobe's value times the solid angle of a sample
+/// (times the receiver's cosine if the lobe has it).
 ///
-/// The plane's point `p = (x, y, 1)` has `w = (a·p)ᵉ |p|⁻⁽ᵉ⁺³⁾ dA`, times `n·p/|p|` for the cosine; a Lambert lobe
-/// `n·p |p|⁻⁴ dA`. Seen through a small window the logarithm of `w` is a polynomial of second order about its peak: then
-/// the weights are one by row times one by column and a low polynomial, and the sum over a row is three products of a
-/// vector. Else each is computed. The unit is that of `window`: the same for all masks that are parts of it.
+/// The plane's point `p = (x, y, 1)` has `w = (a·p)ᵉ |p|⁻⁽ᵉ⁺³⁾ dA`, times `n·p/|p|` for the cosine; a Lambert lobe `n·p |p|⁻⁴ dA`.
+/// In a small window the logarithm of `w` is a polynomial of second order around its peak. The weights are then one by row times
+/// one by column and a low polynomial, and the sum over a row is three products of a vector. Otherwise each weight is computed. The
+/// unit is that of `window`: the same for all masks that are parts of it.
 pub(crate) fn sums(mask: &Mask, window: &UnitSquare, at: &Receiver, lobe: &Lobe, counts: &mut Counts) -> Sums {
     sums_at(Level::new(), mask, window, at, lobe, counts)
 }
@@ -56,8 +56,8 @@ fn of_counts<S: Simd, const B: usize>(
     }
 }
 
-/// The sums of [`sums`] for both parts of [`Microfacets`], in steradians of samples. Samples in `skip`, a part of the
-/// mask along its cells, do not count.
+/// The sums of [`sums`] for both parts of [`Microfacets`], in steradians of samples. Samples in `skip`, a part of the mask along
+/// its cells, do not count.
 pub(crate) fn microfacet_sums(
     mask: &Mask,
     at: &Receiver,
@@ -88,8 +88,8 @@ pub(crate) fn microfacet_sums(
     .map(|sums| sums * mask.sample_area())
 }
 
-/// The sums of [`sums`] by channel of a light that shows an image, in steradians of samples. Samples in `skip`, a part of the mask along
-/// its cells, do not count.
+/// The sums of [`sums`] by channel for a light that shows an image, in steradians of samples. Samples in `skip`, a part of the mask
+/// along its cells, do not count.
 pub(crate) fn image_sums(
     mask: &Mask,
     at: &Receiver,
@@ -123,7 +123,7 @@ pub(crate) fn image_sums(
     sums.map(|sums| sums * mask.sample_area())
 }
 
-/// What a mask's light shows, and where in the mask's plane.
+/// The image that a mask's light shows, and its place in the mask's plane.
 pub(crate) struct Shown<'a> {
     pub(crate) image: &'a LightImage,
     pub(crate) places: Places,
@@ -155,8 +155,8 @@ fn shown_sums(
     })
 }
 
-/// `weight(x, y)` times the texel there, for each column of each row. Rows are along the image's, and texels about as large as cells: each
-/// stands for what is about it.
+/// `weight(x, y)` times the texel there, for each column of each row. Rows run along the image's rows, and texels are about as
+/// large as cells: each texel is the mean of its surroundings.
 #[inline(always)]
 fn by_texel<S: Simd, const B: usize>(
     simd: S,
@@ -201,19 +201,19 @@ fn by_texel<S: Simd, const B: usize>(
     core::array::from_fn(|k| Sums { lit: sum(lit[k]), all: sum(all[k]) })
 }
 
-/// Whether a point of the plane is not in a window.
+/// Whether a point of the plane is outside a window.
 fn outside(skip: Option<&UnitSquare>) -> impl Fn(f32, f32) -> bool {
     let none = [Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY)];
     let [low, high] = skip.map_or(none, |skip| [skip.center - skip.half, skip.center + skip.half]);
     move |x, y| !((x > low.x) & (x < high.x) & (y > low.y) & (y < high.y))
 }
 
-/// The exponent of lobes as narrow as the cells: a mirror sees some samples.
+/// The exponent of lobes as narrow as the cells: a mirror still needs some samples.
 pub(crate) fn narrowest(mask: &Mask) -> f32 {
     (2.0 / mask.cell().max_element().powi(2)).max(MIRROR)
 }
 
-/// What is lit of a lobe's light, and all of it, in some unit.
+/// The lit part of a lobe's light, and all of it, in some unit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     lit: f32,
@@ -237,18 +237,18 @@ impl Mul<f32> for Sums {
 }
 
 impl Sums {
-    /// What is lit alone.
+    /// Only the lit part.
     pub(crate) fn lit(self) -> Self {
         Self { all: 0.0, ..self }
     }
 
-    /// All alone.
+    /// Only the whole.
     pub(crate) fn emitting(self) -> Self {
         Self { lit: 0.0, ..self }
     }
 
-    /// The fraction of the light that is lit. Where the weights say nothing, since all of the light is far out of the lobe,
-    /// every sample of the masks counts alike: the fraction is the lit `share` of the area.
+    /// The visible fraction. If all weights vanish, since the whole light is far outside the lobe, every sample of the masks counts
+    /// alike: the fraction is then the lit part `share` of the area.
     pub(crate) fn ratio(self, share: impl FnOnce() -> f32) -> f32 {
         let fraction = self.lit / self.all;
         if self.all > 0.0 && fraction.is_finite() { fraction.clamp(0.0, 1.0) } else { share() }
@@ -302,7 +302,7 @@ fn glossy<S: Simd, const B: usize>(
     let cosine = lobe.has_cosine;
     let e = lobe.exponent;
     let m = e + 3.0;
-    // The peak: the point of the light next to the lobe's axis.
+    // The peak: the point of the light nearest to the lobe's axis.
     let aside = axis.truncate();
     let peak = if axis.z > 1e-3 { aside / axis.z } else { aside.normalize_or_zero() * 1e3 };
     let c = peak.clamp_length_max(square.disc);
@@ -323,7 +323,7 @@ fn glossy<S: Simd, const B: usize>(
         });
         return sums;
     }
-    // ln w about c: gradient g, second derivatives h; the cosine's own 1/|p| beside.
+    // ln w at c: gradient g, second derivatives h; the cosine's own factor 1/|p| counts too.
     let m = if cosine { m + 1.0 } else { m };
     let of_d = 1.0 / d;
     let g = aside * (e * of_d) - c * (m * over);
@@ -364,12 +364,12 @@ impl Rows for GlossyRows {
     }
 }
 
-/// What the three sums of a row are multiplied by. A trait and no closure: a closure is not told to stay inside the code that
-/// has the wide instructions.
+/// The factors of the three sums of a row. A trait instead of a closure: a closure may not be inlined into the code that has the
+/// wide instructions.
 trait Rows {
-    /// Whether there is a third.
+    /// Whether there is a third factor.
     const THIRD: bool;
-    /// Of eight rows, at their heights.
+    /// The factors of eight rows, at their heights.
     fn factors<S: Simd>(&self, simd: S, y: f32x8<S>) -> [f32x8<S>; 3];
 }
 
@@ -446,7 +446,7 @@ fn by_sample<S: Simd, const B: usize, const N: usize>(
         for (weights, x) in weights.iter_mut().zip(&x) {
             for (k, x) in x.iter().enumerate() {
                 for (column, w) in weights.iter_mut().zip(weight(*x, y)) {
-                    // A column that emits in part is seen in its middle, which may be below the horizon.
+                    // A partly emitting column is sampled at its centre, which may be below the horizon.
                     column[k] = if w > 0.0 { w } else { 0.0 };
                 }
             }

@@ -9,7 +9,7 @@ fn share_at(level: Level, mask: &Mask, at: &Receiver, lobe: &Lobe) -> f32 {
         .ratio(|| mask.lit_count() as f32 / mask.emitting_count().max(1) as f32)
 }
 
-/// The definition in f64, sample by sample, and what part of the lobe sees the light.
+/// The definition in f64, sample by sample, and the fraction of the lobe that covers the light.
 fn exact(mask: &Mask, at: &Receiver, lobe: &Lobe) -> Option<(f64, f64)> {
     let square = *mask.square();
     let [right, up, toward] = [square.right, square.up, square.axis].map(Vec3::as_dvec3);
@@ -35,7 +35,7 @@ fn exact(mask: &Mask, at: &Receiver, lobe: &Lobe) -> Option<(f64, f64)> {
     (all > 0.0).then(|| (lit / all, part))
 }
 
-/// The same bits with any vector instructions.
+/// Any vector instructions give the same bits.
 #[test]
 fn shares_do_not_depend_on_the_registers() {
     let mut random = Random::new(12);
@@ -74,7 +74,7 @@ fn shares_do_not_depend_on_the_registers() {
     }
 }
 
-/// Every form against the definition, over all angles and exponents that it is chosen for.
+/// Every form against the definition, over all angles and exponents for which it is chosen.
 #[test]
 fn shares_are_the_sums_over_samples() {
     let mut random = Random::new(11);
@@ -110,7 +110,7 @@ fn shares_are_the_sums_over_samples() {
                     mask.block_span(j, at(from), at(from + random.uniform()));
                 }
                 let Some((exact, part)) = exact(&mask, &at, &lobe) else { continue };
-                // As far as it shows: the share of next to nothing does not matter.
+                // Weighted by the lobe's radiance: an error where there is almost none does not matter.
                 let shows = (100.0 * part).min(1.0);
                 let error = (f64::from(share_at(Level::new(), &mask, &at, &lobe)) - exact).abs() * shows;
                 mean += error / CASES as f64;

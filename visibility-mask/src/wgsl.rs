@@ -1,7 +1,7 @@
-//! The same in WGSL: texts that are joined to a shader module, in any order.
+//! The same in WGSL: texts that are joined into a shader module, in any order.
 //!
-//! One workgroup of `LANES` threads makes the mask of one point and light, a row a thread. Functions have the names of
-//! those that they mirror, after the type's: `mask_row_y` is [`Mask::row_y`](crate::Mask::row_y).
+//! One workgroup of `LANES` threads draws the mask of one point and light, a row a thread. Functions are named after their Rust
+//! equivalents, with the type's name first: `mask_row_y` is [`Mask::row_y`](crate::Mask::row_y).
 
 use crate::row::{COARSE, WIDTH};
 use crate::shadow_tree::ShadowTree;
@@ -9,13 +9,13 @@ use crate::{Fineness, MAX_DEPTH};
 
 /// The unit square; needs `geometry.wgsl` and `lobe.wgsl` of `lobe-core`, and one of [`ROUND`] and [`FLAT`].
 pub const SQUARE: &str = include_str!("square.wgsl");
-/// Lights that are seen as discs. Needs [`SQUARE`] and `NO_OUTLINE` of `lobe-core`.
+/// Lights that appear as discs. Needs [`SQUARE`] and `NO_OUTLINE` of `lobe-core`.
 pub const ROUND: &str = include_str!("round.wgsl");
 /// Lights that may have outlines, instead of [`ROUND`]. Needs [`SQUARE`] and `OUTLINE` of `lobe-core`.
 pub const FLAT: &str = include_str!("flat.wgsl");
-/// The own row of the mask; needs [`header`] and [`SQUARE`].
+/// The thread's row of the mask; needs [`header`] and [`SQUARE`].
 pub const MASK: &str = include_str!("mask.wgsl");
-/// The contour of what hides, by questions; needs [`MASK`] and `light_is_hidden`.
+/// The contour of blockers, from tests of directions; needs [`MASK`] and `light_is_hidden`.
 pub const CONTOUR: &str = concat!(
     include_str!("contour_bits.wgsl"),
     include_str!("contour_cells.wgsl"),
@@ -25,22 +25,22 @@ pub const CONTOUR: &str = concat!(
 /// The sum of edges that turns a mask; needs `geometry.wgsl`.
 pub const EDGES: &str = include_str!("edges.wgsl");
 
-/// How a receiver's own facet lies to a light; needs `geometry.wgsl`.
+/// Coverage of a light by a receiver's own facet; needs `geometry.wgsl`.
 pub const FACET: &str = include_str!("facet.wgsl");
 
-/// What threads find together; needs [`header`].
+/// Results that threads compute together; needs [`header`].
 pub const TOTAL: &str = include_str!("total.wgsl");
-/// The fraction of a lobe's light that masks leave; needs [`MASK`], [`TOTAL`] and one of [`LAMBERT`] and [`LOBES`].
+/// The visible fraction of a lobe through masks; needs [`MASK`], [`TOTAL`] and one of [`LAMBERT`] and [`LOBES`].
 pub const FRACTION: &str = include_str!("fraction.wgsl");
 /// Masks of blockers; needs [`EDGES`], [`MASK`], [`TOTAL`], [`FRACTION`], `blockers_edges` and `blockers_splat`.
 pub const VISIBILITY: &str = include_str!("visibility.wgsl");
-/// What a lobe sees where all lobes are Lambert's; needs [`VISIBILITY`].
+/// The visible fraction of a lobe if all lobes are Lambert's; needs [`VISIBILITY`].
 pub const LAMBERT: &str = concat!(
     include_str!("visibility_whole.wgsl"),
     include_str!("fraction_lambert.wgsl"),
     include_str!("fraction_lambert_only.wgsl")
 );
-/// What any lobe sees; needs [`VISIBILITY`], [`header_of_lobes`] and `special.wgsl` of `lobe-core`.
+/// The visible fraction of any lobe; needs [`VISIBILITY`], [`header_of_lobes`] and `special.wgsl` of `lobe-core`.
 pub const LOBES: &str = concat!(
     include_str!("visibility_window.wgsl"),
     include_str!("fraction_lambert.wgsl"),
@@ -48,17 +48,17 @@ pub const LOBES: &str = concat!(
     include_str!("fraction_both.wgsl")
 );
 
-/// What lobes of microfacets see, where [`header_of_lobes`] says that there are some; needs [`LOBES`] and `MICROFACETS` of `lobe-core`.
+/// The visible fraction of microfacet lobes, if [`header_of_lobes`] has them; needs [`LOBES`] and `MICROFACETS` of `lobe-core`.
 pub const MICROFACETS: &str = include_str!("fraction_microfacets.wgsl");
 
-/// The fraction that all channels see, `visible_fraction`; needs [`LAMBERT`] or [`LOBES`].
+/// The visible fraction if it is the same in all channels, `visible_fraction`; needs [`LAMBERT`] or [`LOBES`].
 pub const ALIKE: &str = include_str!("fraction_alike.wgsl");
-/// The same by channel of a light that shows an image; needs [`FLAT`], [`LOBES`], `IMAGE` of `lobe-core`, and [`IMAGE_MICROFACETS`] or
-/// [`IMAGE_NO_MICROFACETS`].
+/// The same by channel, for a light that shows an image; needs [`FLAT`], [`LOBES`], `IMAGE` of `lobe-core`, and
+/// [`IMAGE_MICROFACETS`] or [`IMAGE_NO_MICROFACETS`].
 pub const IMAGE: &str = include_str!("fraction_image.wgsl");
-/// Lobes of microfacets in its light; needs [`MICROFACETS`].
+/// Microfacet lobes for such a light; needs [`MICROFACETS`].
 pub const IMAGE_MICROFACETS: &str = include_str!("fraction_image_microfacets.wgsl");
-/// In place of [`IMAGE_MICROFACETS`] where there are none.
+/// Replaces [`IMAGE_MICROFACETS`] if there are no microfacets.
 pub const IMAGE_NO_MICROFACETS: &str = "fn image_alpha(lobe: Lobe) -> f32 { return 0.0; }
 fn image_highlight(whole: UnitSquare, at: Receiver, tolerance: f32, lobe: Lobe) -> UnitSquare { return whole; }
 fn image_facets_in(square: UnitSquare, at: Receiver, lobe: Lobe) {}
@@ -66,10 +66,10 @@ fn image_facets(v: vec3f) -> f32 { return 0.0; }
 ";
 
 /// The paper's shadow nodes and their lobes; needs [`paper_header`], [`SQUARE`], [`MASK`], [`TOTAL`] and `wgsl::PAPER` of
-/// `lobe-core`, behind whose table the pairs of [`PaperWeights::pack`](crate::PaperWeights::pack) follow.
+/// `lobe-core`, with the pairs of [`PaperWeights::pack`](crate::PaperWeights::pack) after its table.
 pub const PAPER: &str = include_str!("paper.wgsl");
 
-/// [`header`] of the masks from which a paper's quad-tree of `depth` is read, fine ones, with `PAPER_DEPTH`.
+/// [`header`] for the fine masks from which a paper's quad-tree of `depth` is read, with `PAPER_DEPTH`.
 ///
 /// # Panics
 /// As [`header`].
@@ -79,11 +79,12 @@ pub fn paper_header(depth: u32) -> String {
     format!("const PAPER_DEPTH = {depth}u;\n{}", header(mask, Fineness::FINE))
 }
 
-/// The golden section by half, in units of 2⁻³²: shifts of rows are fractions of its odd multiples.
+/// Half the golden section, in units of 2⁻³²: shifts of rows are fractions of its odd multiples.
 const GOLDEN: u32 = 0x4f1b_bcdd;
 
-/// The constants `DEPTH`, `SIDE` (rows), `WIDTH` (samples in a row at most), `LANES` (threads), `COLUMNS` (groups of samples
-/// with one weight at most), `BROAD_GRID` and `MOST_BANDS` (which a mask may be deeper by), and the type `Row` with its functions, `row_width` among them: samples in a row.
+/// The constants `DEPTH`, `SIDE` (rows), `WIDTH` (the most samples in a row), `LANES` (threads), `COLUMNS` (the most groups of
+/// samples with one weight), `BROAD_GRID` and `MOST_BANDS` (the most bands of a deeper mask), and the type `Row` with its functions
+/// and `row_width`, the samples in a row.
 ///
 /// # Panics
 /// When `depth` is not in 1…[`MAX_DEPTH`].
@@ -94,8 +95,8 @@ pub fn header(depth: u32, fineness: Fineness) -> String {
     header_of(depth, width, fineness, row)
 }
 
-/// The same for broad lobes and narrow ones, whose masks are fine, with `NARROW_GRID`, `IS_NARROW_FINER` and `HAS_MICROFACETS`: if so,
-/// [`MICROFACETS`] belongs to it.
+/// The same for broad and narrow lobes, whose masks are fine, with `NARROW_GRID`, `IS_NARROW_FINER` and `HAS_MICROFACETS`: if that
+/// is true, it needs [`MICROFACETS`].
 ///
 /// # Panics
 /// As [`header`].
@@ -111,7 +112,7 @@ pub fn header_of_lobes(depth: u32, broad: Fineness, narrow: Fineness, has_microf
     )
 }
 
-/// In place of [`MICROFACETS`]; a part of [`header_of_lobes`] without.
+/// Replaces [`MICROFACETS`]; a part of [`header_of_lobes`] without microfacets.
 pub const NO_MICROFACETS: &str = "const HAS_MICROFACETS = false;\nfn microfacet_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 { return 0.0; }\n";
 
 fn header_of(depth: u32, width: usize, fineness: Fineness, row: &str) -> String {

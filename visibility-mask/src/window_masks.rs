@@ -5,8 +5,8 @@ use crate::{Fineness, Mask, UnitSquare};
 use glam::{UVec2, Vec2, Vec3};
 use lobe_core::{BrdfLobe, Coverage, LightImage, Lobe, Microfacets, Outline, Receiver};
 
-/// The masks of a window: one, or several side by side where the tolerance wants more samples than one has; and where little of it is lit,
-/// masks of that.
+/// The masks of a window: one, or several side by side if the tolerance needs more samples; and masks around the lit part, if it is
+/// small.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WindowMasks {
     window: UnitSquare,
@@ -16,7 +16,7 @@ pub(crate) struct WindowMasks {
 }
 
 impl WindowMasks {
-    /// Starts anew and has `draw` block what is blocked of each part on which anything emits.
+    /// Clears the masks, and lets `draw` block each part on which anything emits.
     ///
     /// # Panics
     /// As [`Mask::reset`].
@@ -45,20 +45,20 @@ impl WindowMasks {
         self.near.clear();
     }
 
-    /// Whether so little is lit that few samples tell its size.
+    /// Whether so little is lit that few samples measure its size.
     pub(crate) fn is_little_lit(&self) -> bool {
         let mut counts = LitCounts::default();
         self.masks().iter().for_each(|mask| counts.add(mask));
         counts.are_few()
     }
 
-    /// Whether there are masks of what is lit.
+    /// Whether there are masks around the lit part.
     pub(crate) fn has_near(&self) -> bool {
         !self.near.masks().is_empty()
     }
 
-    /// Has `draw` block what is blocked of windows around what is lit: masks of a depth and fineness, each of which is filled by a quarter
-    /// where [`NearMasks`] can. Edges lie between two corners of the plane, if that is known.
+    /// Lets `draw` block windows around the lit part, in masks with a depth and fineness; each is filled by at least a quarter if
+    /// [`NearMasks`] can do so. `edges`, if known, are two corners of a box around all edges.
     pub(crate) fn draw_near(
         &mut self,
         edges: Option<[Vec2; 2]>,
@@ -80,7 +80,7 @@ impl WindowMasks {
         }
     }
 
-    /// The window of all of them.
+    /// The window of all masks together.
     pub(crate) fn window(&self) -> &UnitSquare {
         &self.window
     }
@@ -90,7 +90,7 @@ impl WindowMasks {
         &self.masks[..self.used]
     }
 
-    /// What they leave of what emits.
+    /// Coverage of the emitting region by all masks.
     pub(crate) fn coverage(&self) -> Coverage {
         if self.has_near() {
             Coverage::Partial
@@ -103,8 +103,8 @@ impl WindowMasks {
         }
     }
 
-    /// What `sums` gives for all masks, in units of solid angle or in samples of the masks of the whole window: the lit part of masks of
-    /// that, if there are some.
+    /// The sums of all masks, in units of solid angle or in samples of the masks of the whole window. If there are masks around the
+    /// lit part, these give the lit sums.
     fn total<const N: usize>(&self, mut sums: impl FnMut(&Mask, bool) -> [Sums; N]) -> [Sums; N] {
         let mut total = [Sums::default(); N];
         let mut add = |mask: &Mask, near: bool, part: fn(Sums) -> Sums| {
@@ -122,7 +122,7 @@ impl WindowMasks {
         total
     }
 
-    /// The lit part of the area that emits.
+    /// The lit fraction of the emitting area.
     fn share(&self) -> f32 {
         let area = |masks: &[Mask], count: fn(&Mask) -> u32| {
             masks.iter().map(|mask| count(mask) as f32 * mask.sample_area()).sum::<f32>()
@@ -133,12 +133,12 @@ impl WindowMasks {
         if all > 0.0 { lit / all } else { 0.0 }
     }
 
-    /// The exponent of lobes as narrow as cells of the masks of the whole window: a mirror sees some samples.
+    /// The exponent of lobes as narrow as cells of the masks of the whole window: a mirror still needs some samples.
     fn narrowest(&self) -> f32 {
         self.masks().first().map_or(MIRROR, narrowest)
     }
 
-    /// Fraction of the lobe's light that is lit.
+    /// The visible fraction of the lobe.
     pub(crate) fn fraction(&self, at: &Receiver, lobe: &Lobe, counts: &mut Counts) -> f32 {
         let lobe = Lobe { exponent: lobe.exponent.min(self.narrowest()), ..*lobe };
         let whole = self.masks().first().map_or(1.0, Mask::sample_area);
@@ -150,7 +150,8 @@ impl WindowMasks {
     }
 }
 
-/// What two masks, of a part of the light and of all of it, leave of microfacets' light: in `near`, if there is one, it counts what that shows.
+/// The visible fractions of microfacets' light from the masks of the whole light and, if given, those `near` of a part, which count
+/// instead.
 pub(crate) fn microfacet_fractions(
     whole: &WindowMasks,
     near: Option<&WindowMasks>,
@@ -168,7 +169,8 @@ pub(crate) fn microfacet_fractions(
     total.map(|sums| sums.ratio(|| whole.share()))
 }
 
-/// What is left of the light of an image, by channel: of all of the light's, or of all but what the masks in `near` show, and theirs.
+/// The visible fraction of an image's light, by channel: from the masks of the whole light and, if given, those `near` of a part,
+/// which count instead.
 pub(crate) fn image_fractions(
     whole: &WindowMasks,
     near: Option<&WindowMasks>,
@@ -177,7 +179,7 @@ pub(crate) fn image_fractions(
     (image, outline): (&LightImage, &Outline),
     counts: &mut Counts,
 ) -> Vec3 {
-    // All windows of such a light are turned alike.
+    // All windows on such a light are turned alike.
     let UnitSquare { right, up, .. } = whole.window;
     let shown = Shown { image, places: outline.places([right, up]) };
     let lobe = |masks: &WindowMasks| match lobe {
@@ -201,8 +203,8 @@ mod tests {
     use lobe_core::Cone;
     use lobe_core::oracle::Random;
 
-    /// A straight edge across a light that lobes of all widths see: the fraction through many masks is that through one mask, but for
-    /// the samples of each.
+    /// A straight edge across a light, for lobes of all widths: many masks give the same fraction as one mask, except for the
+    /// samples of each.
     #[test]
     fn many_masks_see_what_one_mask_sees() {
         let mut random = Random::new(31);

@@ -1,4 +1,4 @@
-//! Masks from answers to "is the light hidden in this direction?" against areas that are known.
+//! Masks from tests of "is the light hidden in this direction?" against known areas.
 
 use glam::{DVec2, Vec2, Vec3};
 use lobe_core::conformance::{Limits, Setting, check};
@@ -11,7 +11,7 @@ fn square(half_angle: f32) -> UnitSquare {
     UnitSquare::facing(&Cone { axis: Vec3::Z, one_minus_cos, distance: 10.0 }, Vec3::X)
 }
 
-/// Blocks the directions whose points on the plane are in a shape; returns the dark share and the number of questions.
+/// Blocks the directions whose points on the plane are in a shape; returns the hidden fraction and the number of tests.
 fn dark(square: &UnitSquare, depth: u32, shape: impl Fn(Vec2) -> bool) -> (f64, usize) {
     let mut mask = Mask::default();
     mask.reset(square, depth, Vec3::Z);
@@ -59,7 +59,7 @@ fn half_planes() {
     }
 }
 
-/// Share of a disc of radius 1 that another one covers whose centre is `d` away.
+/// The fraction of a disc of radius 1 that another disc, whose centre is `d` away, covers.
 fn overlap(r: f64, d: f64) -> f64 {
     if d >= 1.0 + r {
         return 0.0;
@@ -72,8 +72,8 @@ fn overlap(r: f64, d: f64) -> f64 {
     (a - a.sin() * a.cos() + r * r * (b - b.sin() * b.cos())) / core::f64::consts::PI
 }
 
-/// Discs before the light that move by a hundredth of its radius, 40 times: from a third of its size to nearly straight
-/// edges, and rings and crescents about as large as it.
+/// Discs in front of the light that move by a hundredth of its radius, 40 times: from a third of its size to nearly straight edges,
+/// and rings and crescents about as large as it.
 #[test]
 fn discs_that_move() {
     for (depth, limits) in [(4, [0.0025, 0.015, 0.016]), (5, [0.001, 0.006, 0.005]), (6, [0.0005, 0.003, 0.003])] {
@@ -106,7 +106,7 @@ fn discs_that_move() {
     }
 }
 
-/// Bars of a few cells, also where the coarse grid sees them only here and there.
+/// Bars of a few cells, also if the coarse grid hits them only in places.
 #[test]
 fn thin_bars() {
     let mut random = Random::new(8);
@@ -124,7 +124,7 @@ fn thin_bars() {
     assert!(mean < 0.003, "{mean}");
 }
 
-/// A strategy as a user would write it: balls that only answer whether they hide a direction.
+/// A strategy as a user would write it: spheres that only test whether they hide a direction.
 struct Balls(Vec<Sphere>);
 
 impl Blockers for Balls {

@@ -1,4 +1,4 @@
-//! What is seen of microfacets' light behind an edge: against the sum over the light in f64, and without pops.
+//! The visible fraction of microfacets' light behind an edge: against the sum over the light in f64, and without pops.
 
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::{CapMicrofacets, Random};
@@ -48,7 +48,7 @@ impl Case {
             (random.between(0.0, 1.2), random.log_uniform(0.02, 0.4), random.log_uniform(0.01, 0.6));
         let view = DVec3::new(f64::sin(tilt), 0.0, f64::cos(tilt));
         let mirror = DVec3::new(-view.x, 0.0, view.z);
-        // Above the horizon, so that the light's own sum is the oracle's.
+        // Above the horizon, so that the light's own integral is the oracle's.
         let aside = random.uniform() * half_angle;
         let mut axis = random.axis_at(mirror, aside);
         while axis.z < half_angle.sin() + 0.01 {
@@ -57,7 +57,7 @@ impl Case {
         Self { view, alpha, axis, half_angle, hidden: axis }.with_edge(random.between(-0.7, 0.7), random.uniform())
     }
 
-    /// An edge at a place between the light's rims, −1 to 1, in a direction, in turns.
+    /// An edge between the light's rims, at a place from −1 to 1, with a direction in turns.
     fn with_edge(self, place: f64, turn: f64) -> Self {
         let (right, up) = orthonormal_basis(self.axis.as_vec3());
         let (sin, cos) = (turn * core::f64::consts::TAU).sin_cos();
@@ -66,7 +66,7 @@ impl Case {
         Self { hidden: (across * c - self.axis * s).normalize(), ..self }
     }
 
-    /// The visible fraction of both lobes, by masks.
+    /// The visible fraction of both lobes, from masks.
     fn seen(&self, tolerance: f32) -> f64 {
         let view = self.view.as_vec3();
         let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, view);
@@ -82,13 +82,13 @@ impl Case {
         f64::from(lit.radiance.x / lit.unshadowed.x)
     }
 
-    /// The same in f64, summed over the half vectors' slopes: even steps of the cosine lobe in which they are one.
+    /// The same in f64, summed over the half vectors' slopes in steps for which the cosine lobe is even.
     fn exact(&self) -> f64 {
         let model = CapMicrofacets { view: self.view, alpha: self.alpha };
         let (mut lit, mut all) = (0.0, 0.0);
         const SIDE: u32 = 1200;
         for i in 0..SIDE {
-            // |σ|² = t/(1 − t) has t even over the lobe.
+            // |σ|² = t/(1 − t) has t uniform over the lobe.
             let t = (f64::from(i) + 0.5) / f64::from(SIDE);
             let slope = self.alpha * (t / (1.0 - t)).sqrt();
             for j in 0..SIDE {
@@ -100,7 +100,7 @@ impl Case {
                     continue;
                 }
                 let [base, edge] = model.value(v);
-                // D·(n·h) dω_h is even; the rest of the reflectance is its weight.
+                // D·(n·h) dω_h is uniform; the rest of the reflectance is its weight.
                 let a2 = self.alpha * self.alpha;
                 let d = a2 / (core::f64::consts::PI * (1.0 - h.z * h.z * (1.0 - a2)).powi(2));
                 let weight = (0.8 * base + edge) / d * vh / h.z;
@@ -128,7 +128,7 @@ fn fractions_are_those_of_quadrature() {
     }
 }
 
-/// Edges, lights and views that move in small steps: the error of one picture to the next.
+/// Edges, lights and views that move in small steps: the change of the error between pictures.
 #[test]
 fn nothing_pops() {
     for (tolerance, most, often) in [(0.01_f32, 0.01, 0.004), (0.003, 0.006, 0.002), (0.001, 0.006, 0.0005)] {

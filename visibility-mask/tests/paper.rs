@@ -1,4 +1,4 @@
-//! The paper's visibility: what its weights promise, and its error against brute force in f64.
+//! The paper's visibility: the properties of its weights, and its error against brute force in f64.
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use lobe_core::oracle::Random;
@@ -151,7 +151,7 @@ fn full_cover_is_dark() {
             let mut shapes = Shapes::at(cone.axis);
             shapes.all = true;
             let root = visibility_sum(&shapes, &weights, &facing, lambert, &cone);
-            // A blocker just larger than the light, seen by the mask and not by a shortcut.
+            // A blocker just larger than the light, which the mask draws and no shortcut finds.
             shapes.all = false;
             shapes.discs = vec![(DVec2::ZERO, 1.02 * angle_of(dist).tan())];
             let disc = visibility_sum(&shapes, &weights, &facing, lambert, &cone);
@@ -182,7 +182,7 @@ fn umbra_of_other_receivers() {
     }
 }
 
-/// What each node of each level alone takes away, by level, row and column.
+/// The light that each node of each level hides by itself, by level, row and column.
 fn parts(weights: &PaperWeights, cone: &Cone) -> Vec<Vec<f32>> {
     let facing = receiver(cone.axis);
     let lambert = Lobe::new(cone.axis, 1.0, Vec3::ONE);
@@ -203,13 +203,13 @@ fn largest_merge(parts: &[Vec<f32>]) -> Vec<f32> {
     };
     let change = |level: usize, k: usize| {
         let four = children(level, k);
-        // Nodes on the rim have children outside of the disc, and merge with fewer.
+        // Nodes on the rim have children outside the disc, and merge with fewer.
         if four.contains(&0.0) { 0.0 } else { (parts[level][k] - four.iter().sum::<f32>()).abs() }
     };
     (0..parts.len() - 1).map(|l| (0..parts[l].len()).map(|k| change(l, k)).fold(0.0, f32::max)).collect()
 }
 
-/// The nodes of one level together take all light away, by the sum of what each takes alone.
+/// The nodes of one level together hide all light, by the sum of the light that each hides by itself.
 #[test]
 fn each_level_covers_alone() {
     let weights = PaperWeights::solve(4, tables());
@@ -220,7 +220,7 @@ fn each_level_covers_alone() {
         let merges = largest_merge(&parts);
         println!("dist {dist:5}: {totals:.3?} {merges:.4?}");
         for (level, total) in totals.iter().enumerate().filter(|_| dist <= 10.0) {
-            // A node that is its parent's only one in the disc is replaced by the parent, which takes more.
+            // A node that is its parent's only one in the disc is replaced by the parent, which hides more.
             assert!((-0.01..0.04).contains(&(total - 1.0)), "level {level}, dist {dist}: {total}");
         }
         assert!(dist > 10.0 || merges.iter().all(|m| *m < 0.008), "dist {dist}");
@@ -290,8 +290,8 @@ fn more_cover_is_darker_but_for_merges() {
                     last = now;
                 }
             }
-            // One weight a level cannot make a node and its children equal everywhere: a merge may give back a part of
-            // the last leaf. Beyond the last distance of the table it gives back more.
+            // One weight a level cannot make a node and its children equal everywhere: a merge may restore a part of the last
+            // leaf's light. Beyond the last distance of the table it restores more.
             let within = PaperWeights::DISTANCES.contains(&dist);
             let rise = if depth == 3 && within {
                 1e-5
@@ -315,7 +315,7 @@ struct Case {
     f: Lobe,
 }
 
-/// A light of half-angle θ above the horizon, one to five discs of blockers or a half-plane before it.
+/// A light of half-angle θ above the horizon, with one to five discs of blockers or a half-plane in front of it.
 fn case(random: &mut Random, theta: f64, exponent: f64) -> Case {
     let (normal, tilt) = (random.axis(), random.between(0.0, 1.2));
     let axis = random.axis_at(normal, tilt);
@@ -409,7 +409,7 @@ fn error_against_brute_force() {
                 }
             }
             if exponent == 1.0 {
-                // Leaves that are partly covered become fewer: for a diffuse receiver depth pays.
+                // There are fewer partly covered leaves: depth helps a diffuse receiver.
                 let mean = errors.each_ref().map(|e| summary(&e[0])[0]);
                 assert!(mean[2] < mean[1] && mean[1] < mean[0], "{mean:?}");
             }
@@ -453,7 +453,7 @@ fn threshold_drops_visibility_products() {
         let call = Interaction { at: &at, brdf: &brdf, light: &light, threshold };
         let lit = PaperIntegrator { tables: tables() }.radiance(&call, &mut visit, &mut sum, &mut observer);
         println!("{threshold} {} of {} {}", observer.0, sum.lobes.lobes().len(), lit.radiance.x);
-        // Each lost lobe is less shadow, by less than the threshold.
+        // Each lost lobe makes the shadow lighter by less than the threshold.
         assert!(observer.0 >= before.0 && lit.radiance.x >= before.1);
         assert!(lit.radiance.x <= lit.unshadowed.x);
         before = (observer.0, lit.radiance.x);

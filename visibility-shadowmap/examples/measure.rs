@@ -3,9 +3,9 @@
 //! `cargo run --release -p cosine-lobes-visibility-shadowmap --example measure [MESH.obj [RESOLUTION…]]`; without a mesh two stacked
 //! plates, a picket fence and, where it is present, a bunny.
 //!
-//! A light four diagonals away; receivers on a floor under the object and on the object itself. `pen`, `p99`: mean and
-//! 99th percentile of |ΔV| over receivers with 1 % < V < 99 %, in percent of the light; `bias`: their mean ΔV (positive: too
-//! light); `umbra`: mean V where less than 1 % is seen; `lit`: mean darkening where more than 99 % is seen; `contact`: mean
+//! A light four diagonals away; receivers on a floor under the object and on the object itself. `pen`, `p99`: mean and 99th
+//! percentile of |ΔV| over receivers with 1 % < V < 99 %, in percent of the light; `bias`: their mean ΔV (positive: too light);
+//! `umbra`: mean V of receivers that see less than 1 %; `lit`: mean darkening of receivers that see more than 99 %; `contact`: mean
 //! ΔV within 0.03 diagonals of the object; `w`: width of the light in texels at the nearest blocker.
 
 use glam::{Vec3, Vec3A};
@@ -72,7 +72,7 @@ impl Rays {
     }
 }
 
-/// Share of the disc that is seen, from 64 × 64 rays.
+/// The visible fraction of the disc, from 64 × 64 rays.
 fn truth(rays: &Rays, at: &Receiver, light: Sphere, epsilon: f32) -> f32 {
     let cone = Cone::of_sphere(at.position, light);
     let square = UnitSquare::facing(&cone, Vec3::ZERO);
@@ -84,7 +84,7 @@ fn truth(rays: &Rays, at: &Receiver, light: Sphere, epsilon: f32) -> f32 {
         if x * x + y * y <= square.disc * square.disc && direction.dot(at.normal) > 0.0 {
             all += 1;
             let origin = at.position + at.normal * epsilon;
-            // To the light's surface.
+            // The distance along the ray to the light's surface.
             let along = cone.distance * cone.axis.dot(direction);
             let off_sq = (cone.distance * cone.axis - direction * along).length_squared();
             let far = along - (light.radius * light.radius - off_sq).max(0.0).sqrt();
@@ -274,7 +274,7 @@ fn measure(mesh: &Mesh, resolutions: &[u32]) {
                         };
                         let value = run(&mut scratch);
                         let after = scratch.counts();
-                        // The fastest of a few: other work on the machine does not count.
+                        // The fastest of five runs, since other work on the machine disturbs the time.
                         let seconds = (0..5).map(|_| {
                             let start = Instant::now();
                             std::hint::black_box(run(&mut scratch));

@@ -7,45 +7,45 @@ use glam::{Vec2, Vec3};
 use lobe_core::{Accuracy, Coverage, LightId, Shaft, VisibilityQuery};
 use visibility_mask::{Blockers, Mask, UnitSquare, facet_coverage};
 
-/// Nodes that a group of receivers starts from, at most about this many.
+/// The most nodes, about, that a group of receivers starts from.
 const FRONTIER: usize = 48;
 
-/// The `shadow-map` strategy: the texels of each light's [`ShadowMap`] block what is behind them. Wrap it in
+/// The `shadow-map` strategy: the texels of each light's [`ShadowMap`] block the points behind them. Wrap it in
 /// [`MaskVisibility`](visibility_mask::MaskVisibility).
 ///
 /// # Method (§5.3 of the paper)
-/// A texel with a surface is a small quadrilateral at its depth. Its corners take the mean depth of those neighbours that
-/// belong to the same surface, so that there are no gaps and planes are exact. Seen from the receiver it covers a
-/// quadrilateral of the unit square; all of them are united. A texel counts only if it is in front of the light and above
-/// the receiver's tangent plane, within sixteen texels of it by more than half a texel's size: there is no other depth bias.
+/// A texel with a surface is a small quadrilateral at its depth. The depth at each corner is the mean of those neighbours that
+/// belong to the same surface, so that there are no gaps and planes are exact. Projected from the receiver, the texel covers a
+/// quadrilateral of the unit square; the union of all quadrilaterals blocks. A texel counts only if it is in front of the light and
+/// above the receiver's tangent plane. Within sixteen texels of the plane it must be above by more than half a texel's size: there
+/// is no other depth bias.
 ///
-/// A pyramid over each layer finds what can meet the cone from the receiver to the light. Where the depths of a node are
-/// bilinear to within an eighth of a mask cell, the node is drawn as one quadrilateral. What is smaller than 0.7 of a cell is
-/// not looked into for its outlines and depth steps: 4 × 4 of its texels say how much of it blocks, and it is drawn as a
-/// trapezoid of that area on the side where they are, at their mean depth; as two where it shows two depths. Only where
-/// the depths of one differ by what would move it by more than a quarter of a cell is it looked into, as next to the light.
+/// A pyramid over each layer finds the nodes that meet the cone from the receiver to the light. A node whose depths are bilinear to
+/// within an eighth of a mask cell is drawn as one quadrilateral. A node smaller than 0.7 of a cell is not searched for outlines
+/// and depth steps: 4 × 4 of its texels give the fraction of it that blocks, and it is drawn as a trapezoid of that area on the
+/// side of these texels, at their mean depth; as two trapezoids if it shows two depths. Only if the depths of one trapezoid differ
+/// by more than a quarter of a cell on the mask, as next to the light, is the node searched after all.
 ///
-/// An outline is where the light's centre sees it. Next to a light that touches an object, or overlaps it, other parts of
-/// the light see round it, between the layers: there a sphere's penumbra errs by 0.6 %, up to 4 % where a sixth of it is
+/// The map has outlines only as the light's centre sees them. If a light touches an object or overlaps it, other parts of the light
+/// see around the outline, between the layers. A sphere's penumbra then errs by 0.6 %, and by up to 4 % if a sixth of it comes from
 /// such an outline.
 ///
 /// # Several lights
-/// One map for each, which must have been built for its sphere. A light without a map is not shadowed.
+/// Each light has one map, which must have been built for its sphere. A light without a map is not shadowed.
 ///
 /// # Cost
-/// It follows the mask once the light is some 150 texels wide, five a cell; before that the texels, of which there are more
-/// in a finer map. Measured under a bunny, light of 6°, masks of 32², on its floor, for maps of 512², 1024², 2048² and
-/// 4096² (the light 74, 147, 294, 588 texels wide): 560, 750, 880, 970 nodes visited by a receiver in the penumbra, 190, 300,
-/// 390, 450 quadrilaterals drawn, in 40, 60, 77, 88 µs. On the bunny itself (27, 54, 108, 216 texels, fewer at what is
-/// near the receiver) in 21, 33, 50, 77 µs. A lit receiver beside the shadow visits 2 nodes, one on the bunny 30 to 55. See
-/// `examples/measure.rs`.
+/// Once the light is some 150 texels wide, five a cell, the cost follows the mask; before that it follows the texels, and a finer
+/// map has more of them. Measured under a bunny, light of 6°, masks of 32², on its floor, for maps of 512², 1024², 2048² and 4096²
+/// (the light 74, 147, 294, 588 texels wide): a receiver in penumbra visits 560, 750, 880, 970 nodes and draws 190, 300, 390, 450
+/// quadrilaterals in 40, 60, 77, 88 µs. On the bunny itself (27, 54, 108, 216 texels, fewer near the receiver): 21, 33, 50, 77 µs.
+/// A lit receiver beside the shadow visits 2 nodes, one on the bunny 30 to 55. See `examples/measure.rs`.
 #[derive(Clone, Debug, Default)]
 pub struct ShadowMapBlockers {
     maps: Vec<ShadowMap>,
     /// The light of each map.
     lights: Vec<LightId>,
     casters: Vec<bool>,
-    /// Objects whose receivers are left to others.
+    /// Objects whose receivers are left to other blockers.
     left: Vec<bool>,
 }
 
@@ -63,19 +63,19 @@ impl ShadowMapBlockers {
         Self { maps, lights, casters: Vec::new(), left: Vec::new() }
     }
 
-    /// States which objects, by their number, the maps were made of: a receiver on one of them sees no light below its
-    /// own face, which a smooth shading normal would let through. No object unless stated.
+    /// Sets the objects, by their numbers, that the maps were built from. A receiver on one of them sees no light below its own
+    /// face, which a smooth shading normal would let through. None by default.
     #[must_use]
     pub fn with_casters(self, casters: Vec<bool>) -> Self {
         Self { casters, ..self }
     }
 
-    /// Leaves receivers on some objects to other blockers, by the objects' numbers: for these the maps hide nothing. No object unless
-    /// stated.
+    /// Leaves the receivers on some objects, by the objects' numbers, to other blockers: for these receivers the maps block
+    /// nothing. None by default.
     ///
-    /// It is for objects that the maps [draw](ShadowMap::draws). What shadows them is mostly their own surface a few texels away,
-    /// seen from the side near terminators, and half a texel above a surface is not told from the surface: on a bunny 99 % of the
-    /// penumbra were within 45 % of the light by its fitted map, where floors were within 1.7 %.
+    /// Meant for objects that the maps [draw](ShadowMap::draws). These are shadowed mostly by their own surface a few texels away,
+    /// seen edge-on near terminators, and a blocker half a texel above the surface cannot be told from the surface. On a bunny 99 %
+    /// of the penumbra were within 45 % of the light with its fitted map; on floors within 1.7 %.
     #[must_use]
     pub fn leaving(self, objects: Vec<bool>) -> Self {
         Self { left: objects, ..self }
@@ -85,7 +85,7 @@ impl ShadowMapBlockers {
         self.left.get(object as usize).is_some_and(|left| *left)
     }
 
-    /// How much of the light the receiver's own facet hides.
+    /// Coverage of the light by the receiver's own facet.
     fn own_face(&self, query: &VisibilityQuery<'_>) -> Coverage {
         let casts = self.casters.get(query.at.object as usize).is_some_and(|casts| *casts);
         if casts { facet_coverage(query.at, query.cone) } else { Coverage::Lit }
@@ -103,7 +103,7 @@ impl ShadowMapBlockers {
         &self.lights
     }
 
-    /// For each object whether maps were made of it, and whether its receivers are left to others.
+    /// For each object whether maps were built from it, and whether its receivers are left to other blockers.
     pub(crate) fn objects(&self) -> impl Iterator<Item = [bool; 2]> {
         let all = self.casters.len().max(self.left.len());
         let at = |objects: &[bool], k: usize| objects.get(k).is_some_and(|is| *is);
@@ -114,7 +114,7 @@ impl ShadowMapBlockers {
         self.lights.iter().position(|of| *of == light)
     }
 
-    /// The map's faces as a receiver sees them.
+    /// The views of the map's faces from a receiver.
     fn look(map: &ShadowMap, query: &VisibilityQuery<'_>, square: &UnitSquare, cell: Vec2, out: &mut Vec<FaceView>) {
         out.clear();
         let view = |face| FaceView::new(face, &map.light, query.at.position, query.at.face, square, cell);
@@ -125,13 +125,13 @@ impl ShadowMapBlockers {
 /// Working memory of [`ShadowMapBlockers`].
 #[derive(Clone, Debug, Default)]
 pub struct ShadowMapScratch {
-    /// Set by `enter`: the light's map if it has one.
+    /// The light's map, if it has one. Set by `enter`.
     entered: Option<Option<usize>>,
     /// The map of the query.
     map: Option<usize>,
     /// Nodes to start from, the first layer last.
     frontier: Vec<Item>,
-    /// Of the query's own face.
+    /// Normal of the query's own face, if it hides a part of the light.
     own_face: Option<Vec3>,
     views: Vec<FaceView>,
     stack: Vec<Item>,
@@ -141,7 +141,7 @@ pub struct ShadowMapScratch {
 }
 
 impl ShadowMapScratch {
-    /// Nodes of the pyramids looked at, and quadrilaterals drawn, since this scratch was made.
+    /// Number of visited pyramid nodes and of drawn quadrilaterals since this scratch was created.
     #[must_use]
     pub fn counts(&self) -> (u64, u64) {
         (self.visited, self.drawn)
@@ -171,7 +171,7 @@ impl Blockers for ShadowMapBlockers {
         let layer = |item: Item| map.layer(item);
         let meets = |item: &Item| views[usize::from(item.face)].meets(*item, layer(*item));
         let mut nodes: Vec<Item> = roots(map).filter(meets).collect();
-        // A node that some receiver draws as one must stay: the group must change nothing.
+        // A node that some receiver draws as one must not be split: the group must not change the result.
         let splits = |item: &Item| views[usize::from(item.face)].splits(*item, layer(*item));
         while nodes.len() < FRONTIER && nodes.iter().any(splits) {
             let mut next = Vec::with_capacity(4 * nodes.len());
@@ -261,7 +261,7 @@ impl ShadowMapBlockers {
             let layer = map.layer(item);
             let view = &views[usize::from(item.face)];
             let Some((node, block)) = Block::around(item, layer) else { continue };
-            // The far side of an object is mostly behind its near side: what can add nothing is not looked into.
+            // Skips a node that is covered already: the far side of an object is mostly behind its near side.
             let is_covered = || view.image.bounds(&block).is_some_and(|[low, high]| union.is_covered(low, high));
             match view.judge(item, &node, &block) {
                 Verdict::No => {}
@@ -294,7 +294,7 @@ fn first_layer_last(items: &mut [Item]) {
     items.sort_by_key(|item| core::cmp::Reverse(item.layer));
 }
 
-/// The part of the window below a plane through the receiver.
+/// Draws the part of the window below a plane through the receiver.
 fn draw_below(normal: Vec3, square: &UnitSquare, union: &mut PolygonUnion) {
     let n = square.local(normal);
     let ([x0, y0], [x1, y1]) = ((square.center - square.half).to_array(), (square.center + square.half).to_array());
@@ -308,7 +308,7 @@ fn draw_below(normal: Vec3, square: &UnitSquare, union: &mut PolygonUnion) {
     }
 }
 
-/// A quadrilateral in the picture with q at its corners, and how far its neighbours' q may be from the edges.
+/// Draws a quadrilateral of the face with q at its corners; `deviations` bound how far the neighbours' q is from its edges.
 #[inline(always)]
 fn draw(image: &Image, at: [[f32; 2]; 4], q: [f32; 4], deviations: [f32; 4], union: &mut PolygonUnion) {
     let corners = image.corners(at, q);

@@ -2,11 +2,11 @@
 
 use core::ops::{Add, Mul, Sub};
 
-/// What a corner can be.
+/// The vector type of a polygon's corners.
 pub(crate) trait Point:
     Copy + Default + Add<Output = Self> + Sub<Output = Self> + Mul<Self::Scalar, Output = Self>
 {
-    /// Its scalar.
+    /// The type of its components.
     type Scalar: Copy + PartialOrd + Default + Sub<Output = Self::Scalar> + core::ops::Div<Output = Self::Scalar>;
 }
 
@@ -18,7 +18,7 @@ impl Point for glam::Vec3 {
     type Scalar = f32;
 }
 
-/// A triangle gains at most one corner from each of five planes, a folded quadrilateral two from one.
+/// The most corners: a triangle gains at most one corner from each of five planes, a folded quadrilateral two from one.
 pub(crate) const MOST: usize = 10;
 
 /// A convex polygon.
@@ -51,7 +51,7 @@ impl<P: Point> Polygon<P> {
                 out.push(p);
             }
             if (here >= zero) != (there >= zero) {
-                // From the inner end, so that both neighbours of an edge find the same point.
+                // Computed from the inner end, so that both neighbours of an edge find the same point.
                 let (p, next, here, there) = if here >= zero { (p, next, here, there) } else { (next, p, there, here) };
                 out.push(p + (next - p) * (here / (here - there)));
             }

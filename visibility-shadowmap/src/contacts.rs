@@ -1,10 +1,10 @@
-//! How near to each other the surfaces of a map are.
+//! Distances between the surfaces of a map.
 
 use crate::face::Face;
 use crate::layer::EMPTY;
 
-/// How wide a light is in texels where it meets the edge of what shadows another lit surface of the map, in the mean over
-/// the penumbrae there: a penumbra is as wide as that. Infinite where nothing is behind something else.
+/// The light's width in texels at the edge of a blocker that shadows another surface of the map, which is also the width of the
+/// penumbra there; the mean over these penumbrae, weighted by their widths. Infinite if no surface is behind another one.
 ///
 /// With q = z₀/z − 1 the shaft from depth d to a light of radius r has the width `2r(d − z)/(d z t) = 2r(q − q')/(z₀ t)`
 /// at depth z, in texels t.
@@ -34,7 +34,7 @@ mod tests {
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
         for (depth, turned) in depths.iter().flat_map(|[top, bottom]| [(*top, false), (*bottom, true)]) {
             let first = positions.len() as u32;
-            // As wide as their depth: the same part of the picture.
+            // The width is proportional to the depth, so that all slabs cover the same part of the face.
             positions.extend(
                 [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
                     .map(|(x, z)| Vec3::new(x, -8.0, z) * (depth / 8.0)),

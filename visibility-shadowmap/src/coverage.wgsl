@@ -1,4 +1,4 @@
-// Whether texels may hide some of a light, one thread a receiver: `select` of blockers.rs, from the pyramids' roots.
+// Coverage of a light by texels, one thread a receiver: `select` of blockers.rs, from the pyramids' roots.
 // Needs face_view.wgsl, own_face.wgsl and `frame`.
 
 const MAP_DIAGONAL = 0.70710678;
@@ -22,7 +22,7 @@ fn maps_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
     for (var f = 0u; f < maps_word(map); f++) {
         let face = map + 1u + MAP_FACE * f;
         let view = map_view(face, frame.light, at, square, -square.half, square.half, cell);
-        // All of the cells at the rim.
+        // Includes all cells at the rim.
         let rows = transpose(view.image);
         let disc = rows[2] * (square.disc + 1.5 * cell);
         let aside = (rows[0] + rows[1]) * MAP_DIAGONAL;

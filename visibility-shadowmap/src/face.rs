@@ -1,11 +1,11 @@
-//! One picture of the casters from the light's centre.
+//! One depth image of the casters, seen from the light's centre.
 
 use crate::layer::Layer;
 use glam::DVec3;
 
-/// One perspective picture: a window of the plane at distance 1 before the light's centre, in square texels.
+/// One perspective image: a window of the plane at distance 1 in front of the light's centre, in square texels.
 ///
-/// A point before the light is `L + z (u R + v U + F)`; texel `(i, j)` spans `u = left + (i…i+1) texel`. Depths are kept
+/// A point in front of the light is `L + z (u R + v U + F)`; texel `(i, j)` spans `u = left + (i…i+1) texel`. Depths are stored
 /// as `q = z₀/z − 1`, which is affine in `(i, j)` on a plane and small for casters far from the light.
 #[derive(Clone, Debug)]
 pub(crate) struct Face {
@@ -21,7 +21,7 @@ pub(crate) struct Face {
     pub(crate) layers: Vec<Layer>,
 }
 
-/// A right-handed frame seen from the light: `right × up = −forward` does not matter here, only that it is orthonormal.
+/// An orthonormal frame of the light. Its handedness, `right × up = −forward`, does not matter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Frame {
     pub(crate) right: DVec3,
@@ -70,14 +70,14 @@ impl Affine {
 }
 
 impl Face {
-    /// `(1 + q) m·(P − x)` of a caster's point P, where `to_light = L − x`: affine, since
+    /// `(1 + q) m·(P − x)` for a caster's point P, where `to_light = L − x`. It is affine, since
     /// `(1 + q)(P − x) = z₀(u R + v U + F) + (1 + q)(L − x)`.
     pub(crate) fn along(&self, m: DVec3, to_light: DVec3) -> Affine {
         let (relative, k) = (self.relative(m), m.dot(to_light));
         Affine { c: k, d: relative.d + k, ..relative }
     }
 
-    /// `(1 + q) m·(P − L)`.
+    /// `(1 + q) m·(P − L)` for a caster's point P.
     pub(crate) fn relative(&self, m: DVec3) -> Affine {
         let (right, up) = (self.z0 * m.dot(self.frame.right), self.z0 * m.dot(self.frame.up));
         Affine {

@@ -1,4 +1,4 @@
-//! What of a face can block one receiver's light.
+//! The part of a face that can block light from one receiver.
 
 use crate::face::{Affine, Face};
 use crate::fit::tangents;
@@ -7,26 +7,25 @@ use glam::{DVec3, Vec2, Vec3};
 use lobe_core::{Shaft, Sphere};
 use visibility_mask::UnitSquare;
 
-/// A blocker near the receiver must be above its tangent plane by so many texels: else a surface shadows itself. One
-/// farther than `BIAS/TILT` texels toward the light must only be above the plane, by a rounding: else light leaks along
-/// the horizon however far the blocker is. Measured on a bunny's own surface, map of 512², light of 1°: lit skin darkened
-/// by 0.10 %, 2.1 % of the light in its umbra, at a tilt of 1/16; without it 0.06 % and 4.1 %, without bias 1.9 % and
-/// 2.1 %. With smooth normals a larger tilt shows as dark specks near terminators.
+/// A blocker near the receiver must be above its tangent plane by this many texels, or a surface would shadow itself. A blocker
+/// more than `BIAS/TILT` texels away toward the light must only be above the plane by a rounding error, or light would leak along
+/// the horizon at any distance of the blocker. Measured on a bunny's own surface, map of 512², light of 1°: a tilt of 1/16 darkens
+/// lit surfaces by 0.10 % and leaves 2.1 % of the light in the umbra; without tilt 0.06 % and 4.1 %, without bias 1.9 % and 2.1 %.
+/// With smooth normals a larger tilt gives dark specks near terminators.
 const BIAS: f64 = 0.5;
 const TILT: f64 = 1.0 / 32.0;
 const ROUNDING: f64 = 0.02;
-/// A node stands for its texels where no point of it appears farther than this from its place, in cells.
+/// A node is drawn for its texels if none of its points appears farther than this from its true place, in cells.
 const SHIFT: f64 = 0.125;
-/// A node smaller than this, in cells, is not split for what is missing in it or how many depths it has: of outlines and
-/// depth steps a finer map has more nodes.
+/// A node smaller than this, in cells, is not split at its outlines and depth steps, since a finer map has more nodes there.
 const SMALL: f64 = 0.7;
-/// But a part of it that is drawn as one has no depth that would put it farther than this from its place, in cells.
+/// The largest shift of a part of such a node by its depths, in cells; otherwise the node is split after all.
 const PART_SHIFT: f64 = 0.25;
-/// What is nearer to the receiver's plane than this, relative to its farthest point, is outside of every window.
+/// Points nearer to the receiver's plane than this, relative to its farthest point, are outside of every window.
 pub(crate) const NEAR: f32 = 1e-4;
 const LANES: usize = 12;
 
-/// Affine functions that must all be positive where something blocks.
+/// Affine functions that must all be positive at a point that blocks.
 #[derive(Clone, Debug)]
 pub(crate) struct Tests {
     a: [f32; LANES],
@@ -39,7 +38,7 @@ impl Tests {
     fn new(functions: &[Affine]) -> Self {
         let mut tests = Self { a: [0.0; LANES], b: [0.0; LANES], c: [0.0; LANES], d: [1.0; LANES] };
         for (k, f) in functions.iter().enumerate() {
-            // Only the sign matters: keeps f32 in range.
+            // Only the sign matters: scaling keeps f32 in range.
             let scale = 1.0 / f.a.abs().max(f.b.abs()).max(f.c.abs()).max(f.d.abs()).max(f64::MIN_POSITIVE);
             let f = f.times(scale);
             (tests.a[k], tests.b[k], tests.c[k], tests.d[k]) = (f.a as f32, f.b as f32, f.c as f32, f.d as f32);
@@ -47,8 +46,8 @@ impl Tests {
         tests
     }
 
-    /// For a box of (i, j, q): whether some function is negative all over it, and whether the first `inner` are positive
-    /// all over it.
+    /// For a box of (i, j, q): whether some function is negative in the whole box, and whether the first `inner` are positive in
+    /// the whole box.
     #[inline(always)]
     fn bounds(&self, at: &Block, inner: usize) -> (bool, bool) {
         let (mut outside, mut inside) = (false, true);
@@ -62,14 +61,14 @@ impl Tests {
         (outside, inside)
     }
 
-    /// Whether the first `count` are positive at a place.
+    /// Whether the first `count` functions are positive at a point.
     #[inline(always)]
     fn hold(&self, count: usize, i: f32, j: f32, q: f32) -> bool {
         (0..count).all(|k| self.d[k] + self.a[k] * i + self.b[k] * j + self.c[k] * q > 0.0)
     }
 }
 
-/// A box of texels and depths: middle and half extents.
+/// A box of texels and depths: centre and half extents.
 pub(crate) struct Block {
     i: f32,
     j: f32,
@@ -80,7 +79,7 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// A node and all of its texels, corners included; `None` where it has no surface.
+    /// The node and the box around all of its texels, corners included; `None` if it has no surface.
     #[inline(always)]
     pub(crate) fn around(item: Item, layer: &Layer) -> Option<(Node, Self)> {
         let node = item.node(layer);
@@ -88,7 +87,7 @@ impl Block {
             return None;
         }
         let [x0, x1, y0, y1] = item.texels(layer).map(|x| x as f32);
-        // A texel's own bounds don't have its corners in them, those of the node above do.
+        // The bounds of a texel do not include its corners; those of its parent node do.
         let (min, max) = match item.level {
             0 => {
                 let above = layer.node(1, usize::from(item.i) / 2, usize::from(item.j) / 2);
@@ -133,7 +132,7 @@ impl Item {
         layer.texels(self.level.into(), self.i.into(), self.j.into())
     }
 
-    /// Appends the parts of a node that are inside of the layer.
+    /// Appends the children of a node that are inside the layer.
     #[inline(always)]
     pub(crate) fn split(self, layer: &Layer, out: &mut Vec<Self>) {
         let level = self.level - 1;
@@ -153,12 +152,12 @@ impl Item {
     }
 }
 
-/// What a view says of a node.
+/// Result of the test of a node in a view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Verdict {
     /// None of it blocks.
     No,
-    /// LightCoverage at its children.
+    /// Its children must be tested.
     Split,
     /// It blocks, as one quadrilateral.
     Blocks,
@@ -169,11 +168,11 @@ pub(crate) enum Verdict {
 /// A small node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Small {
-    /// All of it may block.
+    /// Whether all of it may block.
     inside: bool,
-    /// The q that parts it in two.
+    /// The q that divides it in two.
     middle: f32,
-    /// How far q may differ within a part.
+    /// The largest difference of q within a part.
     range: f32,
 }
 
@@ -181,22 +180,22 @@ pub(crate) struct Small {
 #[derive(Clone, Debug)]
 pub(crate) struct FaceView {
     pub(crate) image: Image,
-    /// `INNER` tests that hold for the whole of what blocks, then those that bound the window.
+    /// The first `INNER` tests decide whether a point blocks; the others bound the window.
     tests: Tests,
     /// Depth toward the light, `(1 + q)·axis·(P − x)`.
     depth: [f32; 4],
     /// `deviation·reach ≤ depth` is the merge test.
     reach: f32,
-    /// `texels·small ≤ depth` is the test for a small node.
+    /// `texels·small ≤ depth` is the test of a small node.
     small: f32,
 }
 
 const INNER: usize = 3;
-/// A change of q by `depth/reach` moves an image by [`SHIFT`] cells.
+/// Twice [`PART_SHIFT`] in units of [`SHIFT`], since a change of q by `depth/reach` moves an image by [`SHIFT`] cells.
 const PART_RANGE: f32 = (2.0 * PART_SHIFT / SHIFT) as f32;
 
 impl FaceView {
-    /// `cell`: sides of a mask cell in plane coordinates.
+    /// `cell`: the sides of a mask cell in plane coordinates.
     pub(crate) fn new(face: &Face, light: &Sphere, x: Vec3, normal: Vec3, square: &UnitSquare, cell: Vec2) -> Self {
         let center = light.center.as_dvec3();
         let to_light = center - x.as_dvec3();
@@ -205,7 +204,7 @@ impl FaceView {
         let axis = square.axis.as_dvec3();
         let above = face.along(n, to_light).minus(face.per_distance(ROUNDING * face.texel));
         let clear = face.along(n + axis * TILT, to_light).minus(face.per_distance(BIAS * face.texel));
-        // On the receiver's side of the circle in which its tangents touch the light.
+        // In front of the circle in which the receiver's tangents touch the light.
         let radius = f64::from(light.radius);
         let to_receiver = -to_light / distance;
         let front = face.relative(to_receiver).minus(Face::constant(radius * radius / distance));
@@ -214,7 +213,7 @@ impl FaceView {
         let (middle, half) = (square.center.as_dvec2(), square.half.as_dvec2());
         let within = |direction: DVec3, at: f64, half: f64| face.along(axis * (at + half) - direction, to_light);
         let diagonal = core::f64::consts::FRAC_1_SQRT_2;
-        // All of the cells at the rim: a mask is told how much of a cell is covered.
+        // Includes all cells at the rim, since a mask stores the covered fraction of a cell.
         let disc = f64::from(square.disc) + 1.5 * f64::from(cell.max_element());
         let cell = cell.min_element();
         let tests = Tests::new(&[
@@ -230,7 +229,7 @@ impl FaceView {
             within((right - up) * diagonal, 0.0, disc),
             within((up - right) * diagonal, 0.0, disc),
         ]);
-        // Of a point at p on the square, a change δq moves the image by |p|·(axis·(L − x))·δq/depth.
+        // For a point at p on the square, a change δq moves the image by |p|·(axis·(L − x))·δq/depth.
         let farthest = middle.length() + half.max_element();
         let reach = farthest * axis.dot(to_light) / (SHIFT * f64::from(cell));
         let depth = face.along(axis, to_light);
@@ -250,7 +249,7 @@ impl FaceView {
             if self.tests.bounds(block, 0).0 {
                 return Verdict::No;
             }
-            // A texel is there with its centre.
+            // A texel blocks if its centre does.
             let there = self.tests.hold(INNER, block.i, block.j, node.min);
             return if there { Verdict::Blocks } else { Verdict::No };
         }
@@ -272,7 +271,7 @@ impl FaceView {
         Verdict::Split
     }
 
-    /// What of a small node blocks, as one trapezoid or two, see [`Layer::parts`]. `None`: look at its children.
+    /// The parts of a small node that block, as one trapezoid or two, see [`Layer::parts`]. `None`: test its children instead.
     #[inline(always)]
     pub(crate) fn parts(&self, item: Item, layer: &Layer, small: Small) -> Option<[Option<Part>; 2]> {
         let step = 1 << item.level.saturating_sub(2);
@@ -282,7 +281,7 @@ impl FaceView {
     }
 }
 
-/// Whether nodes can matter to a group of receivers.
+/// Tests nodes against a group of receivers.
 #[derive(Clone, Debug)]
 pub(crate) struct TileView {
     tests: Tests,
@@ -293,8 +292,8 @@ pub(crate) struct TileView {
     texel: f64,
 }
 
-/// Nodes wider than this part of the light, as some receiver of a group sees it, may be split for the group. Others may
-/// be drawn as one by some receiver: a mask has eight cells a side or more, and [`SMALL`] is less than one.
+/// A node wider than this fraction of the light, seen from some receiver of a group, may be split for the group. Narrower nodes may
+/// be drawn as one by some receiver: a mask has at least eight cells a side, and [`SMALL`] is less than one.
 const WIDE: f64 = 1.0 / 6.0;
 
 impl TileView {
@@ -302,7 +301,7 @@ impl TileView {
         let (light, receivers) = (shaft.light, shaft.receivers);
         let radius = f64::from(light.radius);
         let from_light = face.frame.local(receivers.center.as_dvec3() - light.center.as_dvec3());
-        // As much more as receivers look at: the cells at the rim of masks of depth 4 and more.
+        // Grown like the tests of single receivers, which include the cells at the rim of masks of depth 4 and more.
         let grown = 1.2 * radius + 1e-6 * from_light.length();
         let spread = f64::from(receivers.radius) + 1e-6 * from_light.length();
         let mut functions = Vec::with_capacity(4);
@@ -324,7 +323,7 @@ impl TileView {
         Block::around(item, layer).is_some_and(|(_, block)| !self.tests.bounds(&block, 0).0)
     }
 
-    /// Whether no receiver draws the node as one.
+    /// Whether every receiver splits the node.
     pub(crate) fn splits(&self, item: Item, layer: &Layer) -> bool {
         let node = item.node(layer);
         if item.level == 0 || node.deviation.is_finite() {
@@ -337,14 +336,14 @@ impl TileView {
     }
 }
 
-/// Images of a face's points on a receiver's square, in homogeneous plane coordinates: affine in texel coordinates and q.
+/// Images of a face's points on a receiver's square, in homogeneous plane coordinates; affine in texel coordinates and q.
 #[derive(Clone, Debug)]
 pub(crate) struct Image {
     i: Vec3,
     j: Vec3,
     q: Vec3,
     origin: Vec3,
-    /// The farthest that a node's texels may be from where it puts them.
+    /// Twice the largest shift of a node's texels from their true places.
     slack: f32,
 }
 
@@ -356,13 +355,13 @@ impl Image {
         Self { i, j, q, origin, slack: 2.0 * SHIFT as f32 * cell }
     }
 
-    /// Places in the picture, with q there.
+    /// Images of points of the face with given q.
     #[inline(always)]
     pub(crate) fn corners(&self, at: [[f32; 2]; 4], q: [f32; 4]) -> [Vec3; 4] {
         core::array::from_fn(|k| self.origin + self.i * at[k][0] + self.j * at[k][1] + self.q * q[k])
     }
 
-    /// A box in the plane that holds all of a block's image; `None` where it reaches behind the receiver.
+    /// A box in the plane around a block's image; `None` if the block reaches behind the receiver.
     #[inline(always)]
     pub(crate) fn bounds(&self, block: &Block) -> Option<[Vec2; 2]> {
         let middle = self.origin + self.i * block.i + self.j * block.j + self.q * block.q;
@@ -376,12 +375,11 @@ impl Image {
         Some([(low * far).min(low * near) - self.slack, (high * far).max(high * near) + self.slack])
     }
 
-    /// About how far, in plane coordinates, changes of q move an image, and what rounding may do to an edge that several
-    /// smaller ones meet.
+    /// Approximately how far, in plane coordinates, changes of q and rounding move an edge that meets several smaller edges.
     #[inline(always)]
     pub(crate) fn shifts(&self, points: &[Vec2], depth: f32, changes: [f32; 4]) -> [f32; 4] {
         let farthest = points.iter().map(|p| p.length_squared()).fold(0.0, f32::max).sqrt();
-        // Within the window it is no more than what a node is merged for; slack is twice that.
+        // Within the window the shift is at most that for which nodes are merged; `slack` is twice that.
         let shift = |q: f32| (farthest * (self.q.z * q / depth + 1e-5)).min(0.5 * self.slack);
         changes.map(|q| if q > 0.0 { shift(q) } else { 0.0 })
     }

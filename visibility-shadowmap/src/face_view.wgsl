@@ -1,9 +1,10 @@
-// What of a face can block one receiver's light. Needs layer.wgsl, `lobe_core::wgsl::GEOMETRY` and `visibility_mask::wgsl::SQUARE`.
+// The part of a face that can block light from one receiver. Needs layer.wgsl, `lobe_core::wgsl::GEOMETRY` and
+// `visibility_mask::wgsl::SQUARE`.
 //
-// In f32, where the Rust has f64: texels and q are counted from the place in the picture where the receiver itself is
-// seen. With T = L − x, that place at depth −F·T and q_x = z₀/(−F·T) − 1,
+// This is f32, while Rust has f64: texels and q are counted from the receiver's own place in the face. With T = L − x, that place
+// has depth −F·T and q_x = z₀/(−F·T) − 1, and
 //     (1 + q) m·(P − x) = (q − q_x) m·T + z₀ texel (Δi m·R + Δj m·U):
-// no difference of large numbers. A receiver that is far outside of a face's picture has only distant blockers there.
+// without differences of large numbers. A receiver far outside a face has only distant blockers there.
 
 const MAP_BIAS = 0.5;
 const MAP_TILT = 0.03125;
@@ -17,7 +18,7 @@ const MAP_NEAR = 1e-4;
 const MAP_NO = 0u;
 const MAP_SPLIT = 1u;
 const MAP_BLOCKS = 2u;
-// Small, and some of it may block; also with MAP_INSIDE where all of it does, MAP_STEP where it has two depths.
+// The node is small and some of it may block; combined with MAP_INSIDE if all of it does, and MAP_STEP if it has two depths.
 const MAP_PARTLY = 4u;
 const MAP_INSIDE = 1u;
 const MAP_STEP = 2u;
@@ -25,21 +26,21 @@ const MAP_STEP = 2u;
 struct MapView {
     // From (Δi, Δj, Δq, 1) to homogeneous plane coordinates.
     image: mat4x3f,
-    // Where texels and q are counted from.
+    // Origin of texel coordinates and q.
     origin: vec3f,
-    // What holds for the whole of what blocks: above, clear, front. Rows are functions of (Δi, Δj, Δq, 1).
+    // Tests that decide whether a point blocks: above, clear, front. Rows are functions of (Δi, Δj, Δq, 1).
     inner: mat4x4f,
-    // What bounds the window.
+    // Tests that bound the window.
     window: mat4x4f,
     reach: f32,
     small: f32,
     slack: f32,
 }
 
-// A box of texels and depths: middle and half extents.
+// A box of texels and depths: centre and half extents.
 struct MapBlock { middle: vec4f, half: vec3f }
 
-// One face as seen from one receiver through the window from `low` to `high` of a square; `cell`: side of a mask's cell.
+// The view of a face from one receiver through the window from `low` to `high` of a square; `cell`: side of a mask's cell.
 fn map_view(face: u32, light: vec4f, at: Receiver, square: UnitSquare, low: vec2f, high: vec2f, cell: f32) -> MapView {
     let right = map_vec3(face);
     let up = map_vec3(face + 3u);
@@ -51,7 +52,7 @@ fn map_view(face: u32, light: vec4f, at: Receiver, square: UnitSquare, low: vec2
     let to_light = light.xyz - at.position;
     let distance = max(length(to_light), 1e-30);
     let receiver = -vec3f(dot(right, to_light), dot(up, to_light), dot(forward, to_light));
-    // The face's middle, or where the receiver is seen, and how far the light's direction is from there.
+    // The face's centre, or the receiver's place in it, and the distance of the light's direction from there.
     var seen = corner + (0.5 * texel) * vec2f(vec2u(maps_word(face + 13u), maps_word(face + 14u)));
     var toward = seen.x * right + seen.y * up + forward;
     var off = toward;
@@ -76,7 +77,7 @@ fn map_view(face: u32, light: vec4f, at: Receiver, square: UnitSquare, low: vec2
     let along = vec4f(dot(at.face, i), dot(at.face, j), dot(at.face, to_light), z0 * dot(at.face, off));
     let above = along - vec4f(0.0, 0.0, 0.0, MAP_ROUNDING * texel * z0);
     let clear = along + MAP_TILT * rows[2] - vec4f(0.0, 0.0, 0.0, MAP_BIAS * texel * z0);
-    // On the receiver's side of the circle in which its tangents touch the light.
+    // In front of the circle in which the receiver's tangents touch the light.
     let back = -to_light / distance;
     let touch = light.w * light.w / distance;
     let front = vec4f(dot(back, i), dot(back, j), -touch, z0 * dot(back, toward) - (1.0 + depth) * touch);
@@ -92,20 +93,20 @@ fn map_view(face: u32, light: vec4f, at: Receiver, square: UnitSquare, low: vec2
             rows[2] * high.y - rows[1],
             rows[1] - rows[2] * low.y
         )),
-        // Of a point light nothing is merged that is not flat.
+        // For a point light only flat nodes are merged.
         select(farthest * distance / (MAP_SHIFT * max(cell, 1e-30)), 1e15, cell <= 0.0),
         z0 * texel / (MAP_SMALL * max(cell, 1e-30)),
         2.0 * MAP_SHIFT * cell
     );
 }
 
-// All of a node's texels, corners included.
+// The box around all of a node's texels, corners included.
 fn map_block(view: MapView, layer: MapLayer, item: MapItem, node: MapNode) -> MapBlock {
     let box = vec4f(map_texels(layer, item));
     var low = node.low;
     var high = node.high;
     if item.level == 0u {
-        // A texel's own bounds don't have its corners in them, those of the node above do.
+        // The bounds of a texel do not include its corners; those of its parent node do.
         let above = map_node_at(layer, 1u, item.i >> 1u, item.j >> 1u);
         low = map_f32(above);
         high = map_f32(above + 1u);
@@ -114,17 +115,17 @@ fn map_block(view: MapView, layer: MapLayer, item: MapItem, node: MapNode) -> Ma
     return MapBlock(vec4f(middle, 1.0), 0.5 * vec3f(box.yw - box.xz, high - low));
 }
 
-// How much functions differ over a block.
+// The largest differences of functions from their values at a block's centre.
 fn map_spread(functions: mat4x4f, half: vec3f) -> vec4f {
     return abs(functions[0]) * half.x + abs(functions[1]) * half.y + abs(functions[2]) * half.z;
 }
 
-// Whether some function is negative all over a block.
+// Whether some function is negative in the whole block.
 fn map_is_outside(functions: mat4x4f, block: MapBlock) -> bool {
     return any(functions * block.middle + map_spread(functions, block.half) <= vec4f(0.0));
 }
 
-// Whether all of them are positive all over it.
+// Whether all functions are positive in the whole block.
 fn map_is_inside(functions: mat4x4f, block: MapBlock) -> bool {
     return all(functions * block.middle - map_spread(functions, block.half) > vec4f(0.0));
 }
@@ -140,7 +141,7 @@ fn map_judge(view: MapView, layer: MapLayer, item: MapItem, node: MapNode, block
         return MAP_NO;
     }
     if item.level == 0u {
-        // A texel is there with its centre.
+        // A texel blocks if its centre does.
         let middle = vec4f(block.middle.xy, node.low - view.origin.z, 1.0);
         return select(MAP_NO, MAP_BLOCKS, all(view.inner * middle > vec4f(0.0)));
     }
@@ -156,11 +157,11 @@ fn map_judge(view: MapView, layer: MapLayer, item: MapItem, node: MapNode, block
     return MAP_SPLIT;
 }
 
-// What stands for a small node: a part nearer to the light than the middle of its depths, and one farther; one where it is
-// flat. Where depths differ too much within one, the node is to be split.
+// The parts of a small node that block: one nearer to the light than its middle depth and one farther, or a single one if the node
+// is flat. If depths differ too much within a part, the node must be split.
 struct MapParts { near: MapPart, far: MapPart, is_split: bool }
 
-// Of a large node 4 × 4 texels are looked at.
+// Visits 4 × 4 texels of a larger node.
 fn map_parts(view: MapView, layer: MapLayer, item: MapItem, node: MapNode, block: MapBlock, verdict: u32) -> MapParts {
     let texels = map_texels(layer, item);
     let step = 1u << (max(item.level, 2u) - 2u);

@@ -1,4 +1,4 @@
-//! Which casters a map needs, and the faces that show them.
+//! The casters that a map needs, and the faces that show them.
 
 use crate::clip::Polygon;
 use crate::face::{Face, Frame};
@@ -8,19 +8,19 @@ use glam::DVec3;
 /// A triangle relative to the light's centre.
 pub(crate) type Triangle = [DVec3; 3];
 
-/// Wider pictures than this half-angle's cosine (60°) become cubes.
+/// A wider image than this half-angle (60°), here its cosine, becomes a cube.
 const WIDEST_COS: f64 = 0.5;
-/// Texels around what is needed, for the averages at its rim and, on a cube, for an overlap at the seams.
+/// Texels around the needed window, for the averages at its rim and, on a cube, for an overlap at the seams.
 const BORDER: f64 = 2.0;
-/// Texels come in steps of this factor, and a window begins at a whole one of them: what moves a little between two frames
-/// is seen on the same grid, or edges of texels would pop all over the picture.
+/// Texel sizes are powers of this factor, and a window begins at a whole texel. After a small motion the next frame then has the
+/// same grid; otherwise the edges of all texels would jump between frames.
 const STEP: f64 = 1.189_207_115_002_721;
-/// Axes that are not a cube's are rounded to steps of this tangent, for the same reason.
+/// Axes of faces that are not a cube's are rounded to steps of this tangent, for the same reason.
 const TURN: f64 = 1.0 / 32.0;
 /// Rounding of receivers' coordinates, relative to the scene.
 const ROUNDING: f64 = 2e-6;
 
-/// What faces are fitted to.
+/// The inputs that faces are fitted to.
 pub(crate) struct Fit<'a> {
     pub(crate) radius: f64,
     pub(crate) resolution: u32,
@@ -39,8 +39,8 @@ struct Window {
 }
 
 impl Fit<'_> {
-    /// Nothing nearer than this along a face's axis is drawn: it would be inside the light, whose surface is nearest to
-    /// the plane in a cube's corner.
+    /// The smallest depth that is drawn: nearer points are inside the light, whose surface is nearest to the plane in a cube's
+    /// corner.
     pub(crate) fn near(&self) -> f64 {
         (0.577 * self.radius).max(1e-6 * self.far)
     }
@@ -54,7 +54,7 @@ impl Fit<'_> {
             return false;
         }
         let Some(receivers) = self.receivers else { return true };
-        // All receivers and the light on one side of its plane.
+        // Skips a triangle if all receivers and the light are on one side of its plane.
         let n = normal / length;
         let slack = ROUNDING * magnitude;
         let light = -n.dot(a);
@@ -62,7 +62,7 @@ impl Fit<'_> {
         if (low >= -slack && light >= self.radius - slack) || (high <= slack && -light >= self.radius - slack) {
             return false;
         }
-        // Outside of the capsule around receivers and light.
+        // Skips a triangle outside the capsule around receivers and light.
         let center = receivers.iter().sum::<DVec3>() / 8.0;
         let wide = receivers.iter().map(|p| p.distance(center)).fold(self.radius, f64::max);
         let middle = (a + b + c) / 3.0;
@@ -71,11 +71,11 @@ impl Fit<'_> {
         middle.distance(center * t) <= wide + size + slack
     }
 
-    /// One perspective face if the casters fit, else those faces of a cube that show any.
+    /// One perspective face if the casters fit into it; else the faces of a cube that show any caster.
     pub(crate) fn faces(&self, triangles: &[Triangle]) -> Vec<Face> {
         let around_casters = cone(triangles).filter(|(_, cos)| *cos >= WIDEST_COS).map(|(axis, _)| axis);
         let toward_receivers = self.receivers.and_then(|r| r.iter().sum::<DVec3>().try_normalize());
-        // Toward the receivers only if nothing that matters is beside the light.
+        // Tries the direction to the receivers only if no needed caster is beside the light.
         let toward_receivers = toward_receivers
             .filter(|axis| triangles.iter().flatten().all(|p| axis.dot(*p) >= self.near().max(self.radius)));
         let best = [around_casters, toward_receivers]
@@ -88,7 +88,7 @@ impl Fit<'_> {
             .filter(|(_, w)| w.low.iter().chain(&w.high).all(|x| x.abs() <= 2.5))
             .min_by(|a, b| a.1.extent().total_cmp(&b.1.extent()));
         if let Some((frame, window)) = best {
-            // One texel less, since the window begins at a whole one.
+            // One texel less, since the window begins at a whole texel.
             let texel = window.extent().max(1e-12) / (f64::from(self.resolution) - 2.0 * BORDER - 1.0);
             return vec![window.face(frame, STEP.powf((texel.ln() / STEP.ln()).ceil()))];
         }
@@ -99,7 +99,7 @@ impl Fit<'_> {
             .collect()
     }
 
-    /// What of a face the casters need; `None` when they need nothing. A cube's face shows its own part only.
+    /// The window that the casters need on a face; `None` if they need none. A face of a cube shows only its own part.
     fn window(&self, frame: &Frame, triangles: &[Triangle], cube: bool) -> Option<Window> {
         let shafts = self.receivers.map(|receivers| Edges::new(receivers.map(|p| frame.local(p)), self.radius));
         let mut all: Option<Window> = None;
@@ -163,16 +163,16 @@ impl Window {
     }
 }
 
-/// A direction near to this one, the same for all that are near.
+/// Rounds a direction, so that all near directions give the same one.
 fn rounded(axis: DVec3) -> DVec3 {
     let largest = axis.abs().max_element();
     let rounded = |x: f64| (x / largest / TURN).round() * TURN;
     DVec3::new(rounded(axis.x), rounded(axis.y), rounded(axis.z)).normalize()
 }
 
-/// The lines from receivers to the light's rim, projected along each axis of a face: they bound what can be in between.
+/// The lines from receivers to the light's rim, projected along each axis of a face: they bound all points in between.
 struct Edges {
-    /// For each receiver and axis: normals (across, along) of the lower and upper line. `None`: not bounded.
+    /// For each receiver and axis: normals (across, along) of the lower and upper line. `None` if not bounded.
     lines: [[Option<[[f64; 2]; 2]>; 2]; 8],
     radius: f64,
 }
@@ -182,12 +182,12 @@ impl Edges {
         Self { lines: receivers.map(|p| [p.x, p.y].map(|across| tangents(across, p.z, 0.0, radius))), radius }
     }
 
-    /// Coordinates at distance 1 that points at distance `z` or more, between receivers and light, can have.
+    /// The range of coordinates at distance 1 of points at distance `z` or more, between receivers and light.
     fn range(&self, axis: usize, z: f64) -> (f64, f64) {
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
         for lines in &self.lines {
             let Some([low, high]) = lines[axis] else { return (f64::NEG_INFINITY, f64::INFINITY) };
-            // a u + b ≤ r/z.
+            // Solves a u + b ≤ r/z.
             let at = |[a, b]: [f64; 2]| (self.radius / z - b) / a;
             let bound = |[a, b]: [f64; 2], lower: bool| {
                 if (a < 0.0) == lower && a.abs() > 1e-9 { Some(at([a, b])) } else { None }
@@ -199,8 +199,8 @@ impl Edges {
     }
 }
 
-/// Unit normals `n` of the two common tangents of the light's disc (about the origin) and a receivers' disc (about
-/// `(across, along)`), outward: `n·p ≤ radius` for all in their hull. The lower one first. `None` when one contains the
+/// Unit normals `n` of the two common tangents of the light's disc (around the origin) and a receivers' disc (around
+/// `(across, along)`), outward: `n·p ≤ radius` for all points of their hull. The lower one first. `None` if one disc contains the
 /// other.
 pub(crate) fn tangents(across: f64, along: f64, spread: f64, radius: f64) -> Option<[[f64; 2]; 2]> {
     let distance = across.hypot(along);
@@ -210,7 +210,7 @@ pub(crate) fn tangents(across: f64, along: f64, spread: f64, radius: f64) -> Opt
     }
     let sin = (1.0 - cos * cos).sqrt();
     let (x, z) = (across / distance, along / distance);
-    // The direction of the receivers turned by ± the angle.
+    // The direction to the receivers, rotated by ± the angle.
     Some([[x * cos - z * sin, z * cos + x * sin], [x * cos + z * sin, z * cos - x * sin]])
 }
 
@@ -218,7 +218,7 @@ pub(crate) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
 }
 
-/// A cone that has all casters' corners in it: axis and cosine of the half-angle.
+/// A cone that contains all corners of the casters: axis and cosine of the half-angle.
 fn cone(triangles: &[Triangle]) -> Option<(DVec3, f64)> {
     let directions = || triangles.iter().flatten().filter_map(|p| p.try_normalize());
     let (low, high) =

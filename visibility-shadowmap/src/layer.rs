@@ -6,18 +6,18 @@ use rayon::prelude::*;
 /// The q of a texel without a surface.
 pub(crate) const EMPTY: f32 = f32::NEG_INFINITY;
 
-/// Neighbours belong to one surface when their depths differ by less than so many texel sizes. Measured: 3…6 is a flat
-/// optimum.
+/// Neighbours belong to one surface if their depths differ by less than this many texel sizes. Measured: values of 3…6 give nearly
+/// the same, minimal error.
 const KAPPA: f32 = 4.0;
 
-/// Two steps in a line are of one steep surface when they differ by less than this factor: the last two before a sphere's
-/// outline do by 2.41 at most.
+/// Two steps in a line belong to one steep surface if they differ by less than this factor. The last two steps before a sphere's
+/// outline differ by 2.41 at most.
 const LIKE: f32 = 2.5;
 
-/// The place of corners that are means of the four texels around them.
+/// Marks nodes whose texels' corners are means of the four texels around them.
 pub(crate) const MEANS: u32 = u32::MAX;
 
-/// A depth picture and its pyramid: bounds of q, and how far q is from bilinear between a node's corners.
+/// A depth image and its pyramid: bounds of q, and the deviation of q from the bilinear function between a node's corners.
 #[derive(Clone, Debug)]
 pub(crate) struct Layer {
     width: usize,
@@ -25,7 +25,7 @@ pub(crate) struct Layer {
     /// Continuity limit κ·texel.
     limit: f32,
     q: Vec<f32>,
-    /// For each node of level 1, which of `outlines` has its texels' corners; [`MEANS`] where those are means of texels.
+    /// For each node of level 1 the index in `outlines` of its texels' corners; [`MEANS`] if the corners are means of texels.
     places: Vec<u32>,
     /// q at the four corners of the four texels of a node of level 1 at an outline.
     outlines: Vec<[[f32; 4]; 4]>,
@@ -42,10 +42,10 @@ struct Level {
 /// Part of a layer: `2^level` texels a side, at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Node {
-    /// ReceiverBounds of q, texels' corners included (but for a texel itself); `min > max` when there is no surface.
+    /// Bounds of q, texels' corners included (except for a single texel); `min > max` if there is no surface.
     pub(crate) min: f32,
     pub(crate) max: f32,
-    /// Largest difference to the bilinear function of the corners; infinite when a texel is empty.
+    /// Largest difference from the bilinear function of the corners; infinite if a texel is empty.
     pub(crate) deviation: f32,
 }
 
@@ -66,14 +66,14 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    /// Covers a share of some texels, along that side of theirs to which its centre is nearest; as slanted as its centre is
-    /// off the middle of that side: exact where an outline passes straight from side to side. `sum`: of i, j, q and 1
-    /// over the texels that are covered, of `count`.
+    /// A trapezoid that covers a fraction of the texels' rectangle, along the side that is nearest to the centre of the covered
+    /// texels. Its slant follows the offset of that centre from the middle of the side; exact if an outline runs straight from side
+    /// to side. `sum`: sums of i, j, q and 1 over the covered texels, of `count`.
     fn new([x0, x1, y0, y1]: [f32; 4], sum: Vec4, count: f32) -> Self {
         let (width, height) = (x1 - x0, y1 - y0);
         let share = sum.w / count;
         let (dx, dy) = ((sum.x / sum.w - 0.5 * (x0 + x1)) / width, (sum.y / sum.w - 0.5 * (y0 + y1)) / height);
-        // How far it reaches at its two ends.
+        // The width at its two ends.
         let ends = |off: f32| {
             let first = (share * (1.0 - 6.0 * off)).max(2.0 * share - 1.0).max(0.0).min(2.0 * share).min(1.0);
             (first, 2.0 * share - first)
@@ -99,7 +99,7 @@ impl Part {
 }
 
 impl Layer {
-    /// `None` when no texel has a surface.
+    /// `None` if no texel has a surface.
     pub(crate) fn new(width: usize, height: usize, texel: f64, q: Vec<f32>) -> Option<Self> {
         if q.iter().all(|q| *q == EMPTY) {
             return None;
@@ -108,7 +108,7 @@ impl Layer {
         let mut layer = Self { width, height, limit, q, places: Vec::new(), outlines: Vec::new(), levels: Vec::new() };
         layer.work_out_corners();
         let (mut w, mut h) = (width, height);
-        // Corner values of the level below, to save working them out twice.
+        // Corner values of the level below, so that they are computed once.
         let mut below = Vec::new();
         for level in 1.. {
             let below_width = w;
@@ -128,7 +128,7 @@ impl Layer {
         Some(layer)
     }
 
-    /// The corners at outlines.
+    /// Computes the corners at outlines.
     fn work_out_corners(&mut self) {
         let (columns, rows) = self.size(1);
         let is_there = |i: usize, j: usize| i < self.width && j < self.height && self.q[j * self.width + i] != EMPTY;
@@ -173,13 +173,13 @@ impl Layer {
         }
     }
 
-    /// Texels of a node: columns from…to, rows from…to.
+    /// Texels of a node: first column, end of columns, first row, end of rows.
     #[inline(always)]
     pub(crate) fn texels(&self, level: u32, i: usize, j: usize) -> [usize; 4] {
         [i << level, ((i + 1) << level).min(self.width), j << level, ((j + 1) << level).min(self.height)]
     }
 
-    /// Nodes across and along a level.
+    /// Number of columns and rows of nodes in a level.
     pub(crate) fn size(&self, level: u32) -> (usize, usize) {
         let up = |n: usize| n.div_ceil(1 << level);
         (up(self.width), up(self.height))
@@ -217,7 +217,7 @@ impl Layer {
         if children.iter().any(|(child, ..)| child.deviation.is_infinite()) {
             return (node, [0.0; 4]);
         }
-        // The same as `corners(level, i, j)`: a child has the corner of its parent.
+        // The same as `corners(level, i, j)`, since a node shares its corners with its children.
         let (right, up) = (usize::from(2 * i + 1 < columns), usize::from(2 * j + 1 < rows));
         let of = |i: usize, j: usize, corner: usize| children[j * (1 + right) + i].2[corner];
         let corners = [of(0, 0, 0), of(right, 0, 1), of(right, up, 2), of(0, up, 3)];
@@ -239,7 +239,7 @@ impl Layer {
         (node, corners)
     }
 
-    /// Whether all texels of a node of level 1 and around it are there, and of one surface.
+    /// Whether all texels of a node of level 1 and around it exist and belong to one surface.
     pub(crate) fn is_smooth(&self, i: usize, j: usize) -> bool {
         let (Some(x), Some(y)) = ((2 * i).checked_sub(1), (2 * j).checked_sub(1)) else { return false };
         if x + 4 > self.width || y + 4 > self.height {
@@ -250,7 +250,7 @@ impl Layer {
         low > EMPTY && high - low < self.limit * (1.0 + low)
     }
 
-    /// q at the corners of a node, counter-clockwise from the lower left: the mean of those texels around the corner that
+    /// q at the corners of a node, counter-clockwise from the lower left: each is the mean of the texels around the corner that
     /// belong to the surface of the node's own texel there.
     #[inline(always)]
     pub(crate) fn corners(&self, level: u32, i: usize, j: usize) -> [f32; 4] {
@@ -274,7 +274,7 @@ impl Layer {
         ((at(x - 1, y - 1) + at(x, y)) + (at(x, y - 1) + at(x - 1, y))) / 4.0
     }
 
-    /// Which of [`outlines`](Self::outlines) has the corners of the texels of a node of level 1, or [`MEANS`].
+    /// The index in [`outlines`](Self::outlines) of the texels' corners of a node of level 1, or [`MEANS`].
     #[inline(always)]
     pub(crate) fn place(&self, i: usize, j: usize) -> u32 {
         self.places[j * self.width.div_ceil(2) + i]
@@ -285,8 +285,8 @@ impl Layer {
         &self.outlines
     }
 
-    /// How far q at the edges of a node may be from where the node puts it: its deviation where there is a neighbour to
-    /// meet, 0 at an outline. Edges as their corners: below, right, above, left.
+    /// The largest differences of q from a node's bilinear function along its edges below, right, above, left: the node's deviation
+    /// if there is a neighbour, 0 at an outline.
     #[inline(always)]
     pub(crate) fn edge_deviations(&self, [x0, x1, y0, y1]: [usize; 4], deviation: f32) -> [f32; 4] {
         if deviation <= 0.0 {
@@ -298,9 +298,9 @@ impl Layer {
         around.map(|at| if there(at) { deviation } else { 0.0 })
     }
 
-    /// What stands for those texels of a node that `blocks` is true for, given their places and q: one part for q from
-    /// `middle` on, one for less. `None` where q differs within one by more than `range`. Of a large node 4 × 4 texels are
-    /// looked at.
+    /// The parts of a node: trapezoids for those of its texels for which `blocks`, a function of place and q, is true. The first
+    /// part has q from `middle` on, the second one less. `None` if q differs by more than `range` within a part. Visits 4 × 4
+    /// texels of a larger node.
     #[inline(always)]
     pub(crate) fn parts(
         &self,
@@ -310,7 +310,7 @@ impl Layer {
         blocks: impl Fn(f32, f32, f32) -> bool,
     ) -> Option<[Option<Part>; 2]> {
         let mut count = 0.0_f32;
-        // Sums over the near part and the far one, and bounds of q.
+        // Sums over the near part and over the far one, and bounds of q.
         let (mut sums, mut low, mut high) = ([Vec4::ZERO; 2], [f32::INFINITY; 2], [EMPTY; 2]);
         for y in (y0..y1).skip(step / 2).step_by(step) {
             for x in (x0..x1).skip(step / 2).step_by(step) {
@@ -330,9 +330,8 @@ impl Layer {
         Some(sums.map(|sum| (sum.w > 0.0).then(|| Part::new(texels, sum, count))))
     }
 
-    /// q at corner `k` of texel `(i, j)` with a surface. The texels around a corner that belong to one surface all find the
-    /// same value: no gap between them. On a plane it is exact, at an outline too: there it is where the surface would go
-    /// on to.
+    /// q at corner `k` of texel `(i, j)` with a surface. All texels around a corner that belong to one surface get the same value,
+    /// so that there is no gap between them. Exact on a plane, and also at its outline, where the value continues the surface.
     fn corner_beside(&self, i: usize, j: usize, k: usize) -> f32 {
         let own = self.q[j * self.width + i];
         let (right, up) = (k == 1 || k == 2, k > 1);
@@ -341,7 +340,7 @@ impl Layer {
             let inside = x >= 0 && y >= 0 && (x as usize) < self.width && (y as usize) < self.height;
             if inside { self.q[y as usize * self.width + x as usize] } else { EMPTY }
         };
-        // The four around the corner: lower left, lower right, upper left, upper right.
+        // The four texels around the corner: lower left, lower right, upper left, upper right.
         let q = [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)];
         let all = ((q[0] + q[3]) + (q[1] + q[2])) * 0.25;
         let (low, high) = q.iter().fold((f32::INFINITY, EMPTY), |(low, high), q| (low.min(*q), high.max(*q)));
@@ -368,14 +367,14 @@ impl Layer {
             }
         }
         let has = |k: usize| set >> k & 1 == 1;
-        // How much q grows from the texel before to the k-th of the four, outward along an axis.
+        // Growth of q from the texel before to the k-th of the four, outward along an axis.
         let outward = |k: usize, along_x: bool| {
             let (x, y) = (x + (k & 1) as isize, y + (k >> 1) as isize);
             let (dx, dy) = if along_x { (2 * (k & 1) as isize - 1, 0) } else { (0, 2 * (k >> 1) as isize - 1) };
             let (before, further) = (at(x + dx, y + dy), at(x + 2 * dx, y + 2 * dy));
             self.joined([further, before, q[k], EMPTY]).then(|| q[k] - before)
         };
-        // Faces overlap: nothing is to be continued at a picture's border.
+        // Faces overlap, so surfaces need not be continued at a face's border.
         let border = x < 0 || y < 0 || x as usize + 1 == self.width || y as usize + 1 == self.height;
         let outward = |k: usize, along_x: bool| if border { None } else { outward(k, along_x) };
         let half_mean = |a: Option<f32>, b: Option<f32>| match (a, b) {
@@ -392,7 +391,7 @@ impl Layer {
                 let last = (31 - set.leading_zeros()) as usize;
                 let mean = 0.5 * (q[first] + q[last]);
                 match last - first {
-                    // Side by side: on along y; one above the other: on along x.
+                    // Two texels side by side: continues along y. One above the other: continues along x.
                     1 if first != 1 => mean + half_mean(outward(first, false), outward(last, false)),
                     2 => mean + half_mean(outward(first, true), outward(last, true)),
                     _ => mean,
@@ -406,12 +405,12 @@ impl Layer {
     }
 
     fn near(&self, a: f32, b: f32, factor: f32) -> bool {
-        // |Δz| < κ·size is |Δq| < κ texel (1 + q); never where one is empty.
+        // |Δz| < κ·size is |Δq| < κ texel (1 + q); never true if one is empty.
         (a - b).abs() < factor * self.limit * (1.0 + 0.5 * (a + b))
     }
 
-    /// Whether the middle two of four texels in a line belong to one surface: they are near to each other, or the surface
-    /// is steep, as it is before it or after it.
+    /// Whether the middle two of four texels in a line belong to one surface: their depths are near to each other, or the surface
+    /// is as steep before or after them.
     fn joined(&self, [before, a, b, after]: [f32; 4]) -> bool {
         let step = b - a;
         let like = |other: f32| {

@@ -1,15 +1,15 @@
-// Depth layers and their pyramids, as packed.rs lays them out. Needs `maps_word`.
+// Depth layers and their pyramids in the layout of packed.rs. Needs `maps_word`.
 
 // Part of a layer: `2^level` texels a side, at most.
 struct MapItem { level: u32, i: u32, j: u32 }
 
-// Where a layer's parts are, in words.
+// The places of a layer's parts, in words.
 struct MapLayer { q: u32, nodes: u32, top: u32, width: u32, height: u32 }
 
-// Bounds of q, `low > high` when there is no surface; the largest difference to the bilinear function of the corners.
+// Bounds of q, `low > high` if there is no surface; the largest difference from the bilinear function of the corners.
 struct MapNode { low: f32, high: f32, deviation: f32 }
 
-// What a texel's q is above: an empty one has less.
+// All texels with a surface have a larger q; empty ones have less.
 const MAP_EMPTY = -1.0;
 const MAP_NO_CORNERS = 0xffffffffu;
 // Words of a face.
@@ -27,12 +27,12 @@ fn map_layer(face: u32, k: u32) -> MapLayer {
 
 fn map_q(layer: MapLayer, i: u32, j: u32) -> f32 { return map_f32(layer.q + j * layer.width + i); }
 
-// Nodes across and along a level.
+// Number of columns and rows of nodes in a level.
 fn map_size(layer: MapLayer, level: u32) -> vec2u {
     return (vec2u(layer.width, layer.height) + vec2u((1u << level) - 1u)) >> vec2u(level);
 }
 
-// Where a node of level 1 or more is.
+// The place of a node of level 1 or more.
 fn map_node_at(layer: MapLayer, level: u32, i: u32, j: u32) -> u32 {
     let columns = (layer.width + (1u << level) - 1u) >> level;
     return maps_word(layer.nodes + level) + 4u * (j * columns + i);
@@ -47,7 +47,7 @@ fn map_node(layer: MapLayer, item: MapItem) -> MapNode {
     return MapNode(map_f32(at), map_f32(at + 1u), map_f32(at + 2u));
 }
 
-// Texels of a node: columns from, to, rows from, to.
+// Texels of a node: first column, end of columns, first row, end of rows.
 fn map_texels(layer: MapLayer, item: MapItem) -> vec4u {
     let start = vec2u(item.i, item.j) << vec2u(item.level);
     let to = min(start + vec2u(1u << item.level), vec2u(layer.width, layer.height));
@@ -57,8 +57,8 @@ fn map_texels(layer: MapLayer, item: MapItem) -> vec4u {
 // The first child of a node.
 fn map_first_part(item: MapItem) -> MapItem { return MapItem(item.level - 1u, 2u * item.i, 2u * item.j); }
 
-// The node after one that is not looked into: its next sibling, or that of the next ancestor that has one; the root when
-// there is none. So a walk needs no stack.
+// The node that follows when a node's children are skipped: its next sibling, or that of the nearest ancestor that has one; the
+// root at the end. With it a traversal needs no stack.
 fn map_next(layer: MapLayer, item: MapItem) -> MapItem {
     var at = item;
     while at.level < layer.top {
@@ -77,8 +77,8 @@ fn map_next(layer: MapLayer, item: MapItem) -> MapItem {
     return at;
 }
 
-// q at corner `k` of a texel, counter-clockwise from the lower left. Where all texels around the node of level 1 are of one
-// surface it is a mean, else it is in a table.
+// q at corner `k` of a texel, counter-clockwise from the lower left: a mean, if all texels around the node of level 1 belong to one
+// surface; else from a table.
 fn map_corner(layer: MapLayer, i: u32, j: u32, k: u32) -> f32 {
     let table = maps_word(map_node_at(layer, 1u, i >> 1u, j >> 1u) + 3u);
     if table != MAP_NO_CORNERS {
@@ -104,7 +104,7 @@ fn map_is_there(layer: MapLayer, i: u32, j: u32) -> bool {
     return i < layer.width && j < layer.height && map_q(layer, min(i, layer.width - 1u), min(j, layer.height - 1u)) > MAP_EMPTY;
 }
 
-// How far q at the edges of a node (below, right, above, left) may be from where the node puts it: 0 at an outline.
+// The largest differences of q from a node's bilinear function along its edges (below, right, above, left): 0 at an outline.
 fn map_edge_deviations(layer: MapLayer, texels: vec4u, deviation: f32) -> vec4f {
     if deviation <= 0.0 {
         return vec4f(0.0);
@@ -120,11 +120,12 @@ fn map_edge_deviations(layer: MapLayer, texels: vec4u, deviation: f32) -> vec4f 
     return select(vec4f(0.0), vec4f(deviation), there);
 }
 
-// A part of a node: a trapezoid at one depth, corners counter-clockwise from the lower left; nothing where `share` is 0.
+// A part of a node: a trapezoid at one depth, corners counter-clockwise from the lower left; empty if `share` is 0.
 struct MapPart { x: vec4f, y: vec4f, q: f32, share: f32 }
 
-// Covers a share of some texels, along that side of theirs to which its centre is nearest; as slanted as its centre is off
-// the middle of that side. `sum`: of i, j, q and 1 over the texels that are covered, of `count`.
+// A trapezoid that covers a fraction of the texels' rectangle, along the side that is nearest to the centre of the covered texels.
+// Its slant follows the offset of that centre from the middle of the side. `sum`: sums of i, j, q and 1 over the covered texels, of
+// `count`.
 fn map_part(texels: vec4u, sum: vec4f, count: f32) -> MapPart {
     let box = vec4f(texels);
     let size = box.yw - box.xz;
@@ -151,7 +152,7 @@ fn map_part(texels: vec4u, sum: vec4f, count: f32) -> MapPart {
     return MapPart(x, y, mean.z, share);
 }
 
-// How far a trapezoid reaches at its two ends.
+// The width of a trapezoid at its two ends.
 fn map_ends(share: f32, off: f32) -> vec2f {
     let first = min(min(max(max(share * (1.0 - 6.0 * off), 2.0 * share - 1.0), 0.0), 2.0 * share), 1.0);
     return vec2f(first, 2.0 * share - first);

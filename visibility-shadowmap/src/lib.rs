@@ -1,7 +1,7 @@
 //! Visibility from depth maps around the light: texels as micro-blockers.
 //!
-//! A [`ShadowMap`] is drawn from the centre of a light, on the CPU, from any triangles: no proxies, no preparation of the
-//! mesh. [`ShadowMapBlockers`] fills a receiver's mask from it, the same mask that every strategy fills.
+//! A [`ShadowMap`] is drawn from the centre of a light, on the CPU, from any triangles: without proxies or preparation of the mesh.
+//! [`ShadowMapBlockers`] fills a receiver's mask from it, the same mask that every strategy fills.
 //!
 //! ```
 //! use glam::{Vec2, Vec3};
@@ -9,7 +9,7 @@
 //! use lobe_core::{LightId, Accuracy, Cone, Coverage, Receiver, Shaft, Sphere, Visibility, VisibilityQuery};
 //! use visibility_shadowmap::{MapOptions, ShadowMap, ShadowMapBlockers};
 //!
-//! // A square one above the origin, a light above it.
+//! // A square one unit above the origin, and a light above it.
 //! let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, z)| Vec3::new(x, 1.0, z));
 //! let light = Sphere { center: Vec3::new(0.0, 5.0, 0.0), radius: 0.5 };
 //! let map = ShadowMap::build(&corners, &[[0, 1, 2], [0, 2, 3]], light, &MapOptions::default())?;
@@ -28,14 +28,14 @@
 //! ```
 //!
 //! # Limits
-//! What is thinner than a texel may be missed. More than four surfaces behind each other, as seen from the light's
-//! centre, can leak: the map knows the two nearest that face the light and the two nearest that do not. Where an object
-//! touches another, what is within half a texel of the receiver's tangent plane does not block. Walls that the light's centre
-//! sees from the side, and what touches the light, are for other strategies: [`ShadowMap::shows`] tells; so are receivers on what is
-//! [drawn](ShadowMap::draws), see [`ShadowMapBlockers::leaving`]. Ask
-//! [`ShadowMap::advice`] whether the map is fine enough, or let [`ShadowMap::fitted`] choose.
+//! The map may miss objects thinner than a texel. More than four surfaces behind each other, seen from the light's centre, can
+//! leak: the map has the two nearest surfaces that face the light, and the two nearest that face away. At a contact, surfaces
+//! within half a texel of the receiver's tangent plane do not block. Walls that the light's centre sees edge-on, and objects that
+//! touch the light, need another strategy: test them with [`ShadowMap::shows`]. So do receivers on [drawn](ShadowMap::draws)
+//! objects, see [`ShadowMapBlockers::leaving`]. [`ShadowMap::advice`] reports whether a map is fine enough; [`ShadowMap::fitted`]
+//! chooses its resolution.
 //!
-//! Out of scope: fitting proxies, deciding what casts shadows.
+//! Out of scope: fitting proxies, and choosing the objects that cast shadows.
 
 mod blockers;
 mod clip;

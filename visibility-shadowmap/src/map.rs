@@ -10,47 +10,47 @@ use glam::Vec3;
 use lobe_core::Sphere;
 use std::sync::Arc;
 
-/// Depth maps around one light's centre: what its light meets first, and what is hidden behind that.
+/// Depth maps around one light's centre: the surfaces that its light meets first, and those hidden behind them.
 ///
-/// One perspective picture where the casters fit into it, else the needed faces of a cube, which overlap at the seams.
+/// One perspective image if the casters fit into it, else the needed faces of a cube, which overlap at the seams.
 /// Every texel with a surface is a small blocker, see [`ShadowMapBlockers`](crate::ShadowMapBlockers).
 ///
 /// # Cost
-/// Building took 40 ms at 512², 160 ms at 1024² and 700 ms at 2048² (7 k triangles, three layers, two busy cores; a fourth
-/// layer where there is one adds little). 8 bytes a texel and layer.
+/// Building took 40 ms at 512², 160 ms at 1024² and 700 ms at 2048² (7 k triangles, three layers, two busy cores; a fourth layer,
+/// if there is one, adds little). 8 bytes a texel and layer.
 #[derive(Clone, Debug)]
 pub struct ShadowMap {
     pub(crate) light: Sphere,
     /// Shared by clones.
     pub(crate) faces: Arc<[Face]>,
     resolution: u32,
-    /// What is drawn; `None` when nothing is.
+    /// The box around the drawn triangles; `None` if there are none.
     casters: Option<ReceiverBounds>,
-    /// What it was fitted to.
+    /// The receivers that the map was fitted to.
     pub(crate) receivers: Option<ReceiverBounds>,
 }
 
 /// Whether a map is fine enough for the penumbrae of a light, see [`ShadowMap::advice`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapAdvice {
-    /// The width of the shaft between receivers and light, in texels, where it meets the nearest blocker; infinite when
-    /// nothing blocks.
+    /// The width of the shaft between receivers and light, in texels, at the blocker nearest to the light; infinite if nothing
+    /// blocks.
     pub shaft_texels: f32,
-    /// The resolution at which the shaft would be 32 texels wide; may be above [`MapOptions::MAX_RESOLUTION`].
+    /// The resolution at which the shaft is 32 texels wide; may be above [`MapOptions::MAX_RESOLUTION`].
     pub wanted_resolution: u32,
-    /// What that means.
+    /// Whether the map is fine enough.
     pub fineness: MapFineness,
 }
 
 /// The 16/32-texel rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapFineness {
-    /// 32 texels or more: mean error over penumbrae on floors about 0.5 % or less; on the casters themselves from 64 on
-    /// below 2 %.
+    /// 32 texels or more: mean error over penumbrae on floors about 0.5 % or less; on the casters themselves below 2 % from 64
+    /// texels on.
     Fine,
     /// 16 to 32 texels: about 1 %, more for thin features and on the objects themselves.
     Coarse,
-    /// Fewer than 16 texels: worse than that. Below 8 take another strategy.
+    /// Fewer than 16 texels: larger errors. Below 8 use another strategy.
     TooCoarse,
 }
 
@@ -71,18 +71,18 @@ impl fmt::Display for MapAdvice {
 /// The rule's two widths in texels.
 const FINE: f64 = 32.0;
 const COARSE: f64 = 16.0;
-/// The width in texels for casters close to each other.
+/// The required width in texels for casters close to each other.
 const CONTACT: f64 = 4.5;
-/// The resolution that tells which one is needed.
+/// The resolution of the rough map from which the needed resolution is computed.
 const ROUGH: u32 = 64;
 
 impl ShadowMap {
-    /// Draws triangles as seen from a light's centre. Winding does not matter; triangles without area, and what is inside
-    /// of the light, block nothing.
+    /// Draws triangles, seen from a light's centre. Winding does not matter; triangles without area, and parts inside the light,
+    /// block nothing.
     ///
-    /// Texels come in steps of a fifth and begin at whole ones, and the picture looks along one of some directions 2° apart: of
-    /// what moves a little between two frames most is seen on the same grid, and its shadow's edges don't jump. So a
-    /// picture may have a fifth fewer texels a side than the resolution says.
+    /// Texel sizes come in steps of a fifth, windows begin at whole texels, and the axis of the image is one of a set of directions
+    /// 2° apart. After a small motion most casters are thus drawn on the same grid, and the edges of their shadows do not jump. An
+    /// image may therefore have a fifth fewer texels a side than the resolution.
     ///
     /// # Errors
     /// [`MapError`] for options out of range, a corner that does not exist, numbers that are not finite, a negative
@@ -130,14 +130,14 @@ impl ShadowMap {
         Ok(Self { light, faces: faces.into(), resolution, casters, receivers })
     }
 
-    /// The coarsest map that is fine enough: draws a rough one first and takes the resolution, from 256 to the one in the
-    /// options, at which the light is 64 texels wide (see [`advice`](Self::advice)) for receivers in the middle of the
-    /// options' bounds, and for those in the middle of the casters that are drawn, which are nearer to what shadows them.
+    /// Draws the coarsest map that is fine enough. It first draws a rough map. Then it takes the resolution, from 256 to that of
+    /// the options, at which the light is 64 texels wide (see [`advice`](Self::advice)), both for receivers at the centre of the
+    /// options' bounds and for receivers at the centre of the drawn casters, which are nearer to their blockers.
     ///
-    /// Where casters lie close to each other, as rails on pickets, the light is also 4.5 texels wide for those in the
-    /// penumbrae there; then a long picture may be finer than the options say, as long as it has no more texels than a
-    /// square one. On a fence's own pickets the mean error of penumbrae is 8.9 % of the light at 2.1 texels, 3.2 % at 4,
-    /// 2.5 % at 4.5 and 0.7 % at 8.3, whatever the layers and the bias. Open sheets behind each other are not noticed.
+    /// For casters close to each other, such as rails on pickets, the light is also at least 4.5 texels wide in the penumbrae
+    /// there. A long image may then be finer than the options, as long as it has no more texels than a square one. On a fence's own
+    /// pickets the mean error of penumbrae is 8.9 % of the light at 2.1 texels, 3.2 % at 4, 2.5 % at 4.5 and 0.7 % at 8.3, whatever
+    /// the layers and the bias. Single sheets behind each other do not raise the resolution.
     ///
     /// ```
     /// # use visibility_shadowmap::{MapOptions, ShadowMap};
@@ -168,7 +168,7 @@ impl ShadowMap {
         let wanted = wanted(options.receivers).max(wanted(rough.casters)).saturating_mul(2);
         let contacts = shaft_texels(&rough.faces, f64::from(light.radius));
         let contacts = (f64::from(rough.resolution) * CONTACT / contacts).ceil() as u32;
-        // A long picture may have as many texels as a square one.
+        // A long image may have as many texels as a square one.
         let area = rough.faces.iter().map(|f| f.width * f.height).max().unwrap_or(0) as f64;
         let most = f64::from(options.resolution) * f64::from(rough.resolution) / area.max(1.0).sqrt();
         let most = (most as u32).clamp(options.resolution, MapOptions::MAX_RESOLUTION);
@@ -186,13 +186,13 @@ impl ShadowMap {
         self.resolution
     }
 
-    /// The light whose map it is.
+    /// The light that the map was drawn for.
     #[must_use]
     pub fn light(&self) -> Sphere {
         self.light
     }
 
-    /// Pictures: none without casters, one perspective, up to six of a cube.
+    /// Number of images: none without casters, one perspective, or up to six of a cube.
     #[must_use]
     pub fn faces(&self) -> usize {
         self.faces.len()
@@ -212,11 +212,11 @@ impl ShadowMap {
 
     /// Whether the map is fine enough for receivers in `bounds`.
     ///
-    /// The measure is the width in texels of the shaft from the bounds' centre to the light where it meets the blocker
-    /// nearest to the light, `w = 2r(d − z)/(d z t)` with r the light's radius, d and z the distances of receiver and
-    /// blocker from the light, t the texel at distance 1. Measured mean error of penumbrae: on a floor under a bunny 1.2 %
-    /// of the light at w = 7, 0.6 % at 14 and at 42, 0.4 % at 84, 0.2 % at 169; on the bunny itself 7 % at 15, 4.5 % at
-    /// 31, 1.7 % at 62, 0.7 % at 123; under a picket fence 1.1 % at 11.
+    /// The measure is the width in texels of the shaft from the bounds' centre to the light, at the blocker nearest to the light:
+    /// `w = 2r(d − z)/(d z t)` with r the light's radius, d and z the distances of receiver and blocker from the light, t the texel
+    /// at distance 1. Measured mean error of penumbrae: on a floor under a bunny 1.2 % of the light at w = 7, 0.6 % at 14 and at
+    /// 42, 0.4 % at 84, 0.2 % at 169; on the bunny itself 7 % at 15, 4.5 % at 31, 1.7 % at 62, 0.7 % at 123; under a picket fence
+    /// 1.1 % at 11.
     #[must_use]
     pub fn advice(&self, receivers: &ReceiverBounds) -> MapAdvice {
         let middle = 0.5 * (receivers.min.as_dvec3() + receivers.max.as_dvec3());
@@ -225,7 +225,7 @@ impl ShadowMap {
         let width = |face: &Face| {
             let nearest = face.layers.first().map_or(f32::NEG_INFINITY, Layer::nearest);
             let z = face.z0 / (1.0 + f64::from(nearest));
-            // Where the middle is before the blocker, only what is farther can be in its shadow.
+            // If the centre is nearer to the light than the blocker, only farther receivers can be in its shadow.
             let middle = middle.distance(light);
             let d = if middle > z { middle } else { farthest };
             2.0 * f64::from(self.light.radius) * (d - z) / (d * z * face.texel)

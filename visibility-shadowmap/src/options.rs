@@ -30,7 +30,7 @@ impl ReceiverBounds {
     }
 }
 
-/// How a map is built.
+/// Options of building a map.
 ///
 /// ```
 /// use visibility_shadowmap::MapOptions;
@@ -39,16 +39,16 @@ impl ReceiverBounds {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapOptions {
-    /// Texels along the longer side of the map; of one whole face for a cube. 16…8192. What it takes for a given light
-    /// and distance is told by [`ShadowMap::advice`](crate::ShadowMap::advice). Memory: 8 bytes a texel and layer, 28 bytes
-    /// a texel while it is built.
+    /// Texels along the longer side of the map; for a cube those of one whole face. 16…8192.
+    /// [`ShadowMap::advice`](crate::ShadowMap::advice) reports the resolution that a light at a given distance needs. Memory: 8
+    /// bytes a texel and layer, 28 bytes a texel while the map is built.
     pub resolution: u32,
-    /// At most so many depth layers, 1…4: the first surface; the next surface behind it, without which the far side of
-    /// an object leaks light; the second surface that faces the light, without which an object behind another one does;
-    /// and that one's own far side. A layer in which the scene has nothing costs nothing.
+    /// The most depth layers, 1…4. The first layer is the nearest surface. The second is the next surface behind it; without it the
+    /// far side of an object leaks light. The third is the second surface that faces the light; without it an object behind another
+    /// one leaks. The fourth is that object's far side. A layer that the scene does not need costs nothing.
     pub layers: u32,
-    /// Where receivers may be. The map is fitted to the casters that can shadow them: others (the floor below, the walls
-    /// around receivers and light) take no texels. `None`: anywhere.
+    /// The box of all receivers. The map is fitted to the casters that can shadow them: others (the floor below, the walls around
+    /// receivers and light) take no texels. `None`: receivers may be anywhere.
     pub receivers: Option<ReceiverBounds>,
 }
 
@@ -64,7 +64,7 @@ impl MapOptions {
     /// The smallest resolution.
     pub const MIN_RESOLUTION: u32 = 16;
 
-    /// Whether a map can be built so.
+    /// Checks that a map can be built with these options.
     ///
     /// # Errors
     /// [`MapError::Resolution`], [`MapError::Layers`] or [`MapError::NotFinite`], with the value.
@@ -82,7 +82,7 @@ impl MapOptions {
     }
 }
 
-/// Why there is no map.
+/// Why a map cannot be built.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MapError {
@@ -97,7 +97,7 @@ pub enum MapError {
     Index {
         /// Number of the triangle.
         triangle: usize,
-        /// The vertex it names.
+        /// The vertex that it refers to.
         vertex: u32,
         /// Vertices in the mesh.
         count: usize,

@@ -1,11 +1,11 @@
 //! All maps in one buffer of words, as the WGSL reads them.
 //!
-//! Floats are by their bits. Word 0 is the number n of objects that [`ShadowMapBlockers::with_casters`] and
-//! [`ShadowMapBlockers::leaving`] speak of; of word `1 + k / 16` bit `2 (k % 16)` says whether object k casts, the next one whether its
-//! receivers are left to others. Then how many numbers of lights follow, and for each light of the frame where its map is, 0 without one.
-//! Then, each at a place that others name:
+//! Floats are stored by their bits. Word 0 is the number n of objects that [`ShadowMapBlockers::with_casters`] and
+//! [`ShadowMapBlockers::leaving`] list. In word `1 + k / 16` bit `2 (k % 16)` says whether object k casts, and the next bit whether
+//! its receivers are left to other blockers. Then comes the number of light numbers that follow, and for each light of the frame
+//! the place of its map, 0 without one. Then, each at a place that another record names:
 //!
-//! | what | words |
+//! | part | words |
 //! |---|---|
 //! | map | number of faces, then the faces |
 //! | face ([`FACE`]) | right, up, forward (9), left, bottom, side of a texel, z₀ (4), width, height, number of layers (3), their places (4) |
@@ -31,7 +31,7 @@ use visibility_mask::wgsl::SQUARE;
 const FACE: usize = 20;
 /// The q of a texel without a surface; others are above −1.
 const EMPTY: f32 = -1e20;
-/// The deviation of a node that has such texels.
+/// The deviation of a node that has empty texels.
 const UNEVEN: f32 = 1e20;
 
 /// The maps of [`ShadowMapBlockers`] as one buffer for the GPU.
@@ -39,16 +39,16 @@ const UNEVEN: f32 = 1e20;
 pub struct PackedMaps {
     words: Vec<u32>,
     maps: Vec<Place>,
-    /// Another one for other words, of all that there ever were.
+    /// Differs for all contents that this buffer has ever had.
     revision: u64,
 }
 
-/// Where a map is.
+/// The place of a map.
 #[derive(Clone, Debug)]
 struct Place {
     id: LightId,
     light: Sphere,
-    /// What was packed: the same as long as it is there.
+    /// The faces that were packed, for as long as they exist.
     faces: Weak<[Face]>,
     from: usize,
     to: usize,
@@ -59,29 +59,30 @@ impl Place {
         Self { id, light: map.light, faces: Arc::downgrade(&map.faces), from, to }
     }
 
-    /// Whether it is this map's or a clone's.
+    /// Whether the record is of this map or of a clone of it.
     fn is_of(&self, map: &ShadowMap) -> bool {
         self.light == map.light && Weak::ptr_eq(&self.faces, &Arc::downgrade(&map.faces))
     }
 }
 
 impl PackedMaps {
-    /// What the kernels read by `maps_word`: 9.3 bytes a texel and layer, 16 more for texels at outlines
-    /// (a body over a floor, four layers: 39 MiB at 1024², 155 MiB at 2048²). Where a device binds less they go in [`GpuPages`](lobe_core::gpu::GpuPages).
+    /// The words that the kernels read by `maps_word`: 9.3 bytes a texel and layer, 16 more for texels at outlines (a body over a
+    /// floor, four layers: 39 MiB at 1024², 155 MiB at 2048²). On a device with smaller bindings they are bound in
+    /// [`GpuPages`](lobe_core::gpu::GpuPages).
     #[must_use]
     pub fn words(&self) -> &[u32] {
         &self.words
     }
 
-    /// Where a light's map is, 0 for a light without one, which is not shadowed.
+    /// The place of a light's map; 0 for a light without one, which is not shadowed.
     #[must_use]
     pub fn map_of(&self, light: LightId) -> u32 {
         self.maps.iter().find(|place| place.id == light).map_or(0, |place| place.from as u32)
     }
 
-    /// Makes these the maps of other blockers, such as those of the next frame. Maps that were there before (the same or clones, in
-    /// the same order) are left as they are, others take the place of those that they replace; all are packed anew where one
-    /// finds no room. Returns the number of words written, 0 where nothing has changed.
+    /// Replaces the maps by those of other blockers, such as those of the next frame. Maps that are already there (the same or
+    /// clones, in the same order) stay; others replace earlier maps in place; if one does not fit, all are packed again. Returns
+    /// the number of words written, 0 if nothing has changed.
     pub fn update(&mut self, blockers: &ShadowMapBlockers) -> usize {
         let maps = blockers.maps();
         if self.maps.len() != maps.len() {
@@ -118,7 +119,7 @@ impl PackedMaps {
         written
     }
 
-    /// Appends where the map of each light is, as far as is known.
+    /// Appends the place of each light's map, as far as it is known.
     fn pack_lights(&self, words: &mut Vec<u32>, lights: &[LightId]) {
         let count = count_of_numbers(lights);
         words.push(count);
@@ -142,14 +143,14 @@ impl PackedMaps {
         self.words.len()
     }
 
-    /// Bytes of what [`words`](Self::words) say of so many objects and lights, before all maps.
+    /// Bytes before all maps in [`words`](Self::words), for these numbers of objects and lights.
     #[must_use]
     pub const fn bytes_before_maps(objects: usize, lights: usize) -> u64 {
         4 * (2 + objects.div_ceil(16) + lights) as u64
     }
 }
 
-/// As a strategy of the GPU: [`update`](Self::update) it and give it to the shader again.
+/// A strategy of the GPU: call [`update`](Self::update), and pass it to the shader again.
 impl GpuBlockers for PackedMaps {
     fn name(&self) -> &'static str {
         "maps"
@@ -177,10 +178,10 @@ impl GpuBlockers for PackedMaps {
     }
 }
 
-/// More lights than a frame has: no place is kept for their numbers.
+/// More lights than a frame has: larger light numbers get no place.
 const LIGHTS: u32 = 1 << 20;
 
-/// Numbers of lights up to the last that has a map.
+/// The largest number of a light with a map, plus one.
 fn count_of_numbers(lights: &[LightId]) -> u32 {
     lights.iter().map(|light| light.0).filter(|light| *light < LIGHTS).map(|light| light + 1).max().unwrap_or(0)
 }
@@ -210,7 +211,7 @@ fn layer_words(layer: &Layer) -> usize {
 }
 
 impl ShadowMapBlockers {
-    /// Everything in one buffer, for the WGSL in [`wgsl`](crate::wgsl).
+    /// Packs everything into one buffer, for the WGSL in [`wgsl`](crate::wgsl).
     ///
     /// # Cost
     /// A copy of the maps.
@@ -233,7 +234,7 @@ fn pack_objects(objects: impl Iterator<Item = [bool; 2]>) -> Vec<u32> {
     words
 }
 
-/// Appends a map to words of which `before` more come first.
+/// Appends a map to words that follow `before` others.
 fn pack_map(map: &ShadowMap, before: usize, words: &mut Vec<u32>) {
     words.push(map.faces.len() as u32);
     let first = words.len();
@@ -244,7 +245,7 @@ fn pack_map(map: &ShadowMap, before: usize, words: &mut Vec<u32>) {
     }
 }
 
-/// Appends the face's layers and returns what names them.
+/// Appends the face's layers, and returns the face's record, which names their places.
 fn pack_face(face: &Face, before: usize, out: &mut Vec<u32>) -> [u32; FACE] {
     let mut record = [0; FACE];
     let axes = [face.frame.right, face.frame.up, face.frame.forward].map(|axis| axis.as_vec3().to_array());
@@ -274,7 +275,7 @@ fn pack_layer(layer: &Layer, before: usize, out: &mut Vec<u32>) -> u32 {
             out.push(if level == 1 { layer.place(i, j) } else { MEANS });
         }
     }
-    // Now that it is known where the corners are.
+    // The places of the corners are known only now.
     let (columns, rows) = layer.size(1);
     let (nodes, place) = (out[at + 2] as usize - before, (before + out.len()) as u32);
     for word in out[nodes..][..4 * columns * rows].iter_mut().skip(3).step_by(4) {
@@ -306,7 +307,7 @@ mod tests {
         ((q(x, y) + q(x + 1, y + 1)) + (q(x + 1, y) + q(x, y + 1))) / 4.0
     }
 
-    /// A slanted quad over the origin, drawn for a light somewhere above.
+    /// A slanted quadrilateral over the origin, drawn for a light above it.
     fn map(x: f32, resolution: u32) -> ShadowMap {
         let corners = [
             Vec3::new(-1.0, 1.0, -1.0),
@@ -328,10 +329,10 @@ mod tests {
         let mut packed = of(&[&a, &b, &c]).pack();
         let all = packed.words.len();
         assert_eq!(packed.update(&of(&[&a, &b, &c])), 0);
-        // The casters alone.
+        // Only the casters change.
         assert_eq!(packed.update(&of(&[&a, &b, &c]).with_casters(vec![false, true])), 6);
         assert_eq!(packed.update(&of(&[&a, &b, &c])), 6);
-        // One that is smaller takes the place of the second.
+        // A smaller map replaces the second one in place.
         for map in [&a, &b, &c] {
             let mut alone = Vec::new();
             pack_map(map, 0, &mut alone);
@@ -349,7 +350,7 @@ mod tests {
             let place = packed.maps[other].from..packed.maps[other].to;
             assert_eq!(packed.words[place.clone()], before[place]);
         }
-        // One that is larger: all anew, as from nothing. The same where there are fewer.
+        // A larger map: all are packed again, as if new. The same with fewer maps.
         let large = map(0.5, 128);
         for maps in [&[&a, &large, &c][..], &[&a, &c], &[]] {
             let want = of(maps).pack();
@@ -363,7 +364,7 @@ mod tests {
     fn a_layer_is_what_its_words_say() {
         let mut random = Random::new(7);
         let (width, height) = (29, 22);
-        // Smooth, a step, holes.
+        // A smooth layer, a step, holes.
         let q: Vec<f32> = (0..width * height)
             .map(|k| {
                 let (x, y) = ((k % width) as f32, (k / width) as f32);

@@ -1,9 +1,9 @@
-//! Where convex polygons are united before they go to the mask.
+//! The union of convex polygons, before they are drawn into the mask.
 
 use glam::Vec2;
 use visibility_mask::{MAX_DEPTH, Mask, Raster};
 
-/// Samples in a cell: columns in a row line, row lines.
+/// Samples in a cell: columns in a line, and lines.
 const ACROSS: usize = 16;
 const LINES: usize = 4;
 const SIDE: usize = 1 << MAX_DEPTH;
@@ -13,8 +13,8 @@ const CELLS: usize = 64 / ACROSS;
 /// Samples of the mask's window as bits: the union of any number of polygons in any order is exact, and polygons with a
 /// common edge leave no gap.
 ///
-/// A texel covers a fraction of a cell, and a cell's open part in a [`Mask`] is one interval: many texels would fuse as
-/// if they lay at random. So they fuse here, and the mask gets what they cover.
+/// A texel covers a fraction of a cell. In a [`Mask`] a cell's open part is one interval, so that many texels would combine as if
+/// placed at random. Here their union is exact, and the mask gets the area that it covers.
 #[derive(Clone, Debug)]
 pub(crate) struct PolygonUnion {
     side: usize,
@@ -40,7 +40,7 @@ impl Default for PolygonUnion {
 }
 
 impl PolygonUnion {
-    /// Starts anew over a mask's window.
+    /// Clears the union, for a mask's window.
     pub(crate) fn begin(&mut self, mask: &Mask) {
         let square = mask.square();
         self.side = mask.side();
@@ -60,8 +60,8 @@ impl PolygonUnion {
         from >= to || (first..end).all(|k| is_set(&self.bits[k * self.words..(k + 1) * self.words], from, to))
     }
 
-    /// Unites a convex polygon in plane coordinates. Edge k, from corner k to the next one, moves outward by `grow[k]`;
-    /// edges after the fourth do not.
+    /// Adds a convex polygon in plane coordinates. Edge k, from corner k to the next one, moves outward by `grow[k]`; edges after
+    /// the fourth do not move.
     #[inline(always)]
     pub(crate) fn polygon(&mut self, points: &mut [Vec2], grow: [f32; 4]) {
         let count = points.len();
@@ -78,7 +78,7 @@ impl PolygonUnion {
             low -= Vec2::new(most, below * self.scale.y);
             high += Vec2::new(most, above * self.scale.y);
         }
-        // Lines are sampled at their middle: k + ½ in (low, high].
+        // Lines are sampled at their centres: k + ½ in (low, high].
         let line = |y: f32| (y.clamp(0.0, lines) + 0.5) as usize;
         let (first, end) = (line(low.y), line(high.y));
         if first >= end {
@@ -87,14 +87,14 @@ impl PolygonUnion {
         self.spans[first..end].fill((f32::INFINITY, f32::NEG_INFINITY));
         for k in 0..count {
             let (a, b) = (points[k], points[if k + 1 < count { k + 1 } else { 0 }]);
-            // The same arithmetic on both sides of an edge.
+            // Neighbours on both sides of an edge compute it by the same arithmetic.
             let (a, b) = if (a.y, a.x) <= (b.y, b.x) { (a, b) } else { (b, a) };
             let (from, to) = (line(a.y), line(b.y));
             if from >= to {
                 continue;
             }
             let slope = (b.x - a.x) / (b.y - a.y);
-            // The edge moved along its normal, measured along the line.
+            // The shift of the edge along its normal, measured along the line.
             let aside = match grow.get(k) {
                 Some(&g) if g > 0.0 => {
                     let g = self.scale * g;
@@ -121,8 +121,8 @@ impl PolygonUnion {
         }
     }
 
-    /// Lines that only the growth reaches take the span of the line next to them, or all there is; none reaches farther
-    /// than from `low` to `high`.
+    /// Lines that only the growth reaches take the span of the line next to them, or else the whole range; all are limited to the
+    /// range from `low` to `high`.
     #[inline(always)]
     fn fill_ends(&mut self, first: usize, end: usize, low: f32, high: f32) {
         let spans = &mut self.spans[first..end];
@@ -141,7 +141,7 @@ impl PolygonUnion {
         }
     }
 
-    /// Blocks what is covered.
+    /// Blocks the covered part of the mask.
     pub(crate) fn write(&self, mask: &mut Mask) {
         let cell = mask.cell().x;
         for j in 0..self.side {
@@ -150,7 +150,7 @@ impl PolygonUnion {
             }
             let lines: [&[u64]; LINES] =
                 core::array::from_fn(|k| &self.bits[(j * LINES + k) * self.words..(j * LINES + k + 1) * self.words]);
-            // Start of the run of whole cells.
+            // Start of the run of fully covered cells.
             let mut run = None;
             let x = |i: usize| self.low.x + i as f32 * cell;
             for word in 0..self.words {
@@ -177,8 +177,8 @@ impl PolygonUnion {
                         mask.block_span(j, x(start), x(i));
                     }
                     if covered != 0 {
-                        // As much at the side where more of it is. Ends among the samples of a cell that differ from cell to
-                        // cell, else a whole row would round alike.
+                        // Blocks the covered fraction at the side where more of it is. Its end is shifted among the cell's samples
+                        // from cell to cell, or a whole row would round in the same way.
                         let part = cell * count as f32 / (LINES * ACROSS) as f32;
                         let shift = (Raster::shift(i) + Raster::shift(j)) / mask.raster().samples;
                         if (covered & 0x00ff_00ff_00ff_00ff).count_ones() * 2 >= count {
@@ -202,14 +202,14 @@ fn covered(lines: &[&[u64]; LINES], i: usize) -> u64 {
     lines.iter().enumerate().map(|(k, line)| (line[word] >> shift & 0xffff) << (16 * k)).sum()
 }
 
-/// How far the corner at height `y` moves up or down: as both its edges do.
+/// The shift up or down of the corner at height `y`: the smaller one of its two edges.
 fn ends(points: &[Vec2], grow: [f32; 4], y: f32) -> f32 {
     let corner = points.iter().position(|p| p.y == y).unwrap_or(0);
     let of = |k: usize| grow.get(k % points.len()).copied().unwrap_or(0.0);
     of(corner).min(of(corner + points.len() - 1))
 }
 
-/// Rounded up, for x ≥ 0.
+/// Rounds up, for x ≥ 0.
 fn up(x: f32) -> usize {
     let whole = x as usize;
     whole + usize::from(x > whole as f32)

@@ -1,32 +1,32 @@
-// The thread's own row of the union where convex polygons are united before they go to the mask. Needs `visibility_mask::wgsl::MASK`.
+// The thread's own row of the union of convex polygons, before they are drawn into the mask. Needs `visibility_mask::wgsl::MASK`.
 //
-// Only what the row emits is kept: columns of cells from `union_columns.x` up to `union_columns.y`.
+// Stores only the emitting part of the row: columns of cells from `union_columns.x` up to `union_columns.y`.
 
-// Samples in a cell: columns in a row line, row lines.
+// Samples in a cell: columns in a line, and lines.
 const UNION_ACROSS = 16u;
 const UNION_LINES = 4u;
 // Words in a line: two cells each.
 const UNION_WORDS = SIDE / 2u;
 
-// Bits of the own row's lines, one line after the other.
+// Bits of the row's lines, one line after the other.
 var<private> union_bits: array<u32, UNION_LINES * UNION_WORDS>;
-// Columns that matter: those of cells that emit.
+// The columns of cells that emit.
 var<private> union_columns: vec2u;
 // From plane coordinates to columns and lines.
 var<private> union_low: vec2f;
 var<private> union_scale: vec2f;
-// Numbers of the own row's lines.
+// Numbers of the row's lines.
 var<private> union_rows: vec4f;
 
-// What of each line a polygon covers, so far; between which of its corners.
+// The span of each line that the current polygon covers: from, to.
 var<private> union_from: vec4f;
 var<private> union_to: vec4f;
-// The first and the last corner, and how many there were.
+// The first and the last corner, and the number of corners.
 var<private> union_first: vec2f;
 var<private> union_last: vec2f;
 var<private> union_count: u32;
 
-// Starts anew over a mask's window.
+// Clears the union, for a mask's window.
 fn union_begin(lane: u32, mask: Mask) {
     for (var k = 0u; k < UNION_LINES * UNION_WORDS; k++) {
         union_bits[k] = 0u;
@@ -38,10 +38,10 @@ fn union_begin(lane: u32, mask: Mask) {
     union_rows = f32(UNION_LINES * lane) + vec4f(0.0, 1.0, 2.0, 3.0);
 }
 
-// The plane coordinates x between which the own row matters.
+// The range of plane coordinates x in which the row emits.
 fn union_range() -> vec2f { return union_low.x + vec2f(union_columns) / union_scale.x; }
 
-// Whether every sample of the own row between two corners, in plane coordinates, is covered.
+// Whether every sample of the row between two corners, in plane coordinates, is covered.
 fn union_is_covered(low: vec2f, high: vec2f) -> bool {
     let start = (low - union_low) * union_scale;
     let to = (high - union_low) * union_scale;
@@ -86,15 +86,15 @@ fn union_set(line: u32, start: u32, to: u32) {
     }
 }
 
-// Lines are sampled at their middle: the first line above a height.
+// The first line above a height; lines are sampled at their centres.
 fn union_line(y: f32) -> f32 { return floor(clamp(y, 0.0, f32(UNION_LINES * SIDE)) + 0.5); }
 
-// A plane coordinate in columns and lines.
+// A point in plane coordinates, in columns and lines.
 fn union_point(p: vec2f) -> vec2f { return (p - union_low) * union_scale; }
 
-// An edge between two points, moved outward by `grow` in plane coordinates: what it bounds of `lines`.
+// Extends the spans of `lines` by the edge between two points, moved outward by `grow` in plane coordinates.
 fn union_edge(p: vec2f, q: vec2f, grow: f32, lines: vec4f) {
-    // The same arithmetic on both sides of an edge.
+    // Neighbours on both sides of an edge compute it by the same arithmetic.
     let ordered = p.y < q.y || (p.y == q.y && p.x <= q.x);
     let a = select(q, p, ordered);
     let b = select(p, q, ordered);
@@ -103,7 +103,7 @@ fn union_edge(p: vec2f, q: vec2f, grow: f32, lines: vec4f) {
         return;
     }
     let slope = (b.x - a.x) / (b.y - a.y);
-    // The edge moved along its normal, measured along the line.
+    // The shift of the edge along its normal, measured along the line.
     let g = union_scale * grow;
     let aside = sqrt(g.x * g.x + slope * slope * g.y * g.y);
     let x = a.x + (lines + 0.5 - a.y) * slope;
@@ -116,7 +116,7 @@ fn union_clear_spans() {
     union_to = vec4f(-1e30);
 }
 
-// Unites what the edges cover of those of the own lines that are from `first` up to `end`.
+// Adds the spans of the row's lines from `first` up to `end`.
 fn union_fill(first: f32, end: f32) {
     let range = vec2f(union_columns);
     let start = vec4u(floor(clamp(union_from, vec4f(range.x), vec4f(range.y)) + 0.5));
@@ -129,7 +129,7 @@ fn union_fill(first: f32, end: f32) {
     }
 }
 
-// A polygon begins; its corners follow, in plane coordinates.
+// Begins a polygon; its corners follow, in plane coordinates.
 fn union_open() {
     union_clear_spans();
     union_count = 0u;
@@ -146,7 +146,7 @@ fn union_corner(p: vec2f) {
     union_count++;
 }
 
-// Unites the polygon.
+// Adds the polygon.
 fn union_close() {
     if union_count >= 3u {
         union_edge(union_last, union_first, 0.0, union_rows);
@@ -154,7 +154,7 @@ fn union_close() {
     }
 }
 
-// Unites a convex quadrilateral in plane coordinates. Its edges, from each corner to the next one, move outward by `grow`.
+// Adds a convex quadrilateral in plane coordinates. Its edges, from each corner to the next one, move outward by `grow`.
 fn union_quadrilateral(corners: mat4x2f, grow: vec4f) {
     let p = array(
         union_point(corners[0]), union_point(corners[1]), union_point(corners[2]), union_point(corners[3])
@@ -167,14 +167,14 @@ fn union_quadrilateral(corners: mat4x2f, grow: vec4f) {
     let last = union_line(high.y) - 1.0;
     var lines = union_rows;
     if most > 0.0 {
-        // A corner moves up or down as both its edges do.
+        // A corner moves up or down by the smaller shift of its two edges.
         let ends = min(grow, grow.wxyz);
         let heights = vec4f(p[0].y, p[1].y, p[2].y, p[3].y);
         let above = union_first_of(heights == vec4f(high.y), ends);
         let below = union_first_of(heights == vec4f(low.y), ends);
         low -= vec2f(most * union_scale.x, below * union_scale.y);
         high += vec2f(most * union_scale.x, above * union_scale.y);
-        // Lines that only the growth reaches take the span of the line next to them, or all there is.
+        // Lines that only the growth reaches take the span of the line next to them, or else the whole range.
         lines = clamp(union_rows, vec4f(begin), vec4f(max(last, begin)));
     }
     let first = union_line(low.y);
@@ -202,11 +202,11 @@ fn union_first_of(are: vec4<bool>, values: vec4f) -> f32 {
     return select(select(select(values.w, values.z, are.z), values.y, are.y), values.x, are.x);
 }
 
-// Blocks what is covered.
+// Blocks the covered part of the mask.
 fn union_write(lane: u32, mask: Mask) {
     let cell = mask_cell(mask).x;
     let end = union_columns.y / UNION_ACROSS;
-    // Start of the run of whole cells.
+    // Start of the run of fully covered cells.
     var run = end;
     for (var i = union_columns.x / UNION_ACROSS; i < end; i++) {
         let word = i >> 1u;

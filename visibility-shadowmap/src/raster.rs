@@ -1,4 +1,4 @@
-//! Triangles to depth layers.
+//! Draws triangles into depth layers.
 
 use crate::clip::Polygon;
 use crate::face::Face;
@@ -9,8 +9,8 @@ use rayon::prelude::*;
 
 /// Rows that one task draws.
 const BAND: usize = 16;
-/// Two surfaces nearer to each other than this share of the depth range are one: an edge that two triangles share, a
-/// sheet that is in the mesh twice.
+/// Two surfaces closer to each other than this fraction of the depth range are one: an edge that two triangles share, a sheet that
+/// is twice in the mesh.
 const SAME: f64 = 1e-6;
 
 /// A projected triangle in texel coordinates.
@@ -21,7 +21,7 @@ struct Flat {
     rows: (f64, f64),
 }
 
-/// The two nearest surfaces of each facing, as q; larger is nearer.
+/// The two nearest surfaces of each facing by their q; a larger q is nearer.
 #[derive(Clone, Copy)]
 struct Nearest {
     facing: [[f32; 2]; 2],
@@ -41,13 +41,13 @@ impl Nearest {
         }
     }
 
-    /// First surface; next surface; second one with the first's facing, or the other facing's first where that was next;
-    /// second one with the other facing.
+    /// The first surface; the next surface; the second one with the first's facing, or, if that was next, the nearest of the other
+    /// facing; the second one with the other facing.
     fn layers(&self, slack: f32) -> [f32; 4] {
         let [front, back] = self.facing;
         let (own, mut other) = if front[0] >= back[0] { (front, back) } else { (back, front) };
         if (other[0] - own[0]).abs() <= slack {
-            // A sheet with both sides is one surface.
+            // Two coincident sides of a sheet are one surface.
             other = [other[1], EMPTY];
         }
         let (next, third) = if own[1] >= other[0] { (own[1], other[0]) } else { (other[0], own[1]) };
@@ -55,7 +55,7 @@ impl Nearest {
     }
 }
 
-/// Draws triangles into at most `count` layers, texel by texel at the centres, 1 to 4.
+/// Draws triangles into at most `count` layers, 1 to 4, sampled at the texels' centres.
 pub(crate) fn draw(face: &Face, triangles: &[Triangle], near: f64, radius: f64, count: usize) -> Vec<Vec<f32>> {
     let flat: Vec<Flat> = triangles.par_iter().flat_map_iter(|t| project(face, t, near)).collect();
     let (low, high) = extremes(flat.iter().flat_map(|t| t.q));
@@ -74,7 +74,7 @@ pub(crate) fn draw(face: &Face, triangles: &[Triangle], near: f64, radius: f64, 
 
 fn project(face: &Face, triangle: &Triangle, near: f64) -> impl Iterator<Item = Flat> {
     let local = triangle.map(|p| face.frame.local(p));
-    // The light is the origin: its side of the plane.
+    // The light is at the origin: the side of the triangle's plane on which it is.
     let faces_light = (local[1] - local[0]).cross(local[2] - local[0]).dot(local[0]) < 0.0;
     let polygon = Polygon::new(&local).clip(|p: DVec3| p.z - near);
     let points = polygon.corners().iter().map(|p| {
@@ -111,7 +111,7 @@ fn fill(face: &Face, triangle: &Flat, first_row: usize, radius: f64, slack: f32,
             }
         }
         let width = face.width as f64;
-        // Both sides of a shared edge draw a texel on it: better twice than not at all.
+        // Both triangles of a shared edge draw a texel on it, so that none is missed.
         let first = (left - 0.5 - 1e-7).ceil().clamp(0.0, width) as usize;
         let end = ((right - 0.5 + 1e-7).floor() + 1.0).clamp(0.0, width) as usize;
         for i in first..end {

@@ -1,7 +1,7 @@
-// What texels hide of a light: `splat` of blockers.rs for the thread's own row, from the pyramids' roots. No barriers.
-// Needs face_view.wgsl, own_face.wgsl, polygon_union.wgsl and `frame`.
+// Draws the texels that block into the mask: `splat` of blockers.rs for the thread's own row, from the pyramids' roots. No
+// barriers. Needs face_view.wgsl, own_face.wgsl, polygon_union.wgsl and `frame`.
 
-// Clears bits of the own row `lit`; every thread of the workgroup calls it.
+// Clears bits of the row `lit`. All threads of the workgroup call it.
 fn maps_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
     let map = map_of_light();
     if map == 0u || map_leaves(at.object) || lane >= SIDE || emitting.x >= emitting.y {
@@ -13,7 +13,7 @@ fn maps_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
     if map_own_face(at, light) == PARTIAL {
         map_draw_below(square_local(square, at.face), square);
     }
-    // The own row's lines are 3/8 of a cell from its middle at most, and edges move by an eighth of one.
+    // The row's lines are at most 3/8 of a cell from its centre, and edges move by an eighth of a cell.
     let y = mask_row_y(mask, lane) + vec2f(-0.53125, 0.53125) * cell.y;
     let x = union_range() + vec2f(-0.15625, 0.15625) * cell.x;
     for (var f = 0u; f < maps_word(map); f++) {
@@ -35,12 +35,12 @@ fn map_draw_layer(view: MapView, layer: MapLayer) {
         if node.low <= node.high {
             block = map_block(view, layer, item, node);
             verdict = map_judge(view, layer, item, node, block);
-            // The far side of an object is mostly behind its near side: what can add nothing is not looked into.
+            // Skips a node that is covered already: the far side of an object is mostly behind its near side.
             if verdict != MAP_NO && map_is_covered(view, block) {
                 verdict = MAP_NO;
             }
         }
-        // Both parts of a small node, or all of a large one: drawn in one place, since drivers copy what a function does to each.
+        // Both parts of a small node, or a whole large one: drawn in one place, since drivers inline a function at each call.
         var quads = 0u;
         var quad: MapQuad;
         var next: MapQuad;
@@ -77,7 +77,7 @@ fn map_draw_layer(view: MapView, layer: MapLayer) {
     }
 }
 
-// Whether all of a node's image on the own row is covered already.
+// Whether the whole image of a node on this row is covered already.
 fn map_is_covered(view: MapView, block: MapBlock) -> bool {
     let middle = view.image * block.middle;
     let spread = abs(view.image[0]) * block.half.x + abs(view.image[1]) * block.half.y + abs(view.image[2]) * block.half.z;
@@ -85,7 +85,7 @@ fn map_is_covered(view: MapView, block: MapBlock) -> bool {
     let high = middle + spread;
     let most = max(abs(low), abs(high));
     if low.z < MAP_NEAR * max(max(most.x, most.y), most.z) {
-        // It reaches behind the receiver.
+        // The block reaches behind the receiver.
         return false;
     }
     let far = 1.0 / high.z;
@@ -96,7 +96,7 @@ fn map_is_covered(view: MapView, block: MapBlock) -> bool {
     );
 }
 
-// A quadrilateral in the picture with q at its corners, and how far its neighbours' q may be from the edges.
+// A quadrilateral of the face with q at its corners; `deviations` bound how far the neighbours' q is from its edges.
 struct MapQuad { x: vec4f, y: vec4f, q: vec4f, deviations: vec4f, is_there: bool }
 
 fn map_part_quad(part: MapPart) -> MapQuad {
@@ -130,7 +130,7 @@ fn map_draw(view: MapView, quad: MapQuad) {
                 dot(points[0], points[0]), dot(points[1], points[1]), dot(points[2], points[2]), dot(points[3], points[3])
             );
             let farthest = sqrt(max(max(lengths.x, lengths.y), max(lengths.z, lengths.w)));
-            // Within the window it is no more than what a node is merged for; slack is twice that.
+            // Within the window the shift is at most that for which nodes are merged; `slack` is twice that.
             let shift = min(farthest * (view.image[2].z * deviations / nearest + 1e-5), vec4f(0.5 * view.slack));
             grow = select(vec4f(0.0), shift, deviations > vec4f(0.0));
         }
@@ -140,7 +140,7 @@ fn map_draw(view: MapView, quad: MapQuad) {
     }
 }
 
-// The part of a quadrilateral in homogeneous plane coordinates that is before the receiver.
+// Draws the part of a quadrilateral in homogeneous plane coordinates that is in front of the receiver.
 fn map_draw_clipped(corners: mat4x3f, near: f32) {
     union_open();
     var before = corners;
@@ -153,7 +153,7 @@ fn map_draw_clipped(corners: mat4x3f, near: f32) {
             union_corner(p.xy / p.z);
         }
         if (here >= 0.0) != (there >= 0.0) {
-            // From the inner end, so that both neighbours of an edge find the same point.
+            // Computed from the inner end, so that both neighbours of an edge find the same point.
             var at = next + (p - next) * (there / (there - here));
             if here >= 0.0 {
                 at = p + (next - p) * (here / (here - there));
@@ -164,7 +164,7 @@ fn map_draw_clipped(corners: mat4x3f, near: f32) {
     union_close();
 }
 
-// The part of the window below a plane through the receiver; `n` in the square's frame.
+// Draws the part of the window below a plane through the receiver; `n` is its normal in the square's frame.
 fn map_draw_below(n: vec3f, square: UnitSquare) {
     let low = square.center - square.half;
     let high = square.center + square.half;

@@ -1,23 +1,23 @@
-//! Whether a map shows what blocks a light.
+//! Tests whether a map shows the blockers of a light.
 
 use crate::ShadowMap;
 use crate::fit::{Fit, corners};
 use glam::{DVec3, Vec3};
 use lobe_core::Sphere;
 
-/// Surfaces nearer to the light's centre than so many of its radii: other parts of the light see round them, and every receiver
-/// has the whole map before its light (3.9 s for a picture that takes 0.8 s with rays).
+/// Surfaces nearer to the light's centre than this many of its radii are not shown: other parts of the light see around them, and
+/// every receiver has the whole map in front of its light (3.9 s for a picture that takes 0.8 s with rays).
 const TOUCHING: f64 = 1.25;
-/// Largest part of the area whose planes may go through the light. On a sphere it is the sine of the light's half-angle.
+/// Largest fraction of the area whose planes may cut the light. For a sphere the fraction is the sine of the light's half-angle.
 const EDGE_ON: f64 = 0.4;
 
 impl ShadowMap {
-    /// Whether a map from the light's centre shows these triangles to everything that sees the light. It does not
-    /// - where they touch the light, or nearly: they are not behind each other as its centre sees them;
-    /// - where most of their area lies in planes through the light: its centre sees walls from the side, in a few texels or in
-    ///   none, while half of the light sees all of their front.
+    /// Whether a map from the light's centre shows these triangles to all receivers of the light. It does not
+    /// - if they touch the light, or nearly: its other parts then see around their outlines;
+    /// - if the planes of most of their area cut the light: the light's centre sees such walls edge-on, in a few texels or none,
+    ///   while half of the light sees their whole front.
     ///
-    /// Take other blockers for them. What is not a number, or refers to a vertex that does not exist, is left to
+    /// Use other blockers for them. Triangles with numbers that are not finite, or with vertices that do not exist, are reported by
     /// [`build`](Self::build).
     ///
     /// ```
@@ -53,10 +53,10 @@ impl ShadowMap {
         edge_on <= EDGE_ON * all
     }
 
-    /// Whether the map has texels of these triangles, where it was built of them: some may be between one of its receivers and the
-    /// light. Floors below all receivers, and walls around them, have none.
+    /// Whether the map has texels of these triangles, if it was built from them: some triangle may be between one of its receivers
+    /// and the light. Floors below all receivers, and walls around them, have no texels.
     ///
-    /// What shadows a surface that has texels is mostly the surface itself, a few texels away: see
+    /// A surface with texels is shadowed mostly by itself, from a few texels away: see
     /// [`ShadowMapBlockers::leaving`](crate::ShadowMapBlockers::leaving).
     ///
     /// ```
@@ -87,10 +87,10 @@ impl ShadowMap {
     }
 }
 
-/// Of a triangle from the origin.
+/// The distance of a triangle from the origin.
 fn distance(corners: [DVec3; 3], normal: DVec3) -> f64 {
     let next = |k: usize| corners[(k + 1) % 3];
-    // Over its inside the plane is nearest, else an edge.
+    // The plane is nearest if the origin projects into the triangle, else an edge.
     if (0..3).all(|k| normal.dot((next(k) - corners[k]).cross(-corners[k])) >= 0.0) {
         return normal.dot(corners[0]).abs() / normal.length();
     }

@@ -12,7 +12,7 @@ fn mask(depth: u32) -> Mask {
     mask
 }
 
-/// The fraction of the unit disc that the union leaves.
+/// The fraction of the unit disc that the union leaves visible.
 fn seen(union: &PolygonUnion, depth: u32) -> f32 {
     let mut mask = mask(depth);
     union.write(&mut mask);
@@ -26,7 +26,7 @@ fn polygons_cover_their_area() {
     for depth in [1, 3, 5, 6] {
         let (mut sum, mut worst) = (0.0_f64, 0.0_f64);
         for _ in 0..200 {
-            // A quadrilateral inside of the disc: its corners in order around a circle.
+            // A quadrilateral inside the disc: its corners in order around a circle.
             let radius = random.between(0.2, 0.95) as f32;
             let mut turns = [0; 4].map(|_| random.between(0.0, std::f64::consts::TAU) as f32);
             turns.sort_by(f32::total_cmp);
@@ -39,7 +39,7 @@ fn polygons_cover_their_area() {
             sum += error;
             worst = worst.max(error);
         }
-        // Lines a quarter of a cell apart: an edge along them is off by up to an eighth of a cell.
+        // Lines are a quarter of a cell apart: an edge along them errs by up to an eighth of a cell.
         let line = 2.0 / f64::from(1 << depth) / 4.0;
         println!("depth {depth}: mean {:.1e}, max {worst:.1e}", sum / 200.0);
         assert!(worst < line && sum / 200.0 < 0.15 * line);
@@ -87,7 +87,7 @@ fn covered_is_what_was_drawn() {
         union.polygon(&mut [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| Vec2::new(x, y)), grow);
         let beyond = |at: Vec2| union.is_covered(at - 0.01, at + 0.01);
         for (other, to) in [Vec2::NEG_Y, Vec2::X, Vec2::Y, Vec2::NEG_X].into_iter().enumerate() {
-            // An edge along the lines moves only where both its neighbours do: a gap there is less than a line.
+            // An edge along the lines moves only if both its neighbours do: the gap is less than a line.
             assert_eq!(beyond(to * 0.55), other == k && side.x != 0.0, "{k} {other}");
         }
     }
@@ -108,7 +108,7 @@ fn corners_of_a_plane_are_exact_and_its_pyramid_is_flat() {
             }
         }
     }
-    // Away from the rim, where corners are those of texels.
+    // Away from the rim, where corners equal texels.
     let node = layer.node(3, 1, 1);
     assert!(node.deviation < 1e-6, "{}", node.deviation);
     assert!(layer.node(layer.top(), 0, 0).deviation.is_finite());
@@ -116,7 +116,7 @@ fn corners_of_a_plane_are_exact_and_its_pyramid_is_flat() {
 
 #[test]
 fn the_pyramid_knows_its_own_corners() {
-    // Smooth, with steps, and with holes: deviations against all texels' corners.
+    // A smooth layer, one with steps, one with holes: deviations against the corners of all texels.
     let mut random = Random::new(4);
     let (width, height) = (29, 23);
     for holes in [0.0, 0.02] {
@@ -171,14 +171,14 @@ fn depth_steps_are_not_bridged() {
     let Some([Some(part), None]) = layer.parts(corner, 1, ONE_DEPTH, |_, _, _| true) else { panic!("one depth") };
     assert_eq!((area(&part), part.q), (3.0, 0.0));
     assert_eq!(part.corners, [[1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
-    // Both sides of the step in the upper half, by 4 × 4 of the texels.
+    // Both sides of the step in the upper half, from 4 × 4 of the texels.
     let all = layer.texels(3, 0, 0);
     let Some([Some(near), Some(far)]) = layer.parts(all, 2, [0.5, 0.1], |_, j, _| j > 4.0) else {
         panic!("two depths")
     };
     assert_eq!((area(&near), near.q, area(&far), far.q), (16.0, 1.0, 16.0, 0.0));
     assert_eq!(layer.parts(all, 2, [0.5, 0.1], |_, _, _| false), Some([None; 2]));
-    // Both depths in one part are too many, unless one of them blocks nothing.
+    // Two depths in one part are too many, unless one of them blocks nothing.
     assert_eq!(layer.parts(all, 2, ONE_DEPTH, |_, _, _| true), None);
     assert!(layer.parts(all, 2, ONE_DEPTH, |_, _, q| q > 0.5).is_some());
 }

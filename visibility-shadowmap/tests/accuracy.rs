@@ -1,4 +1,4 @@
-//! Against rays on the mesh in f64. Truth is from 40² samples: its own error is about 0.15 % a receiver.
+//! Against rays on the mesh in f64. The reference has 40² samples: its own error is about 0.15 % a receiver.
 
 mod common;
 
@@ -22,7 +22,7 @@ fn floor(center: Vec3, half: f32, side: usize) -> Vec<Receiver> {
         .collect()
 }
 
-/// Points on a mesh that face the light, unless something lies on them.
+/// Points on a mesh that face the light, if nothing lies on them.
 fn on(mesh: &Mesh, light: Sphere, count: usize) -> Vec<Receiver> {
     let mut random = Random::new(3);
     let mut all = Vec::new();
@@ -50,10 +50,10 @@ fn cube_on_a_floor() {
     let outside = |at: &Receiver| at.position.x.abs() > 0.5 || at.position.z.abs() > 0.5;
     let receivers: Vec<_> = floor(Vec3::new(-0.3, 0.0, -0.2), 1.2, 24).into_iter().filter(outside).collect();
     Errors::of(&cube, &receivers, LIGHT, &options(512)).below("cube, floor", 0.5, 0.12, 0.02);
-    // The cube's own skin is lit: no acne.
+    // The cube's lit faces do not shadow themselves.
     let [_, _, lit] = Errors::of(&cube, &on(&cube, LIGHT, 300), LIGHT, &options(512)).means();
     assert!(lit <= 0.02, "{lit}");
-    // With a floor among the casters, the same: it can shadow no receiver.
+    // The same with a floor among the casters: it can shadow no receiver.
     let both = cube.quad([(-9, -9), (-9, 9), (9, 9), (9, -9)].map(|(x, z)| Vec3::new(x as f32, 0.0, z as f32)));
     let bounds = ReceiverBounds { min: Vec3::new(-2.0, 0.0, -2.0), max: Vec3::new(2.0, 1.0, 2.0) };
     let fitted = MapOptions { receivers: Some(bounds), ..options(512) };
@@ -71,7 +71,7 @@ fn two_stacked_plates() {
     let receivers = floor(Vec3::new(-0.3, 0.0, -0.2), 0.8, 24);
     let three = Errors::of(&plates, &receivers, LIGHT, &options(512));
     three.below("plates, floor", 0.4, 0.05, 0.02);
-    // Without the third layer the lower plate is not seen behind the upper one.
+    // Without the third layer the map misses the lower plate behind the upper one.
     let two = Errors::of(&plates, &receivers, LIGHT, &MapOptions { layers: 2, ..options(512) });
     assert!(two.means()[1] > 3.0 * three.means()[1].max(0.1), "{:?}", two.means());
     Errors::of(&plates, &on(&plates, LIGHT, 400), LIGHT, &options(512)).below("plates, self", 0.6, 0.1, 0.02);
@@ -86,12 +86,12 @@ fn fence() {
     Errors::of(&fence, &receivers, LIGHT, &options(1024)).below("fence, floor", 0.6, 0.1, 0.05);
 }
 
-/// Rails shadow the pickets they are nailed to: a fitted map is fine enough for that.
+/// Rails shadow the pickets that carry them: a fitted map is fine enough.
 #[test]
 fn fence_on_itself() {
     let (fence, light) = (Mesh::fence(), Sphere { center: Vec3::new(-2.0, 4.0, 3.5), radius: 0.5 });
     let mut random = Random::new(6);
-    // Below the rails, where their shadow ends.
+    // Below the rails, at the ends of their shadows.
     let on_picket = |k: usize| {
         let x = -1.5 + 0.1 * (k / 2 % 31) as f32 + random.between(-0.025, 0.025) as f32;
         let y = [0.27, 0.67][k % 2] - random.between(0.015, 0.03) as f32;
@@ -101,11 +101,11 @@ fn fence_on_itself() {
     let bounds = ReceiverBounds { min: Vec3::new(-9.0, 0.0, -9.0), max: Vec3::new(9.0, 1.0, 9.0) };
     let options = MapOptions { receivers: Some(bounds), ..options(2048) };
     let map = ShadowMap::fitted(&fence.positions, &fence.triangles, light, &options).expect("a good mesh");
-    // More texels a side than were allowed for a square, not more in all.
+    // More texels a side than a square image may have, but not more in all.
     assert!(map.resolution() > 2048 && map.bytes() < 2048 * 2048 * 32, "{} {}", map.resolution(), map.bytes());
     let at = |resolution| Errors::of(&fence, &receivers, light, &MapOptions { resolution, ..options });
     at(map.resolution()).below("fence, self", 3.0, 0.6, 0.2);
-    // That is what it takes.
+    // A coarser map is not enough.
     assert!(at(1056).means()[0] > 6.0);
 }
 
@@ -113,8 +113,8 @@ fn fence_on_itself() {
 fn sphere_with_smooth_normals() {
     let sphere = Mesh::default().sphere(Vec3::new(0.0, 0.7, 0.0), 0.5, 24);
     let receivers = floor(Vec3::new(-0.3, 0.0, -0.2), 1.0, 20);
-    Errors::of(&sphere, &receivers, LIGHT, &options(512)).below("ball, floor", 0.5, 0.1, 0.02);
-    // Lit skin stays lit, by the facets' normals and by the sphere's own.
+    Errors::of(&sphere, &receivers, LIGHT, &options(512)).below("sphere, floor", 0.5, 0.1, 0.02);
+    // Lit surfaces stay lit, with the facets' normals and with the sphere's own.
     for smooth in [false, true] {
         let mut receivers = on(&sphere, LIGHT, 600);
         if smooth {
@@ -125,7 +125,7 @@ fn sphere_with_smooth_normals() {
         }
         for resolution in [64, 256, 1024] {
             let [_, _, lit] = Errors::of(&sphere, &receivers, LIGHT, &options(resolution)).means();
-            println!("ball, self, smooth {smooth}, {resolution}: lit darkened by {lit:.3} %");
+            println!("sphere, self, smooth {smooth}, {resolution}: lit darkened by {lit:.3} %");
             assert!(lit <= 0.1, "{lit}");
         }
     }
@@ -141,7 +141,7 @@ fn error_falls_with_resolution() {
     assert!(errors.windows(2).all(|e| e[1] < e[0]), "{errors:?}");
 }
 
-/// Narrow lobes have masks of their own over a part of the light, for which the map is asked again.
+/// Narrow lobes have masks of their own over a part of the light; the map is searched again for these.
 #[test]
 fn glossy_lobes_see_what_they_look_at() {
     let mesh = Mesh::default().cuboid(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 1.0, 0.5)).sphere(
@@ -162,7 +162,7 @@ fn glossy_lobes_see_what_they_look_at() {
             let axis = random.axis_at(cone.axis.as_dvec3(), off).as_vec3().normalize();
             let lobe = Lobe { exponent, flux: Vec3::ONE, axis, has_cosine: false };
             let truth = mesh.seen_by(&at, LIGHT, 64, |v| {
-                // The square's area as solid angle.
+                // Converts the square's area to solid angle.
                 axis.as_dvec3().dot(v).powf(f64::from(exponent)) * cone.axis.as_dvec3().dot(v).powi(3)
             });
             let mut visit = LightVisibility::alone(&strategy, LightId(0), Accuracy::new(0.003), &mut scratch);
@@ -184,7 +184,7 @@ fn glossy_lobes_see_what_they_look_at() {
 #[test]
 fn seams_of_the_cube_are_invisible() {
     let light = Sphere { center: Vec3::new(0.1, -0.05, 0.07), radius: 0.4 };
-    // A large plate before each of the twelve seams: half of every shadow is from one face, half from another.
+    // A large plate in front of each of the twelve seams: half of every shadow comes from one face, half from another.
     let mut random = Random::new(8);
     for k in 0..12_usize {
         let (axis, signs) = (k / 4, [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)][k % 4]);
@@ -196,7 +196,7 @@ fn seams_of_the_cube_are_invisible() {
         let middle = light.center + seam * 2.0;
         let plate = Mesh::default()
             .quad([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| middle + u * x + v * y));
-        // Something on the other side makes it a cube.
+        // A caster on the other side makes the map a cube.
         let all = plate.quad(
             [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
                 .map(|(x, y)| light.center - seam * 2.0 + u * x + v * y),
@@ -227,7 +227,7 @@ fn light_inside_a_closed_box_is_hidden() {
     for resolution in [16, 64, 256] {
         let errors = Errors::of(&mesh, &receivers, light, &options(resolution));
         assert_eq!(errors.umbra.len(), receivers.len());
-        // One sample of 65 536 of one receiver may slip through where two faces of the cube meet.
+        // One sample of 65 536 of one receiver may leak at a seam of the cube.
         assert!(errors.umbra.iter().all(|v| *v < 1e-4), "leaks {:?}", errors.means());
     }
 }
@@ -250,9 +250,9 @@ fn light_between_two_objects() {
 
 #[test]
 fn light_that_touches_a_sphere() {
-    // Next to the light a texel's width of the sphere has very different depths.
+    // Next to the light a texel of the sphere spans very different depths.
     let light = Sphere { center: Vec3::new(0.45, 1.25, 0.0), radius: 0.45 };
     let mesh = Mesh::default().sphere(Vec3::Y * 0.6, 0.4, 24);
     let errors = Errors::of(&mesh, &floor(Vec3::new(-0.8, 0.0, 0.0), 1.6, 16), light, &options(256));
-    errors.below("light that touches a ball", 0.7, 0.05, 0.05);
+    errors.below("light that touches a sphere", 0.7, 0.05, 0.05);
 }

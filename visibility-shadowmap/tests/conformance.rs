@@ -1,4 +1,4 @@
-//! The suite that all visibility strategies keep, for shadow maps.
+//! The suite of all visibility strategies, for shadow maps.
 
 use glam::Vec3;
 use lobe_core::conformance::{Limits, Setting, check};
@@ -6,11 +6,11 @@ use lobe_core::{DynVisibility, Sphere};
 use visibility_mask::MaskVisibility;
 use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
 
-/// Corners around a rim: the chord of the largest sphere (1.5 rad) is off its rim by 0.1 % of the smallest light (0.005).
+/// Corners around a rim: the chords of the largest sphere (1.5 rad) are off its rim by 0.1 % of the smallest light (0.005).
 const CORNERS: u32 = 1024;
 
-/// A closed double cone that hides from `eye` just what the sphere does: its rim is the circle in which tangents from there
-/// touch the sphere, its tips are the sphere's nearest and farthest points. The rim's polygon has the circle's area.
+/// A closed double cone that hides the same directions from `eye` as the sphere: its rim is the circle in which tangents from there
+/// touch the sphere, and its tips are the sphere's nearest and farthest points. The rim's polygon has the circle's area.
 fn add(sphere: &Sphere, eye: Vec3, positions: &mut Vec<Vec3>, triangles: &mut Vec<[u32; 3]>) {
     let to = (sphere.center - eye).as_dvec3();
     let (distance, radius) = (to.length(), f64::from(sphere.radius));
@@ -37,26 +37,26 @@ fn add(sphere: &Sphere, eye: Vec3, positions: &mut Vec<Vec3>, triangles: &mut Ve
     }
 }
 
-/// A map of the spheres, fitted to what may shadow the receiver.
+/// A map of the spheres, fitted to those that may shadow the receiver.
 fn blockers(setting: &Setting<'_>, resolution: u32) -> ShadowMapBlockers {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     setting.spheres.iter().for_each(|sphere| add(sphere, setting.receiver, &mut positions, &mut triangles));
     let receivers = Some(ReceiverBounds { min: setting.receiver - 1e-3, max: setting.receiver + 1e-3 });
     let options = MapOptions { resolution, receivers, ..MapOptions::default() };
-    let map = ShadowMap::build(&positions, &triangles, setting.light, &options).expect("finite balls");
+    let map = ShadowMap::build(&positions, &triangles, setting.light, &options).expect("finite spheres");
     ShadowMapBlockers::new(vec![map])
 }
 
-/// What texels allow; a light is about 150 of them wide here.
+/// The accuracy of texels; a light is about 150 of them wide here.
 fn limits() -> Limits {
     Limits {
-        // Along the horizon the texel's own rounding does not block: next to nothing of the radiance comes from there.
+        // Texels along the horizon do not block, by their own rounding: almost no radiance comes from there.
         cover: 1e-3,
         overlap_mean: 0.001,
-        // A lobe of exponent 500 sees a tenth of the widest light, that is 15 texels; the smallest spheres are five texels wide.
+        // A lobe of exponent 500 sees a tenth of the widest light, 15 texels; the smallest spheres are five texels wide.
         several_mean: 0.013,
         several: 0.06,
-        // Its texels lie elsewhere where everything is turned, but not after a small move.
+        // The texels lie elsewhere after a rotation of the scene, but not after a small motion.
         turn: 0.02,
         jump: 0.008,
         jump_several: 0.004,
@@ -65,7 +65,7 @@ fn limits() -> Limits {
     }
 }
 
-/// Used as `Box<dyn …>`; the suite itself compares that with the static one.
+/// Used as `Box<dyn …>`; the suite itself compares it with the static one.
 #[test]
 fn shadow_map() {
     let boxed = |s: &Setting<'_>| -> Box<dyn DynVisibility> { Box::new(MaskVisibility::new(blockers(s, 256))) };

@@ -1,4 +1,4 @@
-//! Work follows the mask, not the map.
+//! The work follows the mask, not the map.
 
 mod common;
 
@@ -10,7 +10,7 @@ use visibility_shadowmap::{MapOptions, ShadowMapBlockers};
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(0.0, 5.0, 0.0), radius: 0.5 };
 
-/// Nodes and quadrilaterals a point of a floor: 1 % of the light's disc is seen or more, 99 % or less.
+/// Nodes and quadrilaterals for points of a floor in penumbra: between 1 % and 99 % of the light's disc are visible.
 fn work(mesh: &Mesh, resolution: u32) -> [f64; 2] {
     let blockers = ShadowMapBlockers::new(vec![mesh.map(LIGHT, &MapOptions { resolution, ..MapOptions::default() })]);
     let (mut sums, mut points) = ((0, 0), 0.0);
@@ -29,7 +29,7 @@ fn work(mesh: &Mesh, resolution: u32) -> [f64; 2] {
 
 #[test]
 fn a_finer_map_is_no_more_work() {
-    // Spheres, outlines and depth steps: in front of each other and of a block, as the light sees them.
+    // Spheres with outlines and depth steps, in front of each other and of a block, seen from the light.
     let mut mesh = Mesh::default().cuboid(Vec3::new(-0.5, 0.4, -0.5), Vec3::new(0.5, 0.6, 0.5));
     for (x, y, z) in [(-0.3, 1.0, 0.1), (0.2, 1.2, 0.3), (0.1, 1.1, -0.3), (-0.2, 1.3, -0.1)] {
         mesh = mesh.sphere(Vec3::new(x, y, z), 0.25, 24);

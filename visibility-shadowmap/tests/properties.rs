@@ -1,4 +1,4 @@
-//! What must hold whatever the scene: limits, monotony, continuity, invariance, dispatch, bad input.
+//! Properties that hold for all scenes: limits, monotony, continuity, invariance, dispatch, bad input.
 
 mod common;
 
@@ -98,7 +98,7 @@ fn behind_receiver_or_light_nothing_blocks() {
             assert_eq!(share(&blockers, &mut scratch, &at, LIGHT), 1.0, "{at:?}");
         }
     }
-    // The floor that the receiver is on, at any angle of the light.
+    // The floor below the receiver, at any angle of the light.
     for height in [0.3, 1.0, 5.0] {
         let light = Sphere { center: Vec3::new(4.0, height, 0.0), radius: 0.2 };
         let floor = sheet(Mesh::default(), [-9.0, 9.0], 0.0, [-9.0, 9.0]);
@@ -122,7 +122,7 @@ fn full_cover_is_exactly_dark() {
             assert_eq!(share(&blockers, &mut scratch, &at, LIGHT), 0.0, "{at:?} {y} {resolution}");
         }
     }
-    // Tilted, curved, and tessellated: no cracks.
+    // A tilted, a curved and a tessellated surface: no cracks.
     let sphere = Mesh::default().sphere(Vec3::new(0.0, 2.0, 0.0), 1.5, 40);
     for resolution in [32, 128, 512, 2048] {
         let blockers = blockers(&sphere, LIGHT, resolution);
@@ -199,7 +199,7 @@ fn in_range_and_one_more_blocker_never_brightens() {
     let mut worst = 0.0_f64;
     for case in 0..40 {
         let mut mesh = soup(&mut random, 1 + case % 3);
-        // Keeps the window: texels stay where they are.
+        // Keeps the window, so that texels stay the same.
         mesh = sheet(sheet(mesh, [-3.0, -2.9], 2.5, [-3.0, -2.9]), [2.9, 3.0], 2.5, [2.9, 3.0]);
         let mut more = mesh.clone();
         let first = more.positions.len() as u32;
@@ -224,7 +224,7 @@ fn small_moves_make_small_changes() {
         .sphere(Vec3::new(0.2, 1.4, 0.1), 0.4, 20)
         .cuboid(Vec3::new(-0.9, 0.9, -0.4), Vec3::new(-0.4, 1.3, 0.3));
     let steps = 120;
-    // Receiver, light, blocker; a third of a unit to 120 steps.
+    // Moves the receiver, the light or the blocker in 120 steps, by 0.3 units or more.
     for kind in 0..3 {
         let values: Vec<f64> = (0..steps)
             .map(|k| {
@@ -239,7 +239,7 @@ fn small_moves_make_small_changes() {
             })
             .collect();
         let steps: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
-        // Beyond what its neighbours step.
+        // The part of a step that exceeds its neighbours.
         let pop = |w: &[f64]| w[2] - w[0].max(w[1]).max(w[3]).max(w[4]);
         let step = steps.windows(5).map(pop).fold(0.0, f64::max);
         let range = values.iter().fold(0.0_f64, |a, v| a.max(*v)) - values.iter().fold(1.0_f64, |a, v| a.min(*v));
@@ -280,7 +280,7 @@ fn turning_scaling_and_moving_change_nothing() {
 
 #[test]
 fn a_far_light_is_as_good_as_a_near_one() {
-    // The same cones from 5, 1e3 and 1e6 away, nearly: parallel shadows.
+    // Nearly the same cones from 5, 1e3 and 1e6 away: parallel shadows.
     let mesh = Mesh::default().sphere(Vec3::new(0.2, 1.4, 0.1), 0.4, 20);
     let receivers = floor_points(80, 0.9, 11);
     for distance in [1e3_f32, 1e6] {
@@ -393,14 +393,14 @@ fn grazing_and_turned_receivers_are_finite() {
     for k in 0..2000 {
         let position = match k % 4 {
             0 => random.axis().as_vec3() * 3.0,
-            // On the mesh, in the light's plane, in the light.
+            // Receivers on the mesh, in the light's plane, in the light.
             1 => mesh.positions[k % mesh.positions.len()],
             2 => Vec3::new(random.between(-3.0, 3.0) as f32, 5.0, random.between(-3.0, 3.0) as f32),
             _ => LIGHT.center + random.axis().as_vec3() * 0.601,
         };
         let at = receiver(position, random.axis().as_vec3());
         let seen = share(&blockers, &mut blockers.scratch(), &at, LIGHT);
-        // NaN where nothing of the disc is above the horizon.
+        // NaN if nothing of the disc is above the horizon.
         assert!(seen.is_nan() || (0.0..=1.0).contains(&seen), "{at:?}: {seen}");
     }
 }
@@ -443,7 +443,7 @@ fn any_scene_is_finite_and_a_group_changes_nothing() {
             let seen = share(&blockers, &mut scratch, &at, light);
             let alone = share(&blockers, &mut blockers.scratch(), &at, light);
             assert!(seen.is_nan() || (0.0..=1.0).contains(&seen), "{case}: {seen}");
-            // The rounding of a mask's area, where one says lit and the other looks and finds nothing.
+            // The rounding of a mask's area, if one says lit and the other draws the mask and finds nothing.
             assert!(seen.is_nan() && alone.is_nan() || (seen - alone).abs() < 1e-6, "{case}: {seen} {alone}");
             partial += u32::from(seen > 0.0 && seen < 1.0);
         }
@@ -451,7 +451,7 @@ fn any_scene_is_finite_and_a_group_changes_nothing() {
     assert!(partial > 500, "{partial}");
 }
 
-/// Texels of a coarse map reach behind a receiver that they nearly touch, in every way a quadrilateral can.
+/// Texels of a coarse map reach behind a receiver that they nearly touch, in all ways that a quadrilateral can.
 #[test]
 fn touching_receivers_are_finite() {
     let mesh = Mesh::fence();
@@ -498,7 +498,7 @@ fn advice_follows_the_width_of_the_light() {
     let mesh = Mesh::default().sphere(Vec3::new(0.0, 1.5, 0.0), 0.6, 12);
     let bounds = ReceiverBounds { min: Vec3::new(-2.0, 0.0, -2.0), max: Vec3::new(2.0, 0.0, 2.0) };
     let advice = |resolution| mesh.map(LIGHT, &options(resolution)).advice(&bounds);
-    // Nearest blocker 2.9 from the light, receivers 5: w = 2·0.6·2.1/(5·2.9·t), t ≈ 2·0.175/resolution.
+    // The nearest blocker is 2.9 from the light, receivers 5: w = 2·0.6·2.1/(5·2.9·t), t ≈ 2·0.175/resolution.
     let expected = |resolution: f32| 1.2 * 2.1 / (5.0 * 2.9) * resolution / 0.35;
     for resolution in [24, 48, 256] {
         let (wide, told) = (expected(resolution as f32), advice(resolution));

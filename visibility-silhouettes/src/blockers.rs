@@ -13,22 +13,22 @@ use glam::{Vec2, Vec3};
 use lobe_core::{Cone, Coverage, Outline, Receiver, Shaft, Sphere, VisibilityQuery};
 use visibility_mask::{Blockers, Edges, Mask, UnitSquare, facet_coverage};
 
-/// The size of details that a tolerance leaves out: this part of it, in radii of the light. Root mean square: measured so that
-/// masks differ by less than a quarter of the tolerance in the mean.
+/// The size of details that a tolerance leaves out: this fraction of it, in radii of the light. A root mean square, measured so
+/// that masks differ by less than a quarter of the tolerance in the mean.
 const DETAIL: f32 = 4.0;
 
-/// Triangles that may be cut are asked for in a ball so much larger than the shaft's end.
+/// A sphere that is larger than the shaft's end by this factor contains all triangles that may be cut.
 const AROUND: f32 = 1.001;
 
-/// The cosine of two normals of one plane, at least.
+/// The smallest cosine between two normals of one plane.
 const ALONG: f64 = 0.999_9;
 
-/// Edges are added up before no wider disc than this, `1 − cos θ`.
+/// The widest disc, `1 − cos θ`, in front of which edges are summed.
 const WIDEST_DISC: f32 = 0.9;
 
-/// What answers the one question that outlines leave open: whether a ray meets any triangle.
+/// Traces the rays that outlines leave open: whether a ray meets any triangle.
 ///
-/// It must know the same triangles as the meshes.
+/// It must have the same triangles as the meshes.
 pub trait AnyHit: Sync {
     /// Working memory, one a thread.
     type Scratch: Send;
@@ -36,60 +36,59 @@ pub trait AnyHit: Sync {
     /// New working memory.
     fn scratch(&self) -> Self::Scratch;
 
-    /// Told before a group of receivers and one light: all following rays are inside `shaft` until the next call. `false`
-    /// says that none of them meets anything.
+    /// Called before a group of receivers and one light: all following rays are inside `shaft` until the next call. Returns `false`
+    /// if no ray in the shaft meets a triangle.
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> bool {
         let _ = (shaft, scratch);
         true
     }
 
-    /// Where rays start that leave a surface: off it by as little as keeps it from hiding itself.
+    /// The start of rays that leave a surface: just far enough off it that the surface does not hide itself.
     fn leave(&self, position: Vec3, face: Vec3) -> Vec3;
 
     /// Whether a triangle lies on the ray nearer than `distance`. `direction` has length 1.
     fn is_hit(&self, origin: Vec3, direction: Vec3, distance: f32, scratch: &mut Self::Scratch) -> bool;
 
-    /// Calls `visit` for all triangles that may meet a ball, with their corners in the order of the mesh.
+    /// Calls `visit` for all triangles that may meet a sphere, with their corners in the order of the mesh.
     fn triangles_meeting(&self, ball: Sphere, visit: &mut dyn FnMut([Vec3; 3]));
 
-    /// Whether an object's triangles are among them.
+    /// Whether the triangles of an object are included.
     fn has(&self, object: u32) -> bool;
 }
 
-/// The `silhouettes` strategy: triangle meshes block exactly, at the price of their outlines. Wrap it in
+/// The `silhouettes` strategy: triangle meshes block exactly, and the cost follows their outlines. Wrap it in
 /// [`MaskVisibility`](visibility_mask::MaskVisibility).
 ///
 /// # Method
-/// Seen from a receiver, the number of surfaces before a direction changes only across silhouettes: edges between a triangle
-/// that faces the receiver and one that does not, and borders. Their crossings with the rows of the mask give the number
-/// at each sample, up to one constant; one any-hit ray through a sample with the fewest gives that. A sample is lit where
-/// the number is zero.
+/// Seen from a receiver, the number of surfaces in front of a direction changes only across silhouettes: borders, and edges between
+/// a triangle that faces the receiver and one that does not. The crossings of silhouettes with the rows of the mask give the number
+/// at each sample, up to one constant. One any-hit ray through a sample with the fewest surfaces gives the constant. A sample is
+/// lit if its number is zero.
 ///
 /// Each decision is made once for a vertex (between which rows it lies), once for a triangle (on which side of its plane the
-/// receiver is: f32 where that is certain, else f64) or once for an edge (where it crosses a row), so outlines stay closed
-/// whatever the rounding: no light leaks between triangles, wound any way, open or crossing each other.
+/// receiver is: in f32 if that is certain, else in f64) or once for an edge (where it crosses a row). Outlines therefore stay
+/// closed whatever the rounding: no light leaks between triangles, whether they are open, intersecting, or wound either way.
 ///
-/// Surfaces count as far as the light's front side. Where the light holds a part of a triangle, its silhouettes end at the
-/// light's surface, and the arc in which that surface cuts the triangle is an outline as well, drawn as chords of a circle of 64
-/// sides.
+/// Surfaces count as far as the light's front side. If a triangle reaches into the light, its silhouettes end at the light's
+/// surface, and the arc in which that surface cuts the triangle is an outline too, drawn as chords of a circle of 64 sides.
 ///
 /// # Accuracy
-/// On 10 000 random soups of triangles (loose, closed, crossing each other, wound either way, cards, strips, needles) 1 of 12.9
-/// million samples differs from f64 rays, on a needle as thin as rounding; where the light holds parts of triangles 108 of 1.3
-/// million, beside chords.
+/// On 10 000 random soups of triangles (loose, closed, intersecting, wound either way, cards, strips, needles) 1 of 12.9 million
+/// samples differs from f64 rays, on a needle as thin as rounding. If triangles reach into the light, 108 of 1.3 million samples
+/// differ, beside chords.
 ///
 /// # Cost
-/// A hierarchy of edges is asked once for a group of receivers that are close together, and cells of the group keep shorter
-/// lists; else it is asked for a few neighbours or for each receiver. A receiver then takes time for each edge in its list, for
-/// each silhouette before its light, for each row that one crosses, and for one ray. Of a group that sees no silhouette the receivers on
-/// one face take one ray, where all triangles around them are in the plane of that face. `cargo run --release -p cosine-lobes-render-cpu
-/// --example silhouettes` measures it beside shadow rays.
+/// A hierarchy of edges is searched once for a group of receivers that are close together, and cells of the group have shorter
+/// lists; else it is searched for a few neighbours, or for each receiver. A receiver then takes time for each edge of its list, for
+/// each silhouette in front of its light, for each row that a silhouette crosses, and for one ray. In a group without silhouettes,
+/// all receivers on one face share one ray if all triangles near them are in the plane of that face.
+/// `cargo run --release -p cosine-lobes-render-cpu --example silhouettes` compares the time with that of shadow rays.
 ///
 /// # Simplified forms
-/// Of a large mesh most edges are finer than a mask can show. [`SilhouetteMesh::with_coarse`] divides a mesh into patches and
-/// simplifies each, but not its rim; [`with_tolerance`](Self::with_tolerance) draws the simplified form of a patch for receivers
-/// from so far on that the root mean square of what it leaves out is a small part of the light's size there. Any choice of
-/// forms is closed, since an edge between two patches is kept for each choice. Two of three rays then say whether the fewest
+/// Most edges of a large mesh are finer than a mask can show. [`SilhouetteMesh::with_coarse`] divides a mesh into patches and
+/// simplifies each, except its rim. With [`with_tolerance`](Self::with_tolerance) a receiver sees the simplified form of a patch
+/// from a distance at which the root mean square of its difference is a small fraction of the light's size there. Any choice of
+/// forms is closed, since an edge between two patches is stored for each choice. Two of three rays then decide whether the fewest
 /// surfaces are none.
 #[derive(Debug)]
 pub struct SilhouetteBlockers<'m, H> {
@@ -98,31 +97,31 @@ pub struct SilhouetteBlockers<'m, H> {
 }
 
 impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
-    /// Blockers of several meshes, and what answers for their triangles.
+    /// Blockers of several meshes, and the rays against their triangles.
     #[must_use]
     pub fn new(meshes: impl IntoIterator<Item = &'m SilhouetteMesh>, hits: H) -> Self {
         Self { meshes: Meshes::new(meshes.into_iter().collect()), hits }
     }
 
-    /// Lets outlines of [simplified forms](SilhouetteMesh::with_coarse) take the place of those that a receiver cannot tell
-    /// from them: what is seen of a light stays within a quarter of `tolerance` in the mean, a part of the unshadowed radiance. 0, as from
-    /// [`new`](Self::new), for exact masks.
+    /// Draws [simplified forms](SilhouetteMesh::with_coarse) for receivers that cannot tell their outlines from the exact ones: the
+    /// visible fraction changes by less than a quarter of `tolerance` in the mean. `tolerance` is relative to the unshadowed
+    /// radiance. 0, as after [`new`](Self::new), gives exact masks.
     ///
-    /// What is drawn for a receiver depends on it and its light alone, not on which receivers it is grouped with.
+    /// The outlines of a receiver depend only on it and its light, not on the other receivers of its group.
     #[must_use]
     pub fn with_tolerance(mut self, tolerance: f32) -> Self {
         self.meshes.fineness = Fineness(DETAIL * tolerance.clamp(0.0, 0.1));
         self
     }
 
-    /// What rays meet.
+    /// The triangles that rays meet.
     pub fn any_hit(&self) -> &H {
         &self.hits
     }
 
-    /// Lists what lies in a shaft.
+    /// Lists the edges in a shaft.
     fn list(&self, shaft: &Shaft, scratch: &mut SilhouetteScratch<H::Scratch>) {
-        // Rays start off the surface, so a little beside the receivers.
+        // Rays start off the surface, and thus slightly outside of the receivers' box.
         let off = self.hits.leave(shaft.receivers.center, Vec3::Y).distance(shaft.receivers.center);
         scratch.lists.enter(&self.meshes, shaft, 2.0 * off + 1e-6 * shaft.receivers.radius);
         if scratch.light != shaft.light {
@@ -140,8 +139,8 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
         scratch.alike = None;
     }
 
-    /// Whether receivers of the shaft that lie on one face of an object are all on one side of whatever triangles are near. Then
-    /// each sees as many surfaces before the light as the next one, if no outline is seen from any place between them.
+    /// Whether all receivers of the shaft on one face of an object are on the same side of all triangles near them. If no outline
+    /// is visible from any place between them, each then sees the same number of surfaces in front of the light.
     #[cold]
     fn is_one_side(&self, at: &Receiver, lists: &Lists) -> bool {
         let mut first = None;
@@ -150,12 +149,12 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
             None => first = Some(corners),
             Some(first) => is_plane &= is_flat(first, corners),
         });
-        // The receivers' own triangle is among them: so they are on this plane, and start on the side of their face.
+        // One of the triangles is the receivers' own: they are on its plane, and rays start on the side of their face.
         let is_theirs = |corners| normal(corners).normalize_or_zero().dot(at.face.as_dvec3()).abs() > ALONG;
         is_plane && first.is_none_or(|corners| self.hits.has(at.object) && is_theirs(corners))
     }
 
-    /// Finds the outlines in which a flat light's plane cuts triangles near it; whether there are any.
+    /// Finds the outlines in which a flat light's plane cuts triangles near it. Returns whether there are any.
     fn clip_by_plane(&self, light: &Outline, scratch: &mut SilhouetteScratch<H::Scratch>) -> bool {
         if scratch.near_of != scratch.light {
             scratch.near_of = scratch.light;
@@ -194,29 +193,29 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
 /// Working memory of [`SilhouetteBlockers`].
 #[derive(Clone, Debug)]
 pub struct SilhouetteScratch<H> {
-    /// Whether the current shaft is the caller's: else each receiver has one of its own.
+    /// Whether the current shaft comes from the caller; otherwise each receiver has its own.
     entered: bool,
     lists: Lists,
-    /// False when rays in the shaft meet nothing.
+    /// Whether rays in the shaft may meet anything.
     is_met: bool,
-    /// One answer for the shaft's receivers on one face, sought after the first of them.
+    /// One result for all receivers of the shaft on one face; searched after the first of them.
     alike: Option<Alike>,
-    /// Whether the light holds parts of triangles, those that its surface cuts, and which light that is.
+    /// Whether triangles reach into the light, those that its surface cuts, and the light for which both are known.
     is_clipped: bool,
     light: Sphere,
     cutting: Vec<[Vec3; 3]>,
-    /// The triangles near a flat light, which its plane may cut before it, and which light that is.
+    /// The triangles near a flat light, which its plane may cut, and the light for which they are known.
     near: Vec<[Vec3; 3]>,
     near_of: Sphere,
-    /// Where the current receiver's rays start, and what it sees.
+    /// Start of the current receiver's rays, and its cone to the light.
     origin: Vec3,
     cone: Cone,
-    /// The normal of its facet, where that hides a part of the light.
+    /// The normal of the receiver's facet, if it hides a part of the light.
     facet: Option<Vec3>,
     silhouettes: Silhouettes,
-    /// Whether any of them may be of simplified forms.
+    /// Whether any of them may belong to a simplified form.
     is_coarse: bool,
-    /// What of them is outside of the light, the arcs in which it cuts triangles, and whether these are the receiver's.
+    /// Their parts outside the light, the arcs in which it cuts triangles, and whether both are those of the current receiver.
     outside: Silhouettes,
     arcs: Vec<Chord>,
     is_outside_known: bool,
@@ -227,7 +226,7 @@ pub struct SilhouetteScratch<H> {
     hits: H,
 }
 
-/// Receivers of a shaft on one face of an object, and what they all see, if that is one answer.
+/// Receivers of a shaft on one face of an object, and their common coverage, if they have one.
 #[derive(Clone, Copy, Debug)]
 struct Alike {
     object: u32,
@@ -251,7 +250,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             is_met: true,
             alike: None,
             is_clipped: false,
-            // None that a caller could mean.
+            // A light that no caller can mean.
             light: Sphere { center: Vec3::NAN, radius: 0.0 },
             cutting: Vec::new(),
             near: Vec::new(),
@@ -281,7 +280,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
     fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
         let (at, cone) = (query.at, query.cone);
         if !scratch.entered {
-            // Nobody said where receivers are.
+            // Without `enter` the shaft is that of this receiver alone.
             let seen = query.outline.map_or_else(
                 || Sphere { center: cone.axis * cone.distance, radius: cone.distance * cone.sin_sq().sqrt() },
                 Outline::sphere,
@@ -319,7 +318,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         if cone.one_minus_cos > 0.0 && !is_whole {
             return Coverage::Partial;
         }
-        // All samples have the same number of surfaces before them.
+        // All samples have the same number of surfaces in front of them.
         let (toward, distance) = match query.outline {
             None => (cone.axis, cone.distance * cone.cos() * cone.cos()),
             Some(outline) => {
@@ -330,7 +329,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         let is_hit = self.hits.is_hit(scratch.origin, toward, distance, &mut scratch.hits);
         let coverage = if is_hit { Coverage::Dark } else { Coverage::Lit };
         if scratch.alike.is_none() && scratch.lists.is_empty() && scratch.lists.is_shared() {
-            // A light that holds parts of triangles may have them before its front side for some receivers only.
+            // If triangles reach into a light, they may be in front of its near side for some receivers only.
             let is_free = if query.outline.is_some() { scratch.near.is_empty() } else { !scratch.is_clipped };
             let coverage = (is_free && self.is_one_side(at, &scratch.lists)).then_some(coverage);
             scratch.alike = Some(Alike { object: at.object, face: at.face, coverage });
@@ -351,7 +350,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
     }
 
     fn edge_bounds(&self, _: &VisibilityQuery<'_>, scratch: &Self::Scratch, window: &UnitSquare) -> Option<[Vec2; 2]> {
-        // Where the light or its plane cuts triangles there are more.
+        // If the light or its plane cuts triangles, there are more edges.
         let is_whole = scratch.facet.is_none() && scratch.arcs.is_empty();
         is_whole.then(|| bounds(&scratch.silhouettes, window)).flatten()
     }
@@ -383,7 +382,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             mask.block_below(face);
         }
         crossings.clear();
-        // Where the light holds parts of triangles, what blocks ends at its front side; else at its plane.
+        // If triangles reach into the light, surfaces count as far as its front side; else as far as its plane.
         let is_flat = query.outline.is_some();
         let ball = (*is_clipped && !is_flat).then(|| Ball::new(*light, *origin));
         if let Some(ball) = &ball {
@@ -399,7 +398,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             }
             crossings.extend(arcs.iter().filter_map(|(a, b, step)| Crossing::of_segment(&view, *a, *b, *step)));
         }
-        // Where a flat light's plane cuts triangles it has cut the silhouettes, too.
+        // If a flat light's plane cuts triangles, it has cut the silhouettes too.
         let is_clipped_by_plane = is_flat && !arcs.is_empty();
         if is_clipped_by_plane {
             crossings.extend(arcs.iter().filter_map(|(a, b, step)| Crossing::of_segment(&view, *a, *b, *step)));
@@ -420,7 +419,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         };
         let mut any = is_open(fewest, hits);
         if *is_coarse {
-            // What simplified forms leave out may lie just on that ray: two of three rays say it.
+            // This ray may meet a detail that simplified forms leave out, so two of three rays decide.
             let mut rows = [fewest.middle.map_or(0, |(row, _)| row); 2];
             let mut ask = |rows: &[usize], any: bool| {
                 fewest.witness(rows).map_or((0, any), |(row, sample)| {

@@ -1,17 +1,17 @@
-//! Where silhouettes are in a window.
+//! Bounds of the silhouettes in a window.
 
 use crate::select::Silhouettes;
 use glam::{Vec2, Vec3};
 use visibility_mask::UnitSquare;
 
-/// Bounds of more than this part of a window are of no use.
+/// Bounds larger than this fraction of a window are not used.
 const USEFUL: f32 = 0.5;
-/// Bounds are rounded to this part of the window's sides, outward.
+/// Bounds are rounded outward to multiples of the window's sides over this number.
 const PARTS: f32 = 65536.0;
-/// Depths below this part of an edge's size are not projected.
+/// Depths below this fraction of an edge's size are not projected.
 const SHALLOW: f32 = 1e-5;
 
-/// Two corners between which the silhouettes in a window lie; none where that is most of the window, or where there are none in it.
+/// Two corners of a box around the silhouettes in a window; `None` if the box is most of the window, or if there are none.
 pub(crate) fn bounds(silhouettes: &Silhouettes, window: &UnitSquare) -> Option<[Vec2; 2]> {
     let (origin, size) = (window.center - window.half, 2.0 * window.half);
     let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
@@ -29,7 +29,7 @@ pub(crate) fn bounds(silhouettes: &Silhouettes, window: &UnitSquare) -> Option<[
     (low.x <= high.x).then(|| [origin + part * low, origin + part * high])
 }
 
-/// What of an edge is before the receiver.
+/// The part of an edge in front of the receiver.
 fn part_in_front([a, b]: [Vec3; 2]) -> Option<[Vec3; 2]> {
     let near = SHALLOW * (a.length() + b.length());
     if a.z < near && b.z < near {
@@ -39,8 +39,8 @@ fn part_in_front([a, b]: [Vec3; 2]) -> Option<[Vec3; 2]> {
     Some([if a.z < near { cut(b, a) } else { a }, if b.z < near { cut(a, b) } else { b }])
 }
 
-/// What of a line between two points is in the unit square from 0 to 1: Y.-D. Liang and B. A. Barsky, *A New Concept and Method for Line
-/// Clipping*, 1984.
+/// The part of a line between two points that is in the unit square from 0 to 1: Y.-D. Liang and B. A. Barsky, *A New Concept and
+/// Method for Line Clipping*, 1984.
 fn part_within([start, end]: [Vec2; 2]) -> Option<[Vec2; 2]> {
     let along = end - start;
     let (mut from, mut to) = (0.0_f32, 1.0_f32);
@@ -65,7 +65,7 @@ mod tests {
     use crate::select::NUMBERS;
     use lobe_core::oracle::Random;
 
-    /// Against many points of random edges, before and behind the receiver, in and beside the window.
+    /// Against many points of random edges, in front of the receiver and behind it, in the window and beside it.
     #[test]
     fn bounds_hold_the_edges_of_the_window() {
         let mut random = Random::new(11);
@@ -100,7 +100,7 @@ mod tests {
             };
             known += 1;
             if low.x > high.x {
-                // A corner that no point is in.
+                // A corner that contains no point.
                 continue;
             }
             assert!(from.cmple(low + 1e-6).all() && to.cmpge(high - 1e-6).all(), "case {case}");

@@ -1,4 +1,4 @@
-//! Triangles that meet the light: only what of them is before its front side blocks.
+//! Triangles that reach into the light: only their parts in front of its near side block.
 
 use crate::edge_list::Columns;
 use crate::select::{NUMBERS, STEP, Silhouettes};
@@ -6,14 +6,14 @@ use core::f64::consts::TAU;
 use glam::{DVec3, Vec3};
 use lobe_core::{Outline, Sphere};
 
-/// Arcs are drawn as chords of a circle with so many sides: within 0.1 % of its radius.
+/// Sides of the circle whose chords replace arcs: within 0.1 % of its radius.
 const SIDES: f64 = 64.0;
-/// Arcs that end on the rim of the light's disc are drawn a little beyond it.
+/// Arcs that end on the rim of the light's disc are drawn slightly beyond it, by this factor.
 const BEYOND: f32 = 1.001;
 
-/// The cosine of the angle that one chord spans at most, a little more.
+/// The cosine of the largest angle of one chord, with a small margin.
 const ONE_CHORD: f64 = 0.995_19;
-/// Beside the light's plane, for rounding, as a part of its distance.
+/// Rounding of a distance from the light's plane, relative to the plane's distance.
 const ROUNDING: f64 = 1e-5;
 
 /// A light seen from a receiver.
@@ -23,10 +23,10 @@ pub(crate) struct Ball {
     radius: f64,
 }
 
-/// A piece of an outline, seen from a receiver, and by how much the number of surfaces grows to its right.
+/// A piece of an outline, seen from a receiver, and the growth of the number of surfaces to its right.
 pub(crate) type Chord = (Vec3, Vec3, i32);
 
-/// The plane of the circle in which a cone touches its light, across the axis: surfaces count as far as there.
+/// The plane of the circle in which a cone touches its light, across the axis: surfaces count as far as this plane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Front {
     pub(crate) axis: Vec3,
@@ -34,21 +34,21 @@ pub(crate) struct Front {
 }
 
 impl Front {
-    /// Whether points are certainly before it, and whether they are certainly behind it.
+    /// Whether points are certainly in front of the plane, and whether they are certainly behind it.
     fn sides(&self, points: &[Vec3]) -> [bool; 2] {
         let depths = points.iter().map(|p| f64::from(self.axis.dot(*p)) - f64::from(self.distance));
         let margin = ROUNDING * f64::from(self.distance);
         [depths.clone().all(|depth| depth < -margin), depths.clone().all(|depth| depth > margin)]
     }
 
-    /// A point moved away from the axis, a little beyond the light's rim.
+    /// A point moved away from the axis, slightly beyond the light's rim.
     fn beyond(&self, p: Vec3) -> Vec3 {
         let along = self.axis * self.axis.dot(p);
         along + (p - along) * BEYOND
     }
 }
 
-/// Where an edge is inside of a ball.
+/// The part of an edge that is inside a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Inside {
     Nowhere,
@@ -70,7 +70,7 @@ impl Ball {
         p.as_dvec3().distance_squared(self.center) < self.radius * self.radius
     }
 
-    /// How far a ray from the receiver goes before it meets the front side; infinitely where it passes beside.
+    /// The distance of the front side along a ray from the receiver; infinite if the ray passes beside it.
     pub(crate) fn distance(&self, direction: Vec3) -> f32 {
         let d = direction.as_dvec3();
         let along = d.dot(self.center);
@@ -78,7 +78,7 @@ impl Ball {
         (along - (self.radius * self.radius - aside).max(0.0).sqrt()) as f32
     }
 
-    /// The same for both triangles of an edge to the bit, whichever way they run along it.
+    /// Both triangles of an edge get the same bits, whichever way they run along it.
     fn inside(&self, a: Vec3, b: Vec3) -> Inside {
         if b.to_array() < a.to_array() {
             return match self.inside(b, a) {
@@ -90,12 +90,12 @@ impl Ball {
         }
         let [from, edge] = [a.as_dvec3() - self.center, b.as_dvec3() - a.as_dvec3()];
         let (square, half) = (edge.length_squared(), -from.dot(edge));
-        // |from + t·edge| = radius.
+        // Solves |from + t·edge| = radius.
         let nearest = (from + edge * (half / square)).length_squared();
         let root = ((self.radius * self.radius - nearest).max(0.0) / square).sqrt();
         let [enter, leave] = [half / square - root, half / square + root];
         let at = |t: f64| (a.as_dvec3() + edge * t.clamp(0.0, 1.0)).as_vec3();
-        // Ends decide for all edges that they have in common.
+        // The ends decide for all edges that share them.
         match (self.holds(a), self.holds(b)) {
             (true, true) => Inside::All,
             (true, false) => Inside::First(at(leave)),
@@ -105,7 +105,7 @@ impl Ball {
         }
     }
 
-    /// Whether its surface may cut a triangle, seen from whatever receiver: nearly so counts.
+    /// Whether the light's surface may cut a triangle, seen from any receiver: nearly cutting counts too.
     pub(crate) fn may_clip(light: Sphere, corners: [Vec3; 3]) -> bool {
         let ball = |scale: f64| {
             let ball = Self::new(light, Vec3::ZERO);
@@ -119,14 +119,14 @@ impl Ball {
         sides.iter().any(|side| *side != Inside::Nowhere) || large.is_within(corners)
     }
 
-    /// The normal of a triangle, and how far its plane is from the ball's centre along that.
+    /// The normal of a triangle, and the distance of its plane from the sphere's centre along it.
     fn plane(&self, corners: [Vec3; 3]) -> (DVec3, f64) {
         let [a, b, c] = corners.map(|p| p.as_dvec3());
         let normal = (b - a).cross(c - a).normalize_or_zero();
         (normal, normal.dot(a - self.center))
     }
 
-    /// Whether the plane of a triangle passes through the ball with the circle's middle inside of the triangle.
+    /// Whether the plane of a triangle cuts the sphere in a circle whose centre is inside the triangle.
     fn is_within(&self, corners: [Vec3; 3]) -> bool {
         let (normal, off) = self.plane(corners);
         let middle = self.center + normal * off;
@@ -135,16 +135,16 @@ impl Ball {
         off.abs() < self.radius && sides.iter().all(|(p, q)| (*q - *p).cross(middle - *p).dot(normal) > 0.0)
     }
 
-    /// The parts of silhouettes that are outside of the ball.
+    /// The parts of silhouettes outside the sphere.
     pub(crate) fn outside(&self, silhouettes: &Silhouettes, out: &mut Silhouettes) {
         keep_outside(silhouettes, |a, b| self.inside(a, b), out);
     }
 
-    /// Appends the outlines of the hole that the ball cuts into a triangle, as far as they are on the light's front side. The
-    /// corners are seen from the receiver; `side` is 1 where it is in front of the triangle, −1 behind it.
+    /// Appends the outlines of the hole that the sphere cuts into a triangle, as far as they are on the light's front side. Corners
+    /// are relative to the receiver; `side` is 1 if the receiver is in front of the triangle, −1 if behind it.
     ///
-    /// What of the triangle is inside is convex: along the triangle's outline an arc begins where it leaves the ball and ends
-    /// where it comes back.
+    /// The part of the triangle inside the sphere is convex: along the triangle's outline an arc begins where the outline leaves
+    /// the sphere and ends where it enters again.
     pub(crate) fn clip(&self, front: &Front, corners: [Vec3; 3], side: impl Fn() -> f32, out: &mut Vec<Chord>) {
         if front.sides(&corners)[1] {
             return;
@@ -160,7 +160,7 @@ impl Ball {
         }
         let middle = self.center + normal * off;
         let circle = || Circle::new(middle, normal, rho, front);
-        // Points where the outline leaves the ball (true) and where it enters, in its order.
+        // Points at which the outline leaves the sphere (true) or enters it, in order.
         let mut events = [(false, Vec3::ZERO); 6];
         let mut count = 0;
         let mut add = |leaves: bool, p: Vec3| {
@@ -187,7 +187,7 @@ impl Ball {
                 if !leaves {
                     continue;
                 }
-                // Most arcs are one chord, before the plane or behind it.
+                // Most arcs are one chord, in front of the plane or behind it.
                 let [a, b] = [from, to].map(|p| p.as_dvec3() - middle);
                 let is_short = a.cross(b).dot(normal) > 0.0
                     && a.dot(b) > ONE_CHORD * (a.length_squared() * b.length_squared()).sqrt();
@@ -203,7 +203,7 @@ impl Ball {
     }
 }
 
-/// The parts of silhouettes that are outside of something.
+/// The parts of silhouettes outside a light.
 fn keep_outside(silhouettes: &Silhouettes, inside: impl Fn(Vec3, Vec3) -> Inside, out: &mut Silhouettes) {
     out.clear();
     for i in 0..silhouettes.len() {
@@ -228,7 +228,7 @@ fn keep_outside(silhouettes: &Silhouettes, inside: impl Fn(Vec3, Vec3) -> Inside
     }
 }
 
-/// The plane of a flat light, seen from a receiver: only what is before it blocks.
+/// The plane of a flat light, seen from a receiver: only surfaces in front of it block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Behind {
     axis: DVec3,
@@ -251,7 +251,7 @@ impl Behind {
             let (from, to) = (self.axis.dot(p) - self.depth, self.axis.dot(q) - self.depth);
             (p + (q - p) * (from / (from - to)).clamp(0.0, 1.0)).as_vec3()
         };
-        // The same point whichever way the edge runs.
+        // The same point, whichever way the edge runs.
         let point = || if b.to_array() < a.to_array() { cut(b, a) } else { cut(a, b) };
         match (self.holds(a), self.holds(b)) {
             (true, true) => Inside::All,
@@ -261,7 +261,7 @@ impl Behind {
         }
     }
 
-    /// The parts of silhouettes that are before the plane.
+    /// The parts of silhouettes in front of the plane.
     pub(crate) fn before(&self, silhouettes: &Silhouettes, out: &mut Silhouettes) {
         keep_outside(silhouettes, |a, b| self.inside(a, b), out);
     }
@@ -285,18 +285,18 @@ impl Behind {
     }
 }
 
-/// Where the plane of a triangle cuts a ball.
+/// The circle in which the plane of a triangle cuts a sphere.
 struct Circle {
     middle: DVec3,
-    /// At right angles, turning as the triangle's corners do.
+    /// Perpendicular unit vectors of the circle; they turn as the triangle's corners do.
     u: DVec3,
     v: DVec3,
-    /// Angles between which the circle is before the light's plane; none where it is nowhere.
+    /// The angles between which the circle is in front of the light's plane; `None` if no part of it is.
     front: Option<[f64; 2]>,
 }
 
 impl Circle {
-    /// Angles count from where the circle is nearest to the receiver along the view's axis.
+    /// Angles count from the point that is nearest to the receiver along the view's axis.
     fn new(middle: DVec3, normal: DVec3, rho: f64, front: &Front) -> Self {
         let axis = front.axis.as_dvec3();
         let toward = axis - normal * axis.dot(normal);
@@ -320,8 +320,8 @@ impl Circle {
         (self.middle + self.u * cos + self.v * sin).as_vec3()
     }
 
-    /// Appends the front part of the arc from one point to another, or of the whole circle, run through backward: so it is the
-    /// outline of what is around it.
+    /// Appends the front part of the arc from one point to another, or of the whole circle. The arc is drawn backward, since it is
+    /// the outline of the surface around it.
     fn draw(&self, plane: &Front, ends: Option<[Vec3; 2]>, side: f32, out: &mut Vec<Chord>) {
         let Some([low, high]) = self.front else { return };
         let whole = high - low >= TAU;
@@ -333,7 +333,7 @@ impl Circle {
             Some([from, to]) => (angle(from), (angle(to) - angle(from)).rem_euclid(TAU)),
             None => (-0.5 * TAU, TAU),
         };
-        // The front part may come in two: the arc from `start` on passes it, and again after one turn.
+        // The front part may be two pieces: the arc passes it from `start` on, and again after one turn.
         for turn in [0.0, TAU] {
             let (from, to) = if whole {
                 if turn > 0.0 {
@@ -349,7 +349,7 @@ impl Circle {
             let count = ((to - from) / TAU * SIDES).ceil().max(1.0) as usize;
             let point = |k: usize| {
                 let t = from + (to - from) * k as f64 / count as f64;
-                // The ends of the arc to the bit; those on the rim a little outside of it.
+                // The arc's ends are exact to the bit; ends on the rim are slightly outside of it.
                 match ends {
                     Some([first, _]) if k == 0 && from == start => first,
                     Some([_, last]) if k == count && to == start + span => last,

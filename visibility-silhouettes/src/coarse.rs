@@ -1,4 +1,4 @@
-//! Fewer triangles for outlines that are seen from afar.
+//! Simplified meshes, for outlines that are seen from a distance.
 
 use crate::topology::{self, WHOLE};
 use core::cmp::Reverse;
@@ -7,36 +7,36 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::collections::BinaryHeap;
 
-/// Triangles of a patch at most. Its rim is kept, so that small patches have little to lose.
+/// The most triangles of a patch. Its rim is not simplified, so a small patch loses few triangles.
 const PATCH: usize = 2048;
-/// One in so many corners inside of a patch is kept.
+/// One in this many corners inside a patch is kept.
 const KEPT: usize = 8;
-/// A patch that keeps more than this part of its triangles is left as it is.
+/// A patch that keeps more than this fraction of its triangles is not simplified.
 const WORTH: f64 = 0.6;
-/// The cosine by which a triangle's normal turns at most in one step.
+/// The cosine of the largest angle by which a triangle's normal turns in one step.
 const TURN: f64 = 0.3;
 
-/// A mesh in patches, and their simplified forms. Each has the rim of its patch, so that any of them go together.
+/// A mesh in patches, and their simplified forms. Each form has the rim of its patch, so that any forms fit together.
 #[derive(Debug)]
 pub(crate) struct Coarse {
-    /// The patch of each triangle of the mesh; [`WHOLE`] where it has no simplified form.
+    /// The patch of each triangle of the mesh; [`WHOLE`] if it has no simplified form.
     pub(crate) patches: Vec<u16>,
-    /// Corners of the mesh that simplified forms have as corners of their own, since they may lie beside them.
+    /// Corners of the mesh that simplified forms store as corners of their own, since these may be moved.
     pub(crate) own: Vec<u32>,
-    /// The triangles of the simplified forms, between corners of the mesh on rims and their own, whose numbers follow those; and
-    /// their patches.
+    /// The triangles of the simplified forms, between corners of the mesh on rims and their own corners, which are numbered after
+    /// those of the mesh; and the patches of these triangles.
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) triangle_patches: Vec<u16>,
-    /// Each corner that is left out, and the number among `triangles` of the one next to it.
+    /// Each corner that is left out, and the number in `triangles` of the triangle next to it.
     pub(crate) left_out: Vec<[u32; 2]>,
     /// Patches with a simplified form.
     pub(crate) count: usize,
 }
 
-/// Patches at most: two of them fit into a [`Tag`](topology::Tag).
+/// The most patches: two of their numbers fit into a [`Tag`](topology::Tag).
 const MOST: usize = 1 << 14;
 
-/// Simplifies a mesh patch by patch; none where that is not worth it.
+/// Simplifies a mesh patch by patch; `None` if that saves too little.
 pub(crate) fn coarse(positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Coarse> {
     let middle = |t: &[u32; 3]| t.iter().map(|i| positions[*i as usize]).sum();
     let middles: Vec<Vec3> = triangles.par_iter().map(middle).collect();
@@ -72,7 +72,7 @@ pub(crate) fn coarse(positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Coars
     (out.count > 0).then_some(out)
 }
 
-/// Halves a list of triangles by the middles of their corners until the parts are small.
+/// Halves a list of triangles by the centres of their corners until the parts are small.
 fn divide(order: &mut [u32], first: usize, middle: &impl Fn(&u32) -> Vec3, parts: &mut Vec<Range<usize>>) {
     if order.len() <= PATCH {
         parts.push(first..first + order.len());
@@ -87,7 +87,7 @@ fn divide(order: &mut [u32], first: usize, middle: &impl Fn(&u32) -> Vec3, parts
     divide(high, first + half, middle, parts);
 }
 
-/// What a patch becomes, in the numbers of the mesh; after these come the patch's own.
+/// The simplified form of a patch, in the numbers of the mesh; the patch's own corners are numbered after these.
 struct Form {
     own: Vec<u32>,
     triangles: Vec<[u32; 3]>,
@@ -115,25 +115,25 @@ impl Quadric {
     }
 }
 
-/// A part of a mesh that is being simplified by moving corners onto neighbours of theirs, the least harmful first (M. Garland,
-/// P. Heckbert, *Surface Simplification Using Quadric Error Metrics*, 1997).
+/// A part of a mesh that is simplified by moving corners onto neighbours, the smallest error first (M. Garland, P. Heckbert,
+/// *Surface Simplification Using Quadric Error Metrics*, 1997).
 struct Patch {
-    /// Numbers of the corners in the mesh, and where they are, from one of them.
+    /// Numbers of the corners in the mesh, and their positions relative to one of them.
     numbers: Vec<u32>,
     positions: Vec<DVec3>,
-    /// Those without area are gone.
+    /// The triangles that still have an area.
     triangles: Vec<[u32; 3]>,
     /// Triangles of each corner.
     around: Vec<Vec<u32>>,
     quadrics: Vec<Quadric>,
-    /// Corners of the rim, and of edges that have not two triangles.
+    /// Corners of the rim, and of edges that do not have two triangles.
     is_fixed: Vec<bool>,
-    /// Onto which corner each has been moved, and how often its surroundings have changed.
+    /// The corner that each corner was moved onto, and how often its surroundings have changed.
     onto: Vec<u32>,
     changes: Vec<u32>,
 }
 
-/// A step and its price, which orders steps: for numbers that are not negative the bits do.
+/// A step and its cost, by which steps are ordered: the bits of non-negative numbers have the same order.
 type Step = Reverse<(u64, u32, u32, [u32; 2])>;
 
 impl Patch {
@@ -377,7 +377,7 @@ mod tests {
         (positions, triangles)
     }
 
-    /// Whatever forms are chosen and on whatever side of each triangle a receiver is: each outline ends nowhere.
+    /// For any choice of forms, and on any side of each triangle, all outlines are closed.
     #[test]
     fn any_forms_go_together() {
         let mut random = Random::new(3);
@@ -404,7 +404,7 @@ mod tests {
                 }
             }
             assert!(ends.values().all(|sum| *sum == 0));
-            // Each side of each triangle once.
+            // Each side of each triangle occurs once.
             let is_chosen = |t: &usize| patches[*t] == WHOLE || forms[usize::from(patches[*t])] == (*t >= fine);
             assert_eq!(drawn, 3 * (0..triangles.len()).filter(is_chosen).count());
         }

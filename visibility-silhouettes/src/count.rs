@@ -1,4 +1,4 @@
-//! How many surfaces lie before each sample, from where their outlines cross the rows.
+//! Counts the surfaces in front of each sample, from the crossings of their outlines with the rows.
 
 use crate::project::{Crossing, View};
 use fearless_simd::{Simd, f32x8, prelude::*};
@@ -11,7 +11,7 @@ const WORD: usize = 64;
 /// One line more than there are rows.
 const ROW_LINES: usize = (1 << MAX_DEPTH) + 1;
 
-/// Eight words of one digit, and of what is to be added to it.
+/// Eight words of one digit, and a word for each that waits to be added.
 #[derive(Clone, Copy, Debug)]
 struct Digit {
     value: EightRows,
@@ -30,33 +30,33 @@ impl Digit {
     }
 }
 
-/// Numbers of surfaces, up to one constant: those of the sample with the fewest become 0 or are asked for by a ray.
+/// Numbers of surfaces, up to one constant: those of the sample with the fewest surfaces become 0, or a ray decides whether they
+/// are.
 ///
-/// A number is kept as binary digits, each digit of 64 samples in a word: adding 1 to all samples on one side of a crossing
-/// is a few operations on words, and the least number is found from the highest digit downward. So the price is in the
-/// crossings and not in the samples, and numbers may be of any size. What is to be added to a digit waits for a second such
-/// word: both are added at once, and their carry waits at the next digit (a carry-save adder, H. S. Warren, *Hacker's Delight*,
-/// 2nd ed., §5-1).
+/// A number is stored in binary, each digit of 64 samples in one word: adding 1 to all samples on one side of a crossing takes a
+/// few operations on words, and the least number is found from the highest digit downward. The cost therefore depends on the
+/// crossings and not on the samples, and numbers may have any size. A word to be added to a digit waits for a second one: both are
+/// added at once, and their carry waits at the next digit (a carry-save adder, H. S. Warren, *Hacker's Delight*, 2nd ed., §5-1).
 ///
-/// The number left of the first sample changes from row to row by the outlines between them, which is what their ends say
-/// ([`Crossing::left`]).
+/// The number left of the first sample changes from row to row by the outlines that have an end between them, left of the
+/// view's middle ([`Crossing::left`]).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Counter {
-    /// Digits of a word side by side, lowest first, each with what waits to be added; the words of eight rows; the blocks of
+    /// Digits of a word side by side, lowest first, each with the word that waits; then the words of eight rows; then the blocks of
     /// rows.
     digits: Vec<Digit>,
-    /// For the digits of each word, whether anything waits, as bits.
+    /// For the digits of each word, bits that say whether a word waits.
     waiting: Vec<u32>,
     /// Digits of a number.
     places: usize,
-    /// Samples that matter and were not yet given as the fewest.
+    /// Samples to be counted that were not yet among the fewest.
     rest: Vec<EightRows>,
-    /// Words of a row, and what of the fewest has a 0 in a digit.
+    /// Words of a row, and those of the fewest samples that have a 0 in a digit.
     words: usize,
     lower: Vec<EightRows>,
 }
 
-/// The samples before which the fewest surfaces lie, and which of them shows best whether these are none.
+/// The samples with the fewest surfaces in front of them, and the one through which a ray decides best whether these are none.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Fewest {
     /// The words of eight rows, then those of the next eight.
@@ -64,16 +64,16 @@ pub(crate) struct Fewest {
     words: usize,
     /// Row and sample in the middle of the longest run.
     pub(crate) middle: Option<(usize, usize)>,
-    /// How many there are, and how many more.
+    /// Number of these samples, and of all others.
     count: u32,
     others: u32,
 }
 
-/// Where fewer than this part of what matters has the fewest surfaces, the next number is asked about as well.
+/// If fewer than one in this many counted samples has the fewest surfaces, a ray is also traced for the next number.
 const FEW: u32 = 128;
 
 impl Counter {
-    /// Counts surfaces before the lit samples of a mask.
+    /// Counts the surfaces in front of the lit samples of a mask.
     #[inline(always)]
     pub(crate) fn count<S: Simd>(&mut self, simd: S, view: &View, crossings: &[Crossing], mask: &Mask) {
         let blocks = view.rows.div_ceil(EIGHT);
@@ -103,8 +103,8 @@ impl Counter {
         self.settle();
     }
 
-    /// The number left of all samples in each row, less the least of them, and how many digits the largest number of all
-    /// samples may have.
+    /// The number left of all samples in each row, minus the least of them. Sets the number of digits for the largest number of all
+    /// samples.
     #[inline(always)]
     fn start(&mut self, crossings: &[Crossing], blocks: usize) -> [u32; ROW_LINES] {
         let mut starts = [0_i32; ROW_LINES];
@@ -112,7 +112,7 @@ impl Counter {
         for c in crossings {
             let [from, to] = c.rows.map(|r| r as usize);
             let size = c.step.abs();
-            // A step downward to the right is one upward to the left.
+            // A step downward to the right is a step upward to the left.
             let less = if c.step < 0 { size } else { 0 };
             starts[from] -= c.step * i32::from(c.left[0]) + less;
             starts[to] += c.step * i32::from(c.left[1]) + less;
@@ -173,7 +173,7 @@ impl Counter {
         }
     }
 
-    /// Adds what waits.
+    /// Adds the words that wait.
     #[inline(always)]
     fn settle(&mut self) {
         for (waiting, digits) in self.waiting.iter().zip(self.digits.chunks_exact_mut(self.places.max(1))) {
@@ -188,7 +188,7 @@ impl Counter {
         }
     }
 
-    /// The samples with the fewest surfaces that were not yet given.
+    /// The samples with the fewest surfaces, among those not returned before.
     #[inline(always)]
     pub(crate) fn fewest(&mut self, fewest: &mut Fewest) {
         let Self { digits, places, rest, words, lower, .. } = self;
@@ -196,7 +196,7 @@ impl Counter {
         fewest.words = *words;
         lower.resize(rest.len(), [0; EIGHT]);
         for place in (0..*places).rev() {
-            // Those that have 0 here, if there are any.
+            // Samples with a 0 in this digit, if there are any.
             let mut any = [0; EIGHT];
             for ((lower, rows), digits) in lower.iter_mut().zip(&fewest.rows).zip(digits.chunks_exact(*places)) {
                 for k in 0..EIGHT {
@@ -211,7 +211,7 @@ impl Counter {
         fewest.find_middle();
         fewest.others = 0;
         if fewest.count >= (rest.len() * EIGHT * WORD) as u32 / FEW {
-            // Never doubtful.
+            // Enough samples: not doubtful.
             return;
         }
         for (rest, rows) in rest.iter_mut().zip(&fewest.rows) {
@@ -238,20 +238,20 @@ impl Fewest {
         &self.rows[j / EIGHT * self.words..][..self.words]
     }
 
-    /// Whether these are so few that others may have fewer in truth: two edges that lie on each other to the last digit may be
-    /// taken in the wrong order, then a few samples between them have too few.
+    /// Whether these are so few that others may have fewer surfaces in truth: the order of two edges that coincide to the last
+    /// digit may be wrong, and a few samples between them then have too small a number.
     pub(crate) fn is_doubtful(&self) -> bool {
         self.middle.is_some() && self.count < (self.count + self.others) / FEW
     }
 
-    /// Those of another as well.
+    /// Adds the samples of another result.
     pub(crate) fn add(&mut self, other: &Self) {
         for (row, more) in self.rows.as_flattened_mut().iter_mut().zip(other.rows.as_flattened()) {
             *row |= more;
         }
     }
 
-    /// The row with the most samples and the middle of its longest run.
+    /// Finds the row with the most samples, and the middle of its longest run.
     #[inline(always)]
     fn find_middle(&mut self) {
         (self.count, self.middle) = (0, None);
@@ -290,7 +290,7 @@ impl Fewest {
         longest.1
     }
 
-    /// Another that shows it: of the row with the most samples besides some.
+    /// Another sample for a ray: of the row with the most samples, except some rows.
     pub(crate) fn witness(&self, besides: &[usize]) -> Option<(usize, usize)> {
         let rows = self.rows.len() / self.words * EIGHT;
         let count = |j: usize| self.rows(j).iter().map(|words| words[j % EIGHT].count_ones()).sum::<u32>();
@@ -300,10 +300,10 @@ impl Fewest {
     }
 }
 
-/// How long the longest run of ones in a word is, and where the first of that length begins.
+/// The length of the longest run of ones in a word, and the beginning of the first run of that length.
 #[inline(always)]
 fn longest_run(bits: u64) -> (u32, u32) {
-    // Where runs of 1, 2, 4 … ones begin.
+    // Beginnings of runs of 1, 2, 4 … ones.
     let mut begins = [bits; 7];
     for k in 0..6 {
         begins[k + 1] = begins[k] & begins[k] >> (1 << k);

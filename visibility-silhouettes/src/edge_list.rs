@@ -1,23 +1,23 @@
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use lobe_core::vec3x8::{LANES, Vec3x8};
 
-/// Numbers of an edge: its two ends, the planes of the triangle that runs from the first end to the second and of the one
-/// that runs back, and the bits of its number.
+/// Number of columns of an edge: its two ends, the planes of the triangle that runs from the first end to the second and of the
+/// triangle that runs back, and the bits of the edge's number.
 pub(crate) const COLUMNS: usize = 15;
-/// Where they begin.
+/// First columns of the ends and of the planes.
 pub(crate) const ENDS: [usize; 2] = [0, 3];
 pub(crate) const PLANES: [usize; 2] = [6, 10];
 pub(crate) const ID: usize = 14;
-/// In the number of an edge: that it is drawn for some of the receivers only.
+/// Mark in an edge's number: the edge is drawn for some of the receivers only.
 pub(crate) const SOMETIMES: u32 = 1 << 31;
-/// That it is one of a simplified form.
+/// Mark in an edge's number: the edge belongs to a simplified form.
 pub(crate) const COARSE: u32 = 1 << 30;
 pub(crate) const MARKS: u32 = SOMETIMES | COARSE;
 
-/// Numbers of eight things side by side.
+/// Columns of eight items side by side.
 pub(crate) type Block<const C: usize> = [[f32; LANES]; C];
 
-/// Things of a few numbers each, eight side by side; what is behind the last one is not read.
+/// Items of a few numbers each, eight side by side; values behind the last item are not read.
 #[derive(Clone, Debug)]
 pub(crate) struct Columns<const C: usize> {
     columns: [Vec<f32>; C],
@@ -45,7 +45,7 @@ impl<const C: usize> Columns<C> {
         self.len == 0
     }
 
-    /// Makes room for so many more.
+    /// Makes room for `count` more items.
     #[inline(always)]
     pub(crate) fn reserve(&mut self, count: usize) {
         let wanted = self.len + count + LANES;
@@ -59,13 +59,13 @@ impl<const C: usize> Columns<C> {
         self.columns.iter_mut().for_each(|column| column.resize(len, 0.0));
     }
 
-    /// Eight of a column.
+    /// Eight values of a column.
     #[inline(always)]
     pub(crate) fn load<S: Simd>(&self, simd: S, column: usize, first: usize) -> f32x8<S> {
         f32x8::from_slice(simd, &self.columns[column][first..first + LANES])
     }
 
-    /// Eight of three columns.
+    /// Eight values of three columns.
     #[inline(always)]
     pub(crate) fn load3<S: Simd>(&self, simd: S, column: usize, first: usize) -> Vec3x8<S> {
         Vec3x8::new(
@@ -75,18 +75,18 @@ impl<const C: usize> Columns<C> {
         )
     }
 
-    /// One of a column.
+    /// One value of a column.
     pub(crate) fn get(&self, column: usize, index: usize) -> f32 {
         self.columns[column][index]
     }
 
-    /// Which of the eight from `first` on are there, as bits.
+    /// The items that exist among the eight from `first` on, as bits.
     #[inline(always)]
     pub(crate) fn lanes(&self, first: usize) -> u32 {
         (1 << (self.len - first).min(LANES)) - 1
     }
 
-    /// Appends one number of those of eight that `keep` has; there must be room. All columns, then [`end`](Self::end).
+    /// Appends one column of the items in `keep`; there must be room. Call it for all columns, then [`end`](Self::end).
     #[inline(always)]
     pub(crate) fn put<S: Simd>(&mut self, column: usize, keep: mask32x8<S>, value: f32x8<S>) {
         let len = self.len;
@@ -100,7 +100,7 @@ impl<const C: usize> Columns<C> {
         self.put(column + 2, keep, value.z);
     }
 
-    /// Appends one.
+    /// Appends one item.
     pub(crate) fn push(&mut self, numbers: [f32; C]) {
         self.reserve(1);
         let len = self.len;
@@ -114,7 +114,7 @@ impl<const C: usize> Columns<C> {
     }
 }
 
-/// Eight edges, wherever they are.
+/// Eight edges in any storage.
 pub(crate) trait EdgePacket {
     fn column<S: Simd>(&self, simd: S, column: usize) -> f32x8<S>;
 }

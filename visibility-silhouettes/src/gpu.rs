@@ -1,33 +1,33 @@
-//! The same on a GPU.
+//! The strategy on a GPU.
 
 use crate::SilhouetteMesh;
 use crate::tree::{Node, Tree, WIDE};
 use glam::Vec3;
 use lobe_core::gpu::{GpuBlockers, GpuBuffer};
 
-/// No triangle on a side of an edge; no child in a place of a node: `SILHOUETTES_NONE`.
+/// No triangle on a side of an edge, or no child in a place of a node: `SILHOUETTES_NONE`.
 const NONE: u32 = u32::MAX;
-/// Rows of a child of a node.
+/// Rows of a node's child.
 const CHILD: usize = 3;
 
 /// Four words, as kernels read them.
 type Row = [u32; 4];
 
-/// The `silhouettes` strategy for a GPU: what [`SilhouetteBlockers`](crate::SilhouetteBlockers) is without
-/// [`with_tolerance`](crate::SilhouetteBlockers::with_tolerance), so exact.
+/// The `silhouettes` strategy for a GPU: the same as [`SilhouetteBlockers`](crate::SilhouetteBlockers) without
+/// [`with_tolerance`](crate::SilhouetteBlockers::with_tolerance), that is exact.
 ///
 /// # Method
-/// One thread a point looks for any silhouette before the light; where there is none, one ray decides. Else a workgroup lists
-/// the point's silhouettes, a child of a node or an edge a thread, and counts surfaces in its memory as
-/// [`SilhouetteBlockers`](crate::SilhouetteBlockers) does. A point lies in front of a triangle or behind it by f32 where that is
-/// certain, else by twice as many digits. All sums are of whole numbers, so two runs give the same masks.
+/// One thread a point looks for any silhouette in front of the light; if there is none, one ray decides. Otherwise a workgroup
+/// lists the point's silhouettes, with one thread for a child of a node or for an edge, and counts surfaces in its memory as
+/// [`SilhouetteBlockers`](crate::SilhouetteBlockers) does. The side of a triangle on which a point lies is computed in f32 if that
+/// is certain, else with twice the digits. All sums are of integers, so two runs give the same masks.
 ///
 /// # Domain
-/// Balls of light that no triangle reaches into. Of flat lights the triangles that their planes may cut are to be told
-/// ([`with_clipped`](Self::with_clipped)). What rays meet are the same triangles, no more.
+/// Sphere lights that no triangle reaches into, and flat lights. The triangles that a flat light's plane may cut must be given to
+/// [`with_clipped`](Self::with_clipped). Rays must meet exactly the triangles of these meshes.
 ///
 /// # Cost
-/// 100 bytes a triangle, packed anew by each [`new`](Self::new).
+/// 100 bytes a triangle, packed again by each [`new`](Self::new).
 ///
 /// ```
 /// use glam::Vec3;
@@ -40,18 +40,18 @@ type Row = [u32; 4];
 #[derive(Clone, Debug)]
 pub struct GpuSilhouettes {
     rows: Vec<Row>,
-    /// Nodes from the root to a leaf, at most.
+    /// The most nodes from the root to a leaf.
     depth: usize,
 }
 
-/// Rows before the nodes: where nodes, corners, triangles and edges begin; where the list of lights begins, and how long it is.
+/// Rows before the nodes: the places of nodes, corners, triangles and edges; the place and length of the list of lights.
 const HEADER: usize = 2;
 
-/// Kernels are made for multiples of this depth, so that most scenes share them.
+/// Kernels are compiled for multiples of this depth, so that most scenes share them.
 const DEPTH_STEP: usize = 4;
 
 impl GpuSilhouettes {
-    /// The outlines of several meshes as they are now.
+    /// The outlines of several meshes at their present positions.
     #[must_use]
     pub fn new<'m>(meshes: impl IntoIterator<Item = &'m SilhouetteMesh>) -> Self {
         let meshes: Vec<&SilhouetteMesh> = meshes.into_iter().filter(|m| !m.trees()[0].nodes().is_empty()).collect();
@@ -96,8 +96,9 @@ impl GpuSilhouettes {
         Self { rows, depth: depth.max(1).next_multiple_of(DEPTH_STEP) }
     }
 
-    /// For each light of the frames the triangles of these meshes that its plane may cut next to it: of a light with an outline all that
-    /// meet the ball of [`gpu_bounds`](lobe_core::gpu::GpuLight::gpu_bounds), of others none. Surfaces block up to that plane.
+    /// Sets, for each light of the frames, the triangles of these meshes that its plane may cut: for a light with an outline all
+    /// triangles that meet the sphere of [`gpu_bounds`](lobe_core::gpu::GpuLight::gpu_bounds), for others none. Surfaces block up
+    /// to that plane.
     #[must_use]
     pub fn with_clipped(mut self, triangles: &[Vec<[Vec3; 3]>]) -> Self {
         self.rows[1] = [self.rows.len() as u32, triangles.len() as u32, 0, 0];
@@ -111,7 +112,7 @@ impl GpuSilhouettes {
     }
 }
 
-/// Everything of some meshes, in the order of the rows.
+/// The data of several meshes, in the order of the rows.
 #[derive(Default)]
 struct Packed {
     node_count: usize,
@@ -125,7 +126,7 @@ fn floats([x, y, z]: [f32; 3], w: u32) -> Row {
     [x.to_bits(), y.to_bits(), z.to_bits(), w]
 }
 
-/// A child of a node: box, cone, the first of what it has, and how many edges; 0 for a node.
+/// A child of a node: box, cone, the number of its first edge or node, and its count of edges; 0 for a node.
 fn child(node: &Node, k: usize, first: u32, count: u32) -> [Row; CHILD] {
     let at = |c: usize| [node.bounds[c][k], node.bounds[c + 1][k], node.bounds[c + 2][k]];
     [floats(at(0), node.bounds[9][k].to_bits()), floats(at(3), first), floats(at(6), count)]
@@ -138,8 +139,8 @@ fn node(children: impl Iterator<Item = [Row; CHILD]>) -> Vec<Row> {
     rows
 }
 
-/// The nodes above those of the meshes. `of` says of a mesh by its number its tree and its root. A leaf of `top` becomes a node, behind
-/// the others.
+/// The nodes above those of the meshes. `of` returns the tree and the root of a mesh by its number. A leaf of `top` becomes a node,
+/// after the others.
 fn top_nodes<'m>(top: &Tree, order: &[u32], of: impl Fn(u32) -> (&'m Tree, u32)) -> Vec<Row> {
     let (mut nodes, mut leaves) = (Vec::new(), Vec::new());
     for branch in top.nodes() {

@@ -9,37 +9,37 @@ use lobe_core::{Shaft, Sphere};
 /// Planes around the hull: eight along the light's path, one behind the receivers, one behind the light.
 const SIDES: usize = 10;
 
-/// Error of `n·x + d` in f32, as a part of `|d| + |x| + |y| + |z|`: below it a sign is not known.
+/// Error of `n·x + d` in f32, relative to `|d| + |x| + |y| + |z|`: the sign of a smaller value is not known.
 pub(crate) const UNSURE: f32 = 6e-7;
 
-/// All segments from some receivers to a light, bounded by planes: no edge outside of it matters to any of the receivers.
+/// All segments from some receivers to a light, bounded by planes: edges outside cannot affect these receivers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Hull {
     /// Outward unit normals and the offsets along them.
     normals: [Vec3; SIDES],
     offsets: [f32; SIDES],
-    /// The places where rays start: in a box, and in a ball with the same middle.
+    /// The starts of rays: in a box, and in a sphere with the same centre.
     center: Vec3,
     half: Vec3,
     radius: f32,
-    /// The largest of |x| + |y| + |z| of a receiver.
+    /// The largest |x| + |y| + |z| of a receiver.
     reach: f32,
-    /// The light, whose size says what details receivers can tell apart.
+    /// The light; its size decides which details receivers can tell apart.
     light: Sphere,
 }
 
-/// How finely outlines are drawn: details smaller than this part of a light's radius may be left out. 0 for none.
+/// The finest details of outlines: those smaller than this fraction of a light's radius may be left out. 0 for exact outlines.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Fineness(pub(crate) f32);
 
 impl Fineness {
-    /// How many times as far as a detail is large a receiver must be to leave it out.
+    /// The ratio of a receiver's distance to the size of a detail from which on the detail may be left out.
     #[inline(always)]
     pub(crate) fn scale(self, from: Vec3, light: Sphere) -> f32 {
         from.distance(light.center) / (self.0 * light.radius)
     }
 
-    /// The least and the most of this for receivers in a ball.
+    /// The smallest and the largest of these ratios for receivers in a sphere.
     fn scales(self, center: Vec3, radius: f32, light: Sphere) -> [f32; 2] {
         let all = self.0 * light.radius;
         let distance = center.distance(light.center);
@@ -53,7 +53,7 @@ impl Fineness {
     }
 }
 
-/// What a search keeps from one to the next.
+/// Memory that searches use again.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Memory {
     forms: Vec<Option<bool>>,
@@ -69,20 +69,20 @@ struct Leaf {
 }
 
 impl Hull {
-    /// Of a shaft whose rays start within `margin` of its receivers.
+    /// The hull of a shaft whose rays start within `margin` of its receivers.
     pub(crate) fn new(shaft: &Shaft, margin: f32) -> Self {
         let Shaft { receivers: Sphere { center, radius }, light, .. } = *shaft;
         let (half, radius) = (shaft.half_extent + margin, radius + margin);
         let outer = (center.abs() + half).element_sum();
         let mut hull = Self { center, half, radius, reach: outer + margin, light, ..Self::default() };
-        // Offsets are differences of long numbers.
+        // The offsets are differences of large numbers.
         let margin = margin + 2e-6 * (outer + light.center.abs().element_sum() + light.radius);
         hull.normals = shaft.normals();
         hull.offsets = hull.normals.map(|n| n.dot(center) + shaft.reach(n) + margin);
         hull
     }
 
-    /// Which children of a node may have silhouettes inside, as bits.
+    /// The children of a node that may have silhouettes inside the hull, as bits.
     #[inline(always)]
     fn meets<S: Simd>(&self, simd: S, node: &Node, forms: Option<(&Forms<'_>, &[[f32; 8]; 2])>) -> u32 {
         let middle = node.vectors(simd, 0);
@@ -91,8 +91,8 @@ impl Hull {
         for (n, offset) in self.normals.iter().zip(&self.offsets) {
             outside |= (middle.dot_one(*n) - half.dot_one(n.abs())).simd_gt(f32x8::splat(simd, *offset));
         }
-        // All normals of the cone on one side for all receivers: none of its edges is a silhouette. For d from any point of
-        // the box to any receiver that is axis·d > |d| sin α.
+        // If all normals of the cone are on one side for all receivers, none of its edges is a silhouette. For d from any point of
+        // the box to any receiver the condition is axis·d > |d| sin α.
         let axis = node.vectors(simd, 6);
         let to = middle.minus(self.center);
         let wide = half.plus(self.half);
@@ -114,14 +114,14 @@ impl Hull {
         !outside.to_bitmask() as u32 & ((1 << node.len) - 1)
     }
 
-    /// Which of eight edges certainly are silhouettes for none of the receivers.
+    /// Which of eight edges are certainly not silhouettes for any of the receivers.
     #[inline(always)]
     fn cancel<S: Simd>(&self, simd: S, packet: &impl EdgePacket) -> mask32x8<S> {
         let [one, other] = [self.faces(simd, packet, PLANES[0]), self.faces(simd, packet, PLANES[1])];
         (one[0] & other[0]) | (one[1] & other[1])
     }
 
-    /// Appends those of eight edges that `keep` has and that may lie inside of the hull; there must be room.
+    /// Appends those of the eight edges in `keep` that may lie inside the hull; there must be room.
     #[inline(always)]
     fn sift<S: Simd>(&self, simd: S, packet: &impl EdgePacket, keep: mask32x8<S>, out: &mut EdgeList) {
         if !keep.any_true() {
@@ -152,8 +152,8 @@ impl Hull {
         [(middle - reach).simd_gt(zero), (middle + reach).simd_lt(zero)]
     }
 
-    /// Appends the edges of a mesh that may be silhouettes inside of the hull. `base` is the number of its first edge. Gives
-    /// up, with `false` and before it reads edges, where more than `most` leaves are met, which it counts down.
+    /// Appends the edges of a mesh that may be silhouettes inside the hull. `base` is the number of its first edge. `most` counts
+    /// down the leaves that are met; if there are more, the search stops before it reads edges and returns `false`.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "memory that is kept")]
     pub(crate) fn find<S: Simd>(
@@ -199,7 +199,7 @@ impl Hull {
         true
     }
 
-    /// Appends the leaves of a tree that may have silhouettes inside of the hull.
+    /// Appends the leaves of a tree that may have silhouettes inside the hull.
     #[inline(always)]
     fn leaves<S: Simd>(
         &self,
@@ -262,12 +262,12 @@ impl Hull {
         }
     }
 
-    /// Those of a list that may be silhouettes inside of the hull.
+    /// Appends those edges of a list that may be silhouettes inside the hull.
     #[inline(always)]
     pub(crate) fn narrow<S: Simd>(&self, simd: S, list: &EdgeList, out: &mut EdgeList) {
         out.clear();
         for first in (0..list.len()).step_by(8) {
-            // Not for all of them at once: of a long list little is left.
+            // Not for all edges at once, since few edges of a long list are kept.
             out.reserve(8);
             let lanes = mask32x8::from_bitmask(simd, u64::from(list.lanes(first)));
             let keep = lanes & !self.cancel(simd, &(list, first));
@@ -276,18 +276,18 @@ impl Hull {
     }
 }
 
-/// Which forms of the patches of a mesh are drawn for the receivers of a hull: none where these do not agree.
+/// The forms of a mesh's patches that are drawn for the receivers of a hull: `None` for a patch if receivers need both.
 struct Forms<'f> {
     forms: &'f [Option<bool>],
-    /// The tree that is looked through.
+    /// Whether the searched tree is that of simplified forms.
     is_coarse: bool,
-    /// Of a ball around the receivers.
+    /// Radius of a sphere around the receivers.
     radius: f32,
     scales: [f32; 2],
 }
 
 impl Forms<'_> {
-    /// Which of some edges are drawn for any of the receivers, and which of these not for all.
+    /// The edges that are drawn for any of the receivers, and those of them that are not drawn for all.
     #[inline(always)]
     fn drawn(&self, mesh: &SilhouetteMesh, first: usize, mut lanes: u32) -> (u32, u32) {
         let (mut drawn, mut sometimes) = (0, 0);

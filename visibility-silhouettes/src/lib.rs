@@ -1,8 +1,8 @@
 //! Exact visibility of triangle meshes from their silhouette edges.
 //!
-//! A [`SilhouetteMesh`] is prepared once and refitted as it moves. [`SilhouetteBlockers`] fills a receiver's mask from the
-//! outlines of all meshes: the same mask that every strategy fills, with the samples that shadow rays to each of them would
-//! find lit, for one shadow ray a mask. Who answers that ray is [`AnyHit`]: whatever ray tracer is at hand.
+//! A [`SilhouetteMesh`] is prepared once and refitted as it moves. [`SilhouetteBlockers`] fills a receiver's mask from the outlines
+//! of all meshes, the same mask that every strategy fills. Its samples are the ones that shadow rays would find lit, but a mask
+//! takes one shadow ray. [`AnyHit`] traces that ray: any ray tracer can implement it.
 //!
 //! ```
 //! use glam::Vec3;
@@ -10,7 +10,7 @@
 //! use lobe_core::{LightId, Accuracy, Cone, Coverage, Receiver, Sphere, Visibility, VisibilityQuery};
 //! use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 //!
-//! /// One square, one above the origin.
+//! /// One square, one unit above the origin.
 //! struct Square;
 //!
 //! impl AnyHit for Square {
@@ -46,11 +46,11 @@
 //! ```
 //!
 //! # Limits
-//! A surface that reaches into the light blocks up to the circle where the cone of light touches it, not up to the light's own
-//! surface. Needles as thin as the rounding of their corners may be a sample off. Meshes of many triangles have edges finer than
-//! the mask, and cost accordingly, unless [simplified forms](SilhouetteMesh::with_coarse) may take their place.
+//! A surface that reaches into the light blocks up to the circle in which the cone touches the light, not up to the light's own
+//! surface. Needles as thin as the rounding of their corners may be wrong by a sample. Meshes of many triangles have edges finer
+//! than the mask and take correspondingly long, unless [simplified forms](SilhouetteMesh::with_coarse) are allowed.
 //!
-//! Out of scope: tracing rays, deciding what casts shadows.
+//! Out of scope: tracing rays, and choosing the objects that cast shadows.
 
 mod blockers;
 mod bounds;

@@ -1,4 +1,4 @@
-//! Which edges a receiver has to look at: lists that near receivers share.
+//! The edges that a receiver must test: lists that near receivers share.
 
 use crate::SilhouetteMesh;
 use crate::edge_list::EdgeList;
@@ -7,24 +7,24 @@ use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
 use lobe_core::{LightId, Shaft, Sphere};
 
-/// Cells of a side into which the receivers of a shaft are divided, each with a list of its own.
+/// Cells per side into which the receivers of a shaft are divided, each with a list of its own.
 const CELLS: usize = 3;
 /// Shorter lists are not divided.
 const LONG: usize = 48;
-/// A shaft that meets more leaves of the hierarchy than this, and than so many times those of one receiver in its middle, has no
-/// list: its receivers are too far apart.
+/// A shaft has no list if it meets more leaves of the hierarchy than this, and more than so many times those of one receiver at its
+/// centre: its receivers are then too far apart.
 const SHAFT_LEAVES: usize = 64;
 const SHAFT_TIMES: usize = 12;
-/// Then receivers in a ball share one: as many neighbours as fit in so many times the distance to the nearest.
+/// Receivers in a sphere then share a list: its radius is this many times the distance to the nearest neighbour.
 const NEIGHBOURS: f32 = 2.5;
-/// The same for a ball; if it has no list, so many receivers have lists of their own before the next try.
+/// The same limits for a sphere. If it has no list, so many receivers have lists of their own before the next try.
 const BALL_LEAVES: usize = 128;
 const BALL_TIMES: usize = 4;
 const ALONE: u32 = 16;
-/// The last balls are kept.
+/// Number of spheres whose lists are kept.
 const BALLS: usize = 16;
 
-/// Meshes with one number for each edge of all.
+/// Meshes whose edges are numbered consecutively.
 #[derive(Debug)]
 pub(crate) struct Meshes<'m> {
     meshes: Vec<&'m SilhouetteMesh>,
@@ -44,7 +44,7 @@ impl<'m> Meshes<'m> {
         Self { meshes, bases, fineness: Fineness::default() }
     }
 
-    /// On which sides of an edge's triangles a point lies.
+    /// On which sides of an edge's two triangles a point lies.
     pub(crate) fn sides(&self, edge: u32, x: Vec3) -> [f32; 2] {
         let mesh = self.bases.partition_point(|base| *base <= edge) - 1;
         self.meshes[mesh].sides((edge - self.bases[mesh]) as usize, x)
@@ -56,8 +56,8 @@ impl<'m> Meshes<'m> {
         self.meshes[mesh].is_drawn((edge - self.bases[mesh]) as usize, x, self.fineness.scale(x, light))
     }
 
-    /// Lists the edges that may be silhouettes inside of a hull; returns in how many leaves they are. Gives up where these are
-    /// more than `most`.
+    /// Lists the edges that may be silhouettes inside a hull; returns the number of their leaves, or `None` if there are more than
+    /// `most`.
     fn list(&self, hull: &Hull, most: usize, memory: &mut Memory, out: &mut EdgeList) -> Option<usize> {
         out.clear();
         let mut left = most;
@@ -72,8 +72,8 @@ impl<'m> Meshes<'m> {
 
 /// The lists of a shaft.
 ///
-/// The hierarchy is asked once for the whole shaft where that gives a short list, which cells of the receivers' box then
-/// narrow. Else it is asked for balls of neighbours, and for single receivers where even these see too different outlines.
+/// The hierarchy is searched once for the whole shaft if that gives a short list; cells of the receivers' box then narrow the list.
+/// Otherwise it is searched for spheres around neighbours, or for single receivers if even neighbours see too different outlines.
 #[derive(Clone, Debug)]
 pub(crate) struct Lists {
     shaft: Shaft,
@@ -83,13 +83,13 @@ pub(crate) struct Lists {
     is_whole: bool,
     cells: Vec<Cell>,
     balls: Vec<Ball>,
-    /// Balls of this shaft made so far.
+    /// Spheres of this shaft so far.
     made: usize,
     /// Receivers of this shaft so far.
     seen: Vec<Vec3>,
-    /// Leaves that the last receiver with a list of its own met.
+    /// Number of leaves for the last receiver with a list of its own.
     single: usize,
-    /// So many receivers are still to have lists of their own.
+    /// Number of receivers that still get lists of their own.
     alone: u32,
     memory: Memory,
 }
@@ -125,7 +125,7 @@ impl Default for Lists {
 }
 
 impl Lists {
-    /// Begins a shaft, whose rays start within `margin` of the receivers.
+    /// Begins a shaft whose rays start within `margin` of the receivers.
     pub(crate) fn enter(&mut self, meshes: &Meshes<'_>, shaft: &Shaft, margin: f32) {
         self.cells.iter_mut().for_each(|cell| cell.is_listed = false);
         self.made = 0;
@@ -146,12 +146,12 @@ impl Lists {
         }
     }
 
-    /// Whether no receiver of the shaft has edges to look at.
+    /// Whether no receiver of the shaft has edges to test.
     pub(crate) fn is_empty(&self) -> bool {
         self.is_whole && self.edges.is_empty()
     }
 
-    /// A ball around all places where rays start.
+    /// A sphere around all starts of rays.
     pub(crate) fn origins(&self) -> Sphere {
         let Sphere { center, radius } = self.shaft.receivers;
         Sphere { center, radius: radius + self.margin }
@@ -162,7 +162,7 @@ impl Lists {
         self.shaft.receivers.radius > 0.0
     }
 
-    /// What a receiver of the shaft has to look at.
+    /// The edges that a receiver of the shaft must test.
     #[inline(always)]
     pub(crate) fn at<S: Simd>(&mut self, simd: S, meshes: &Meshes<'_>, at: Vec3) -> &EdgeList {
         if !self.is_whole {
@@ -174,7 +174,7 @@ impl Lists {
         }
         let size = 2.0 * half_extent / CELLS as f32;
         let low = center - half_extent;
-        // Any of a box without thickness.
+        // In a box without thickness any cell will do.
         let place = ((at - low) / size).floor().clamp(Vec3::ZERO, Vec3::splat(CELLS as f32 - 1.0));
         let place = place.to_array().map(|x| x as usize);
         let cell = &mut self.cells[(place[0] * CELLS + place[1]) * CELLS + place[2]];
@@ -188,7 +188,7 @@ impl Lists {
         &cell.edges
     }
 
-    /// The list of a ball that a receiver is in.
+    /// The list of a sphere that contains a receiver.
     fn around(&mut self, meshes: &Meshes<'_>, at: Vec3) -> &EdgeList {
         let is_in = |ball: &Ball| {
             let radius = ball.receivers.radius;
@@ -200,7 +200,7 @@ impl Lists {
         &self.balls[number].edges
     }
 
-    /// Makes the list of a receiver and of its neighbours, as far as these are known to be near.
+    /// Makes a list for a receiver and for its neighbours, if these are known to be near.
     #[cold]
     fn add(&mut self, meshes: &Meshes<'_>, at: Vec3) -> usize {
         let number = self.made % BALLS;

@@ -9,11 +9,11 @@ use glam::{Vec3, Vec4};
 use lobe_core::vec3x8::LANES;
 use rayon::prelude::*;
 
-/// A triangle mesh as the silhouettes of it are found: planes of triangles, edges with the triangles on both sides, and a
+/// A triangle mesh prepared for finding its silhouettes: planes of triangles, edges with the triangles on both sides, and a
 /// hierarchy of the edges.
 ///
-/// Any triangles: open, self-intersecting, wound either way, with edges of more than two triangles. Those with two equal corners
-/// are left out. The mesh may move ([`refit`](Self::refit)) as long as its triangles keep their corners.
+/// Any triangles are allowed: open, self-intersecting, wound either way, with more than two triangles at an edge. Triangles with
+/// two equal corners are left out. The mesh may move ([`refit`](Self::refit)) as long as its triangles keep their corners.
 ///
 /// # Cost
 /// About 62 bytes a triangle; [`with_coarse`](Self::with_coarse) 30 more, and twice the time.
@@ -21,34 +21,34 @@ use rayon::prelude::*;
 pub struct SilhouetteMesh {
     /// The number of the object that the triangles belong to.
     object: u32,
-    /// With a fourth number beside, so that eight are soon turned into columns.
+    /// With an unused fourth number, so that eight positions are quickly transposed into columns.
     positions: Vec<Vec4>,
-    /// For each of `positions` the one of the caller's that it is a copy of.
+    /// For each of `positions` the index of the caller's position that it copies.
     sources: Vec<u32>,
     triangles: Vec<[u32; 3]>,
     /// Unit normal `n` and `−n·a`, from f64.
     planes: Vec<[f32; 4]>,
-    /// Those of the mesh in the order of its tree's leaves, then those with simplified forms of patches in the order of theirs.
+    /// Edges of the mesh in the order of its tree's leaves, then those of simplified forms in the order of their tree.
     edges: Vec<Edge>,
     tree: Tree,
     coarse_tree: Tree,
     /// Triangles of the mesh itself.
     triangle_count: usize,
-    /// For each edge when it is drawn; none if all are.
+    /// For each edge its condition to be drawn; empty if all are always drawn.
     tags: Vec<Tag>,
     patches: Vec<Patch>,
     /// The patch of each triangle.
     triangle_patches: Vec<u16>,
-    /// Corners of simplified forms alone, and corners that these leave out with the triangles next to them.
+    /// Corners that only simplified forms have, and corners that these leave out, with the triangles next to them.
     own: Vec<u32>,
     left_out: Vec<[u32; 2]>,
 }
 
-/// Simplified forms are not for receivers nearer than so many radii of their patch: of these some would need one form and some
-/// the other, and lists would have both.
+/// Simplified forms are not drawn for receivers nearer than this many radii of their patch: some of these receivers would need one
+/// form and some the other, and lists would contain both.
 const NEAR: f32 = 1.5;
 
-/// A part of a mesh that has a simplified form: a ball around it, and by how much the form differs from it.
+/// A part of a mesh with a simplified form: a sphere around it, and the difference of the form.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Patch {
     center: Vec3,
@@ -57,14 +57,14 @@ pub(crate) struct Patch {
 }
 
 impl Patch {
-    /// Whether the simplified form does for a receiver: from so far on, in units of the difference, outlines are not told
+    /// Whether a receiver sees the simplified form: from this distance on, in units of the difference, it cannot tell the outlines
     /// apart.
     #[inline(always)]
     pub(crate) fn is_coarse(&self, from: Vec3, scale: f32) -> bool {
         from.distance(self.center) > NEAR * self.radius + self.detail * scale
     }
 
-    /// The same for all receivers in a ball, if they agree.
+    /// The same for all receivers in a sphere, if they agree.
     pub(crate) fn is_coarse_from(&self, center: Vec3, radius: f32, scale: [f32; 2]) -> Option<bool> {
         let distance = center.distance(self.center);
         let rounding = 1e-5 * (distance + center.abs().element_sum());
@@ -88,7 +88,7 @@ impl SilhouetteMesh {
         Self::make(object, positions, triangles, |_, _| None)
     }
 
-    /// The same with a simplified form for receivers that are far away, if they allow one
+    /// As [`new`](Self::new), with simplified forms for receivers that are far away and allow them
     /// ([`SilhouetteBlockers::with_tolerance`](crate::SilhouetteBlockers::with_tolerance)): for large meshes.
     ///
     /// # Panics
@@ -110,7 +110,7 @@ impl SilhouetteMesh {
             sources[*number as usize] = source as u32;
         }
         let mut triangles: Vec<_> = triangles.iter().map(|t| t.map(|i| numbers[i as usize])).collect();
-        // One without area blocks nothing, but may have some later.
+        // A triangle without area blocks nothing now, but may have an area later.
         triangles.retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
         let mut edges = topology::edges(&mut triangles);
         let triangle_count = triangles.len();
@@ -178,10 +178,10 @@ impl SilhouetteMesh {
         mesh
     }
 
-    /// Follows a mesh that has moved: the same triangles between other positions. `false`, and nothing is changed, when
-    /// there are other positions than before.
+    /// Follows a mesh that has moved: the same triangles with new positions. Returns `false` and changes nothing if the number of
+    /// positions does not fit.
     ///
-    /// Corners that were equal stay one corner; a triangle without area blocks nothing until it has one.
+    /// Equal corners stay one corner; a triangle without area blocks nothing until it has one.
     ///
     /// # Cost
     /// Linear in the triangles, on all threads.
@@ -196,7 +196,7 @@ impl SilhouetteMesh {
         true
     }
 
-    /// Planes, flat edges, boxes and cones from the positions.
+    /// Computes planes, flat edges, boxes and cones from the positions.
     fn fit(&mut self) {
         let Self {
             positions,
@@ -237,7 +237,7 @@ impl SilhouetteMesh {
                 (edge.ends().map(|k| corners[k]), normal(edge.triangle()), edge.other().map(normal))
             })
         };
-        // An edge of the mesh as far as it may be drawn, one of a simplified form from where on.
+        // The largest distance at which an edge of the mesh may be drawn, or the smallest one for an edge of a simplified form.
         let reach = |range: Range<usize>, middle: Vec3, is_coarse: bool| {
             let one = |tag: &Tag| {
                 let of = |(patch, _): (u16, bool)| {
@@ -269,13 +269,13 @@ impl SilhouetteMesh {
         self.object
     }
 
-    /// Triangles with three different corners.
+    /// Number of triangles with three different corners.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
         self.triangle_count
     }
 
-    /// Edges, with those of simplified forms.
+    /// Number of edges, including those of simplified forms.
     #[must_use]
     pub fn edge_count(&self) -> usize {
         self.edges.len()
@@ -307,13 +307,13 @@ impl SilhouetteMesh {
         &self.patches
     }
 
-    /// Corners, triangles and their planes, with those of simplified forms.
+    /// Corners, triangles and their planes, including those of simplified forms.
     pub(crate) fn geometry(&self) -> (&[Vec4], &[[u32; 3]], &[[f32; 4]]) {
         (&self.positions, &self.triangles, &self.planes)
     }
 
-    /// The edges of the mesh without simplified forms, by the order of its tree: the ends of each upward, and the triangles that run along it
-    /// upward and downward; none of an edge that is never a silhouette.
+    /// The edges of the mesh without simplified forms, in the order of its tree: the ends of each upward, and the triangles that
+    /// run along it upward and downward; no triangles if the edge is never a silhouette.
     pub(crate) fn upward_edges(&self) -> impl Iterator<Item = ([u32; 2], [Option<u32>; 2])> {
         let fine = self.edges.iter().enumerate().take_while(|(i, _)| !self.tag(*i).is_coarse());
         fine.map(|(_, edge)| {
@@ -328,7 +328,7 @@ impl SilhouetteMesh {
         })
     }
 
-    /// When an edge is drawn.
+    /// The condition of an edge to be drawn.
     #[inline(always)]
     pub(crate) fn tag(&self, edge: usize) -> Tag {
         self.tags.get(edge).copied().unwrap_or_default()
@@ -347,7 +347,7 @@ impl SilhouetteMesh {
         let mut lanes = 0;
         let mut sides = [[[0.0; 4]; LANES]; 2];
         for (lane, edge) in self.edges[first..first + count.min(LANES)].iter().enumerate() {
-            // Upward, so that all records of an edge make the same calculation, whatever the hierarchy.
+            // Upward, so that all records of an edge compute the same, whatever the hierarchy.
             let down = usize::from(edge.is_down());
             sides[down][lane] = self.planes[edge.triangle() as usize];
             sides[1 - down][lane] = edge.other().map_or([0.0; 4], |t| self.planes[t as usize]);
@@ -359,8 +359,8 @@ impl SilhouetteMesh {
         lanes
     }
 
-    /// The same for the ends and the numbers of those that `lanes` has; `base` is the number of the mesh's first edge, the
-    /// first of `marks` are lanes that are not always drawn, the second a mark for all.
+    /// The same for the ends and numbers of the edges in `lanes`. `base` is the number of the mesh's first edge. The first of
+    /// `marks` has the lanes that are not always drawn; the second is set in all numbers.
     #[inline(always)]
     pub(crate) fn fetch_ends<S: Simd>(
         &self,
@@ -391,8 +391,8 @@ impl SilhouetteMesh {
         }
     }
 
-    /// How a point lies to the triangles that run along an edge upward and downward: 1 in front,
-    /// −1 behind, 0 in the plane or where there is no triangle. Exact but for the rounding of f64.
+    /// The sides on which a point lies of the triangles that run along an edge upward and downward: 1 in front, −1 behind, 0 in the
+    /// plane or if there is no triangle. Exact except for the rounding of f64.
     pub(crate) fn sides(&self, edge: usize, x: Vec3) -> [f32; 2] {
         let edge = self.edges[edge];
         let side = |t: u32| side(self.triangles[t as usize].map(|i| self.positions[i as usize].truncate()), x);
@@ -401,7 +401,8 @@ impl SilhouetteMesh {
     }
 }
 
-/// Corners of simplified forms take over so much of what those left out are off: then outlines neither shrink nor grow.
+/// The fraction by which corners of simplified forms make up for the offsets of left-out corners: outlines then neither shrink nor
+/// grow.
 const SETTLE: f32 = 0.65;
 
 fn fit_planes(
@@ -419,7 +420,7 @@ fn fit_planes(
     });
 }
 
-/// Moves the corners of simplified forms by what the corners left out are off their planes in the mean: else round shapes would
+/// Moves the corners of simplified forms by the mean offset of the left-out corners from their planes; otherwise round shapes would
 /// shrink.
 fn settle(own: &[u32], left_out: &[[u32; 2]], triangles: &[[u32; 3]], planes: &[[f32; 4]], positions: &mut [Vec4]) {
     let mut sums = vec![Vec4::ZERO; positions.len()];
@@ -436,7 +437,7 @@ fn settle(own: &[u32], left_out: &[[u32; 2]], triangles: &[[u32; 3]], planes: &[
     }
 }
 
-/// Where patches are, and the root mean square of the distances of corners left out from the planes next to them.
+/// Spheres around patches, and the root mean square of the distances of left-out corners from the planes next to them.
 fn fit_patches(
     patches: &mut [Patch],
     triangle_patches: &[u16],
@@ -467,7 +468,7 @@ fn fit_patches(
     }
 }
 
-/// 1 where a point is in front of a triangle's plane, −1 behind it, 0 in it.
+/// 1 if a point is in front of a triangle's plane, −1 behind it, 0 in it.
 pub(crate) fn side(corners: [Vec3; 3], x: Vec3) -> f32 {
     let along = normal(corners).dot(x.as_dvec3() - corners[0].as_dvec3());
     if along > 0.0 {

@@ -1,4 +1,4 @@
-//! Silhouettes on the square that faces the light.
+//! Projects silhouettes onto the square that faces the light.
 
 use crate::select::{STEP, Silhouettes};
 use fearless_simd::{Simd, f32x8, i32x8, prelude::*};
@@ -7,12 +7,12 @@ use lobe_core::vec3x8::Vec3x8;
 use lobe_core::{Outline, VisibilityQuery};
 use visibility_mask::{Raster, UnitSquare};
 
-/// Ends nearer than this part of the light's distance are clipped: they are far outside of the window.
+/// Ends nearer than this fraction of the light's distance are clipped: they are far outside the window.
 const NEAR: f32 = 1e-7;
-/// No position is farther outside.
+/// The largest position outside.
 const FAR_OUTSIDE: f32 = 1e7;
 
-/// The window, its rows and samples, and between which depths surfaces block.
+/// The window, its rows and samples, and the depths between which surfaces block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View {
     pub(crate) square: UnitSquare,
@@ -21,9 +21,9 @@ pub(crate) struct View {
     near: f32,
     /// Depth of the light along the square's axis: of the circle where the cone touches it.
     pub(crate) far: f32,
-    /// Where silhouettes are cut: there, or nowhere if they have been.
+    /// The depth at which silhouettes are clipped: `far`, or infinite if they have been clipped already.
     pub(crate) clip: f32,
-    /// Position in samples of an upright line that meets, in every row, all that the window shows of the disc.
+    /// Position, in samples, of a vertical line that crosses the visible part of the disc in every row.
     middle: f32,
 }
 
@@ -57,10 +57,10 @@ impl View {
     }
 }
 
-/// A piece of an outline that crosses row lines, from a lower one to a higher.
+/// A piece of an outline that crosses row lines, from a lower one to a higher one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {
-    /// Position in samples at row 0, and how it grows from row to row.
+    /// Position in samples at row 0, and its growth from row to row.
     pub(crate) start: f32,
     pub(crate) slope: f32,
     /// Positions of the two ends, in order.
@@ -70,12 +70,12 @@ pub(crate) struct Crossing {
     pub(crate) rows: [i32; 2],
     /// Whether each end is left of the view's middle.
     pub(crate) left: [bool; 2],
-    /// By how much the number of surfaces grows from left to right.
+    /// The growth of the number of surfaces from left to right.
     pub(crate) step: i32,
 }
 
 impl Crossing {
-    /// From its two ends with rows already counted; none where it changes nothing.
+    /// From its two ends, whose rows are known; `None` if it changes no number.
     #[inline(always)]
     fn new(
         view: &View,
@@ -102,7 +102,7 @@ impl Crossing {
         })
     }
 
-    /// One piece of an outline, from a point before the light's plane to another, as [`project`] projects it.
+    /// One piece of an outline, between two points in front of the light's plane, as [`project`] projects it.
     pub(crate) fn of_segment(view: &View, a: Vec3, b: Vec3, step: i32) -> Option<Self> {
         let ends = [a, b].map(|p| {
             let p = view.square.local(p);
@@ -116,7 +116,7 @@ impl Crossing {
     }
 }
 
-/// Projects silhouettes on the square and keeps what crosses row lines.
+/// Projects silhouettes onto the square, and keeps those that cross row lines.
 #[inline(always)]
 pub(crate) fn project<S: Simd>(simd: S, silhouettes: &Silhouettes, view: &View, out: &mut Vec<Crossing>) {
     let UnitSquare { right, up, axis, .. } = view.square;
@@ -127,7 +127,7 @@ pub(crate) fn project<S: Simd>(simd: S, silhouettes: &Silhouettes, view: &View, 
         let [a, b] = [silhouettes.load3(simd, 0, first), silhouettes.load3(simd, 3, first)];
         let mut a = Vec3x8::new(a.dot_one(right), a.dot_one(up), a.dot_one(axis));
         let mut b = Vec3x8::new(b.dot_one(right), b.dot_one(up), b.dot_one(axis));
-        // The line through both, from a × (b − a): ends that are clipped would be too far outside for it.
+        // The line through both ends, from a × (b − a): clipped ends would be too far outside for it.
         let line = a.cross(b - a);
         let flat = line.x.simd_eq(zero);
         let inverse = f32x8::splat(simd, -1.0) / flat.select(f32x8::splat(simd, 1.0), line.x);
@@ -149,7 +149,7 @@ pub(crate) fn project<S: Simd>(simd: S, silhouettes: &Silhouettes, view: &View, 
         let rb = limit(simd, (b.y / b.z - bottom) * rows - 0.5).ceil().max(zero).min(last);
         drop |= ra.max(rb).simd_eq(zero) | ra.min(rb).simd_eq(last);
         drop |= xa.min(xb).simd_gt(f32x8::splat(simd, width + 1.0)) | xa.max(xb).simd_lt(f32x8::splat(simd, -1.0));
-        // Between two rows an edge matters only where it passes the middle.
+        // An edge between two rows matters only if it crosses the middle.
         let middle = f32x8::splat(simd, view.middle);
         let aside = (xa.min(xb)).simd_lt(middle) & !(xa.max(xb)).simd_lt(middle);
         drop |= ra.simd_eq(rb) & !aside;
@@ -171,13 +171,13 @@ pub(crate) fn project<S: Simd>(simd: S, silhouettes: &Silhouettes, view: &View, 
     }
 }
 
-/// No position is farther outside than that.
+/// Limits a position to the largest one.
 #[inline(always)]
 fn limit<S: Simd>(simd: S, x: f32x8<S>) -> f32x8<S> {
     x.max(f32x8::splat(simd, -FAR_OUTSIDE)).min(f32x8::splat(simd, FAR_OUTSIDE))
 }
 
-/// Where an edge meets a plane of equal depth, from the end that is on the right side of it: whoever cuts the same edge finds
+/// The point at which an edge meets a plane of equal depth, from the end on the right side of it: all triangles of the edge find
 /// the same point.
 #[inline(always)]
 fn clip_at<S: Simd>(plane: f32x8<S>, from: Vec3x8<S>, to: Vec3x8<S>) -> Vec3x8<S> {

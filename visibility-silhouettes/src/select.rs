@@ -1,4 +1,4 @@
-//! The silhouettes that one receiver sees before its light.
+//! The silhouettes of one receiver in front of its light.
 
 use crate::edge_list::{COARSE, Columns, ENDS, EdgeList, ID, MARKS, PLANES, SOMETIMES};
 use crate::hull::UNSURE;
@@ -8,22 +8,22 @@ use lobe_core::vec3x8::Vec3x8;
 use lobe_core::{Cone, orthonormal_basis};
 use visibility_mask::Edges;
 
-/// Numbers of a silhouette: its two ends seen from the receiver, and by how much the number of surfaces grows to its right,
-/// looking from the first end to the second.
+/// Number of columns of a silhouette: its two ends, relative to the receiver, and the growth of the number of surfaces to its
+/// right, looking from the first end to the second.
 pub(crate) const NUMBERS: usize = 7;
 pub(crate) const STEP: usize = 6;
 
 pub(crate) type Silhouettes = Columns<NUMBERS>;
 
-/// Beside the light's disc: a little more, for the rounding of its edge.
+/// A margin around the light's disc, for the rounding of its edge.
 const AROUND: f32 = 1.000_01;
 const AROUND_SQ: f32 = 1.000_2;
 
-/// Lists the silhouettes among some edges that may lie before the light.
+/// Lists those edges of a list that are silhouettes and may lie in front of the light.
 ///
-/// An edge is one where the receiver is in front of one of its triangles and behind the other, or where there is no other.
-/// `sides` decides for an edge by its number what f32 cannot, `is_drawn` whether one that is not always drawn is now. Returns whether
-/// any may be of a simplified form.
+/// An edge is a silhouette if the receiver is in front of one of its triangles and behind the other, or if there is no other.
+/// `sides` decides for an edge by its number if f32 cannot; `is_drawn` decides for an edge that is not always drawn. Returns
+/// whether any may belong to a simplified form.
 #[inline(always)]
 pub(crate) fn silhouettes<S: Simd>(
     simd: S,
@@ -99,10 +99,10 @@ pub(crate) fn silhouettes<S: Simd>(
     is_coarse
 }
 
-/// Which of eight edges certainly pass beside the disc of a light, as far as they are between the receiver and its plane.
+/// Which of eight edges certainly pass beside the disc of a light, with their parts between the receiver and the light's plane.
 ///
-/// Such an edge changes the number of surfaces before all samples alike, or before none: it is on one side of the disc in
-/// all rows that both meet.
+/// Such an edge changes the number of surfaces of all samples alike, or of none: in all rows that both meet it is on one side of
+/// the disc.
 #[inline(always)]
 fn beside<S: Simd>(simd: S, cone: &Cone, a: Vec3x8<S>, b: Vec3x8<S>) -> mask32x8<S> {
     let (axis, cos) = (cone.axis, cone.cos());
@@ -112,7 +112,7 @@ fn beside<S: Simd>(simd: S, cone: &Cone, a: Vec3x8<S>, b: Vec3x8<S>) -> mask32x8
     let [size, reach] = [normal.dot(normal), a.dot(a) * edge.dot(edge)];
     let along = normal.dot_one(axis).abs() - reach.sqrt() * 1e-6;
     let mut beside = along.simd_gt((size * (cone.sin_sq() * AROUND_SQ)).sqrt());
-    // What is behind the light's plane does not count.
+    // Parts behind the light's plane do not count.
     let (mut from, mut to) = (a, b);
     let [mut depth_a, mut depth_b] = [a.dot_one(axis), b.dot_one(axis)];
     let far = f32x8::splat(simd, cone.distance * cos * cos);
@@ -124,11 +124,11 @@ fn beside<S: Simd>(simd: S, cone: &Cone, a: Vec3x8<S>, b: Vec3x8<S>) -> mask32x8
         (from, to) = (from.or(far_a, cut), to.or(far_b, cut));
         (depth_a, depth_b) = (far_a.select(far, depth_a), far_b.select(far, depth_b));
     }
-    // Or the edge ends before the disc: with p on it nearest to the axis seen from the receiver, both ends are on one side of p
-    // and outside of the cone. An end behind the receiver is on the far side of the other one.
+    // Or the edge ends before it reaches the disc: both ends are on one side of the point of the edge that is nearest to the axis,
+    // seen from the receiver, and outside the cone. An end behind the receiver is on the far side of the other one.
     let zero = f32x8::splat(simd, 0.0);
     let [front_a, front_b] = [depth_a.simd_gt(zero), depth_b.simd_gt(zero)];
-    // d/dt of the squared cosine at the ends: its sign tells whether the edge comes nearer from there on.
+    // The sign of d/dt of the squared cosine at an end tells whether the edge comes nearer from there on.
     let across = edge.dot_one(axis);
     let at_a = across * from.dot(from) - depth_a * from.dot(edge);
     let at_b = across * to.dot(to) - depth_b * to.dot(edge);
@@ -140,7 +140,7 @@ fn beside<S: Simd>(simd: S, cone: &Cone, a: Vec3x8<S>, b: Vec3x8<S>) -> mask32x8
     beside | !(front_a | front_b) | ((leaves | comes) & outside_a & outside_b)
 }
 
-/// On which side of eight planes a point lies, and where f32 does not tell.
+/// The sides of eight planes on which a point lies, and a mask of those that f32 cannot decide.
 #[inline(always)]
 fn side<S: Simd>(
     simd: S,
@@ -158,11 +158,11 @@ fn side<S: Simd>(
     (value.simd_gt(zero).select(plus, value.simd_lt(zero).select(minus, zero)), unsure)
 }
 
-/// Depths below this part of an edge's size are rounding.
+/// Depths below this fraction of an edge's size are rounding errors.
 const BESIDE: f32 = 1e-5;
 
-/// Adds the parts of silhouettes that lie before a part of a light to the directions that a mask is turned by: those that lie
-/// before the light at all, since of others only some are listed.
+/// Adds the parts of silhouettes in front of a part of a light to the directions that a mask is turned by. Only silhouettes in
+/// front of the light count, since the list has only some of the others.
 #[inline(always)]
 pub(crate) fn add_edges<S: Simd>(simd: S, part: &Cone, light: &Cone, silhouettes: &Silhouettes, edges: &mut Edges) {
     let is_finite = light.distance.is_finite();
@@ -170,9 +170,10 @@ pub(crate) fn add_edges<S: Simd>(simd: S, part: &Cone, light: &Cone, silhouettes
     let [nearest, far] = [nearest, far].map(|depth| f32x8::splat(simd, depth));
     for first in (0..silhouettes.len()).step_by(8) {
         let [a, b] = [silhouettes.load3(simd, 0, first), silhouettes.load3(simd, 3, first)];
-        // Where an edge passes beside the receiver, far outside of the disc of a light at infinity, it has no depth but rounding.
+        // An edge that passes beside the receiver, far outside the disc of a light at infinity, has a depth of nothing but
+        // rounding.
         let near = if is_finite { nearest } else { (a.dot(a) + b.dot(b)).sqrt() * BESIDE };
-        // Of what is behind the light or the receiver some is listed and some is not.
+        // Behind the light or the receiver only some edges are listed, so none counts.
         let [depth_a, depth_b] = [a.dot_one(light.axis), b.dot_one(light.axis)];
         let edge = b - a;
         let mut is_there = mask32x8::from_bitmask(simd, u64::from(silhouettes.lanes(first)));
@@ -198,14 +199,14 @@ pub(crate) fn add_edges<S: Simd>(simd: S, part: &Cone, light: &Cone, silhouettes
     }
 }
 
-/// How much of eight edges lies before the disc of a light, in its radii; not above zero where nothing does.
+/// The length of eight edges in front of the disc of a light, in its radii; not above zero if no part is.
 #[inline(always)]
 fn length_before<S: Simd>(simd: S, cone: &Cone, a: Vec3x8<S>, b: Vec3x8<S>, normal: Vec3x8<S>) -> f32x8<S> {
     let (tan, axis) = (cone.tan(), cone.axis);
     let along = normal.dot_one(axis);
     let across = normal - Vec3x8::new(along * axis.x, along * axis.y, along * axis.z);
     let square = across.dot(across);
-    // The line passes the disc's middle at |n·axis|/|n − axis(n·axis)|: half the chord.
+    // The line passes the disc's centre at |n·axis|/|n − axis(n·axis)|; from it half the chord follows.
     let half_sq = f32x8::splat(simd, 1.0) - along * along / (square * (tan * tan));
     let half = half_sq.max(f32x8::splat(simd, 0.0)).sqrt();
     // Where the two ends are along it.

@@ -2,19 +2,19 @@
 // lobe-core and what it has for outlines, frame.wgsl of render-gpu, the functions `any_hit…` of `GpuBlockers`, and SILHOUETTES_DEPTH, the depth of
 // the hierarchy.
 
-// Error of n·x + d in f32, as a part of |d| + |x| + |y| + |z|: below it a sign is not known.
+// Error of n·x + d in f32, relative to |d| + |x| + |y| + |z|: the sign of a smaller value is not known.
 const SILHOUETTES_UNSURE = 6e-7;
-// Beside the light's disc: a little more, for the rounding of its edge.
+// A margin around the light's disc, for the rounding of its edge.
 const SILHOUETTES_AROUND = 1.00001;
 const SILHOUETTES_AROUND_SQ = 1.0002;
-// Rounding of the distance of a box from a plane, as a part of the numbers in it.
+// Rounding of the distance of a box from a plane, relative to its numbers.
 const SILHOUETTES_ROUNDING = 2e-6;
 // No triangle on that side of an edge; no child of a node.
 const SILHOUETTES_NONE = 0xffffffffu;
 
 // A receiver and its light.
 struct SilhouetteEye {
-    // Where rays start, and |x| + |y| + |z| of that.
+    // The start of rays, and its |x| + |y| + |z|.
     x: vec3f,
     reach: f32,
     cone: Cone,
@@ -55,13 +55,13 @@ fn silhouettes_corner(eye: SilhouetteEye, corner: u32) -> vec3f {
     return bitcast<vec3f>(silhouettes_data[silhouettes_data[0].y + corner].xyz) - eye.x;
 }
 
-// How far a point, seen from the receiver, is inside of the square's sides.
+// Distances of a point, relative to the receiver, inside the square's sides.
 fn silhouettes_sides(eye: SilhouetteEye, p: vec3f) -> vec4f {
     let across = vec2f(dot(eye.u, p), dot(eye.v, p));
     return dot(eye.slope, p) + vec4f(across, -across);
 }
 
-// Whether a child of a node may have silhouettes before the light. Its three rows begin at `row`.
+// Whether a child of a node may have silhouettes in front of the light. Its three rows begin at `row`.
 fn silhouettes_meet(eye: SilhouetteEye, row: u32) -> bool {
     let middle = bitcast<vec4f>(silhouettes_data[row]);
     let half = bitcast<vec3f>(silhouettes_data[row + 1u].xyz);
@@ -84,14 +84,14 @@ fn silhouettes_meet(eye: SilhouetteEye, row: u32) -> bool {
             return false;
         }
     }
-    // All normals of the cone on one side: none of its edges is a silhouette.
+    // If all normals of the cone are on one side, none of its edges is a silhouette.
     let away = sqrt(dot(size, size));
     let unsure = (away + eye.reach) * (2.0 * SILHOUETTES_UNSURE);
     return abs(dot(to, normals)) - dot(half, abs(normals)) - unsure <= away * middle.w;
 }
 
-// 1 where the receiver is in front of a triangle, −1 behind it, 0 where there is none. The same for all edges of the triangle:
-// f32 where that is certain, else from its corners.
+// 1 if the receiver is in front of a triangle, −1 behind it, 0 if there is none. The same for all edges of the triangle: in f32 if
+// that is certain, else from its corners.
 fn silhouettes_side(eye: SilhouetteEye, triangle: u32) -> i32 {
     if (triangle == SILHOUETTES_NONE) {
         return 0;
@@ -114,8 +114,8 @@ fn silhouettes_side(eye: SilhouetteEye, triangle: u32) -> i32 {
     return select(select(0, -1, value < 0.0), 1, value > 0.0);
 }
 
-// By how much the number of surfaces grows from left to right across an edge, looking from its first end to the second; 0 where it
-// is no silhouette, or certainly not before the light.
+// The growth of the number of surfaces from left to right across an edge, looking from its first end to the second; 0 if it is not
+// a silhouette, or certainly not in front of the light.
 fn silhouettes_step(eye: SilhouetteEye, edge: u32) -> i32 {
     let ends = silhouettes_data[silhouettes_data[0].w + edge];
     let a = silhouettes_corner(eye, ends.x);
@@ -136,7 +136,7 @@ fn silhouettes_step(eye: SilhouetteEye, edge: u32) -> i32 {
     return step;
 }
 
-// Whether an edge certainly passes beside the disc of the light, as far as it is between the receiver and its plane.
+// Whether an edge certainly passes beside the disc of the light, with its part between the receiver and the light's plane.
 fn silhouettes_beside(eye: SilhouetteEye, a: vec3f, b: vec3f) -> bool {
     let axis = eye.cone.axis;
     let cos = cone_cos(eye.cone);
@@ -147,7 +147,7 @@ fn silhouettes_beside(eye: SilhouetteEye, a: vec3f, b: vec3f) -> bool {
     if (along > sqrt(dot(normal, normal) * (cone_sin_sq(eye.cone) * SILHOUETTES_AROUND_SQ))) {
         return true;
     }
-    // What is behind the light's plane does not count.
+    // Parts behind the light's plane do not count.
     var first = a;
     var last = b;
     var depth = vec2f(dot(a, axis), dot(b, axis));
@@ -161,8 +161,8 @@ fn silhouettes_beside(eye: SilhouetteEye, a: vec3f, b: vec3f) -> bool {
         last = select(b, cut, is_far.y);
         depth = min(depth, vec2f(eye.far));
     }
-    // Or the edge ends before the disc: the sign of d/dt of the squared cosine at the ends tells whether it comes nearer from there
-    // on. An end behind the receiver is on the far side of the other one.
+    // Or the edge ends before it reaches the disc: the sign of d/dt of the squared cosine at an end tells whether it comes nearer
+    // from there on. An end behind the receiver is on the far side of the other one.
     let front = depth > vec2f(0.0);
     let across = dot(edge, axis);
     let squares = vec2f(dot(first, first), dot(last, last));
@@ -173,7 +173,7 @@ fn silhouettes_beside(eye: SilhouetteEye, a: vec3f, b: vec3f) -> bool {
     return !any(front) || ((leaves || comes) && all(outside));
 }
 
-// Where the triangles begin that the light's plane may cut, three rows each, and how many they are.
+// The place of the triangles that the light's plane may cut, three rows each, and their number.
 fn silhouettes_near() -> vec2u {
     let lights = silhouettes_data[1].xy;
     if (!light_is_flat() || frame.number >= lights.y) {
@@ -182,7 +182,7 @@ fn silhouettes_near() -> vec2u {
     return silhouettes_data[lights.x + frame.number].xy;
 }
 
-// How much of the light the receiver's own facet hides.
+// Coverage of the light by the receiver's own facet.
 fn silhouettes_facet(at: Receiver, cone: Cone) -> u32 {
     if (!any_hit_has(at.object)) {
         return LIT;

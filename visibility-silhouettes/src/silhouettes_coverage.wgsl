@@ -1,9 +1,9 @@
-// How much of the light may be hidden, as `SilhouetteBlockers::select`. Needs silhouettes.wgsl.
+// Coverage of the light, as `SilhouetteBlockers::select`. Needs silhouettes.wgsl.
 
-// A node's siblings wait on each level.
+// The most waiting nodes: a node's siblings wait on each level.
 const SILHOUETTES_WAITING = 7u * SILHOUETTES_DEPTH + 8u;
 
-// Whether any silhouette is before the light.
+// Whether any silhouette is in front of the light.
 fn silhouettes_any(eye: SilhouetteEye) -> bool {
     var stack: array<u32, SILHOUETTES_WAITING>;
     let nodes = silhouettes_data[0].x;
@@ -36,7 +36,7 @@ fn silhouettes_any(eye: SilhouetteEye) -> bool {
     return false;
 }
 
-// Whether a flat light's plane cuts any triangle next to it.
+// Whether a flat light's plane cuts any triangle near it.
 fn silhouettes_are_clipped(eye: SilhouetteEye) -> bool {
     let near = silhouettes_near();
     let plane = light_plane();
@@ -61,7 +61,7 @@ fn silhouettes_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
     if (cone.one_minus_cos > 0.0 && (facet == PARTIAL || silhouettes_any(eye) || silhouettes_are_clipped(eye))) {
         return PARTIAL;
     }
-    // As many surfaces before all of the light.
+    // The number of surfaces is the same in front of the whole light.
     if (light_is_flat()) {
         let toward = light_middle();
         return select(LIT, DARK, any_hit(eye.x, toward, light_distance(toward)));

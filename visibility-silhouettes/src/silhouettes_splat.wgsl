@@ -1,71 +1,71 @@
 // Masks from silhouettes, by a workgroup: `project.rs`, `count.rs` and `SilhouetteBlockers::splat`. Needs silhouettes.wgsl, and of
 // visibility-mask mask.wgsl, edges.wgsl and total.wgsl.
 //
-// Threads go through the hierarchy together, a child of a node each, then through the edges of the leaves. All that they add up
-// are whole numbers: so no order of the threads changes a mask.
+// The threads search the hierarchy together, one thread for a child of a node, then the edges of the leaves. All sums are of
+// integers, so no order of the threads changes a mask.
 
-// Ends nearer than this part of the light's distance are clipped: they are far outside of the window.
+// Ends nearer than this fraction of the light's distance are clipped: they are far outside the window.
 const SILHOUETTES_NEAR = 1e-7;
 const SILHOUETTES_FAR_OUTSIDE = 1e7;
-// Depths below this part of an edge's size are rounding.
+// Depths below this fraction of an edge's size are rounding errors.
 const SILHOUETTES_BESIDE = 1e-5;
-// Edges are added up before no wider disc than this, 1 − cos θ.
+// The widest disc, 1 − cos θ, in front of which edges are summed.
 const SILHOUETTES_WIDEST = 0.9;
-// Where fewer than this part of what is lit has the fewest surfaces, the next number is asked about as well.
+// If fewer than one in this many lit samples has the fewest surfaces, a ray is also traced for the next number.
 const SILHOUETTES_FEW = 128u;
-// Lengths are rounded to this part of the disc's radius.
+// Lengths are rounded to multiples of the disc's radius over this number.
 const SILHOUETTES_LENGTHS = 65536.0;
 
-// Nodes that wait: on each level the children that a round finds, less those that the next one takes.
+// The most waiting nodes: on each level the children that a round finds, minus those that the next one takes.
 const SILHOUETTES_STACK = 7u * SILHOUETTES_DEPTH * SILHOUETTES_NODES + 8u;
-// Nodes that are looked at in a round, by eight threads each.
+// Nodes that a round visits, with eight threads each.
 const SILHOUETTES_NODES = 4u;
 const SILHOUETTES_LEAVES = 8u * SILHOUETTES_NODES;
-// Silhouettes that are kept for the next mask of the receiver, if these are all; a round finds up to eight a leaf.
+// Silhouettes that are kept for the next mask of the receiver, if these are all; a round finds up to eight in a leaf.
 const SILHOUETTES_ROOM = 512u;
-// Samples of a row that are counted at a time, two in a word: less for masks of many rows, whose workgroups have much else.
+// Samples of a row that are counted at a time, two in a word: fewer for masks of many rows, whose workgroups need more memory.
 const SILHOUETTES_PART = 2048u / LANES;
 const SILHOUETTES_WORDS = SILHOUETTES_PART / 2u;
-// Words of a bit a sample.
+// Words with one bit a sample.
 const SILHOUETTES_BITS = WIDTH / 32u;
 
 var<workgroup> silhouettes_stack: array<u32, SILHOUETTES_STACK>;
 var<workgroup> silhouettes_waiting: atomic<u32>;
 var<workgroup> silhouettes_leaves: array<vec2u, SILHOUETTES_LEAVES>;
 var<workgroup> silhouettes_leaf_count: atomic<u32>;
-// Edge and step; how many.
+// Edges and their steps; their number.
 var<workgroup> silhouettes_list: array<u32, SILHOUETTES_ROOM>;
 var<workgroup> silhouettes_found: atomic<u32>;
-// What the first thread says to all of them.
+// The first thread's values for all threads.
 var<workgroup> silhouettes_plan: vec2u;
 // Whether the list has all silhouettes of the receiver.
 var<workgroup> silhouettes_known: u32;
-// The sum of edges, and that of four times their angles.
+// The sum of edges, and the sum with four times their angles.
 var<workgroup> silhouettes_sums: array<atomic<i32>, 4>;
-// How the number of surfaces changes from sample to sample of a row, and at its start from row to row.
+// The change of the number of surfaces from sample to sample of a row, and at its start from row to row.
 var<workgroup> silhouettes_counts: array<atomic<i32>, LANES * SILHOUETTES_WORDS>;
 var<workgroup> silhouettes_starts: array<atomic<i32>, LANES + 1u>;
 var<workgroup> silhouettes_least: atomic<i32>;
 var<workgroup> silhouettes_best: atomic<u32>;
 var<workgroup> silhouettes_open: u32;
 
-// What is drawn on: as `View`.
+// The window that is drawn, as `View`.
 struct SilhouetteView {
     square: UnitSquare,
     raster: Raster,
     near: f32,
     far: f32,
-    // In samples, an upright line that meets in every row all that the window shows of the disc.
+    // Position, in samples, of a vertical line that crosses the visible part of the disc in every row.
     middle: f32,
     // The first sample of the part that is counted.
     first: u32,
 }
 
 var<private> silhouettes_view: SilhouetteView;
-// The window whose edges are added up, and the light before which they are.
+// The window whose edges are summed, and the light in front of which they are.
 var<private> silhouettes_window: Cone;
 var<private> silhouettes_light: Cone;
-// Whether edges are added up; else they are drawn.
+// Whether edges are summed; otherwise they are drawn.
 var<private> silhouettes_adds: bool;
 
 fn silhouettes_view_of(mask: Mask, eye: SilhouetteEye) -> SilhouetteView {
@@ -79,7 +79,7 @@ fn silhouettes_view_of(mask: Mask, eye: SilhouetteEye) -> SilhouetteView {
     return SilhouetteView(square, raster, near, max(far, near), middle, 0u);
 }
 
-// All silhouettes of the receiver, drawn or added up. Requires uniform control flow.
+// Draws or sums all silhouettes of the receiver. Requires uniform control flow.
 fn silhouettes_each(lane: u32, eye: SilhouetteEye) {
     let is_known = workgroupUniformLoad(&silhouettes_known) != 0u;
     if (!is_known) {
@@ -109,7 +109,7 @@ fn silhouettes_each(lane: u32, eye: SilhouetteEye) {
     workgroupBarrier();
 }
 
-// Goes on through the hierarchy until the list may be too short for another round; true at the end.
+// Continues the search of the hierarchy until the list may be too short for another round; returns true at the end.
 fn silhouettes_list_more(lane: u32, eye: SilhouetteEye) -> bool {
     var is_last = false;
     loop {
@@ -163,7 +163,7 @@ fn silhouettes_list_more(lane: u32, eye: SilhouetteEye) -> bool {
     return is_last;
 }
 
-// Those of the list.
+// Draws or sums the edges of the list.
 fn silhouettes_use(lane: u32, eye: SilhouetteEye, count: u32) {
     for (var k = lane; k < count; k += LANES) {
         let entry = silhouettes_list[k];
@@ -178,16 +178,16 @@ fn silhouettes_use(lane: u32, eye: SilhouetteEye, count: u32) {
     }
 }
 
-// Adds what of an edge lies before the window to the directions that a mask is turned by.
+// Adds the part of an edge in front of the window to the directions that a mask is turned by.
 fn silhouettes_add(eye: SilhouetteEye, a: vec3f, b: vec3f) {
     // A flat light's cone may be a hemisphere.
     let light = silhouettes_light;
     let far = eye.far;
     let depth = vec2f(dot(a, light.axis), dot(b, light.axis));
-    // Where an edge passes beside the receiver, far outside of the disc of a light at infinity, it has no depth but rounding.
+    // An edge that passes beside the receiver, far outside the disc of a light at infinity, has a depth of nothing but rounding.
     let beside = SILHOUETTES_BESIDE * sqrt(dot(a, a) + dot(b, b));
     let near = select(1e-6 * light.distance, beside, light.distance > 1e30);
-    // Of what is behind the light or the receiver some is listed and some is not.
+    // Behind the light or the receiver only some edges are listed, so none counts.
     if (all(depth < vec2f(near)) || all(depth > vec2f(far))) {
         return;
     }
@@ -221,13 +221,13 @@ fn silhouettes_add(eye: SilhouetteEye, a: vec3f, b: vec3f) {
     atomicAdd(&silhouettes_sums[3], all.w);
 }
 
-// How much of an edge lies before the disc of a light, in its radii; not above zero where nothing does.
+// The length of an edge in front of the disc of a light, in its radii; not above zero if no part is.
 fn silhouettes_length(cone: Cone, a: vec3f, b: vec3f, normal: vec3f) -> f32 {
     let tan = cone_tan(cone);
     let along = dot(normal, cone.axis);
     let across = normal - cone.axis * along;
     let square = dot(across, across);
-    // The line passes the disc's middle at |n·axis|/|n − axis(n·axis)|: half the chord.
+    // The line passes the disc's centre at |n·axis|/|n − axis(n·axis)|; from it half the chord follows.
     let half = sqrt(max(1.0 - along * along / (square * (tan * tan)), 0.0));
     let line = cross(cone.axis, normal);
     let scale = max(sqrt(square) * tan, 1e-37);
@@ -238,12 +238,12 @@ fn silhouettes_length(cone: Cone, a: vec3f, b: vec3f, normal: vec3f) -> f32 {
 
 fn silhouettes_limit(x: f32) -> f32 { return clamp(x, -SILHOUETTES_FAR_OUTSIDE, SILHOUETTES_FAR_OUTSIDE); }
 
-// Where an edge meets a plane of equal depth, from the end that is on the right side of it.
+// The point at which an edge meets a plane of equal depth, from the end on the right side of it.
 fn silhouettes_clip(depth: f32, start: vec3f, end: vec3f) -> vec3f {
     return vec3f(start.xy + (end.xy - start.xy) * ((depth - start.z) / (end.z - start.z)), depth);
 }
 
-// Counts an edge where it crosses the rows, and its ends between them.
+// Counts an edge's crossings with the rows, and its ends between them.
 fn silhouettes_draw(world_a: vec3f, world_b: vec3f, step: i32) {
     let view = silhouettes_view;
     var a = square_local(view.square, world_a);
@@ -253,7 +253,7 @@ fn silhouettes_draw(world_a: vec3f, world_b: vec3f, step: i32) {
     if (all(is_near) || all(is_far)) {
         return;
     }
-    // The line through both, from a × (b − a): ends that are clipped would be too far outside for it.
+    // The line through both ends, from a × (b − a): clipped ends would be too far outside for it.
     let line = cross(a, b - a);
     for (var k = 0u; k < 2u; k++) {
         let cut = select(is_near, is_far, vec2<bool>(k == 1u));
@@ -271,7 +271,8 @@ fn silhouettes_draw(world_a: vec3f, world_b: vec3f, step: i32) {
     silhouettes_count(a, b, line, step);
 }
 
-// The outlines in which a flat light's plane cuts triangles: from where a triangle goes behind it to where it comes back.
+// Draws the outlines in which a flat light's plane cuts triangles: from the point at which a triangle goes behind it to the one at
+// which it comes back.
 fn silhouettes_draw_clipped(lane: u32, eye: SilhouetteEye) {
     let near = silhouettes_near();
     for (var t = lane; t < near.y; t += LANES) {
@@ -300,11 +301,11 @@ fn silhouettes_draw_clipped(lane: u32, eye: SilhouetteEye) {
     }
 }
 
-// Counts an edge between two points of the square's frame, before the light, with the normal of the plane through them.
+// Counts an edge between two points of the square's frame, in front of the light; `line` is the normal of the plane through them.
 fn silhouettes_count(a: vec3f, b: vec3f, line: vec3f, step: i32) {
     let view = silhouettes_view;
     let raster = view.raster;
-    // Once a vertex: the same for all its edges, whichever end it is.
+    // Computed once for a vertex: the same for all its edges, whichever end it is.
     var x: array<f32, 2>;
     var row: array<f32, 2>;
     for (var k = 0u; k < 2u; k++) {
@@ -341,18 +342,18 @@ fn silhouettes_count(a: vec3f, b: vec3f, line: vec3f, step: i32) {
     }
     for (var j = first; j < last; j++) {
         let sample = row_index(clamp(f32(j) * slope + start, low - 1.0, high + 1.0) - row_phase(j)) - view.first;
-        // One that is in an earlier part is beyond all.
+        // A sample of an earlier part wraps to a number beyond all.
         if (sample < SILHOUETTES_PART) {
             atomicAdd(&silhouettes_counts[SILHOUETTES_WORDS * j + sample / 2u], grows << (16u * (sample & 1u)));
         }
     }
 }
 
-// The samples of the own row with the fewest surfaces, of those with more than `above`.
+// The samples of the row with the fewest surfaces, among those with more than `above`.
 struct SilhouetteFewest {
     bits: array<u32, SILHOUETTES_BITS>,
     least: i32,
-    // Samples with more than `above`.
+    // Number of samples with more than `above`.
     rest: u32,
 }
 
@@ -385,7 +386,7 @@ fn silhouettes_scan(lane: u32, eye: SilhouetteEye, above: i32) -> SilhouetteFewe
             if (k % 32u == 0u) {
                 emits = row_samples(lit, k / 32u);
             }
-            // A lower half below 0 has borrowed from the upper one.
+            // A lower half below 0 has borrowed from the upper half.
             if (k % 2u == 0u) {
                 word = atomicLoad(&silhouettes_counts[SILHOUETTES_WORDS * lane + (k - first) / 2u]);
             } else {
@@ -412,7 +413,7 @@ fn silhouettes_scan(lane: u32, eye: SilhouetteEye, above: i32) -> SilhouetteFewe
     return fewest;
 }
 
-// The middle of the longest run of a row, of those that begin anew with each 64 samples.
+// The middle of the longest run of a row; runs begin anew at each 64 samples.
 fn silhouettes_middle(bits: array<u32, SILHOUETTES_BITS>) -> u32 {
     var all = bits;
     var best = vec2u(0u);
@@ -440,7 +441,7 @@ fn silhouettes_sees(eye: SilhouetteEye, row: u32, sample: u32) -> bool {
     return !any_hit(eye.x, square_world(silhouettes_view.square, vec3f(x, y, 1.0)) / along, select(far * along, far, far > 1e37));
 }
 
-// The sum of edges, by the first thread. Requires uniform control flow.
+// Sums the edges; the first thread returns the sum. Requires uniform control flow.
 fn silhouettes_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f {
     if (lane < 4u) {
         atomicStore(&silhouettes_sums[lane], 0);
@@ -469,7 +470,7 @@ fn silhouettes_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Co
     return edges;
 }
 
-// Blocks what is hidden. Requires uniform control flow.
+// Blocks the hidden samples. Requires uniform control flow.
 fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
     let eye = silhouettes_eye(at, light);
     if (silhouettes_facet(at, light) == PARTIAL) {
@@ -499,7 +500,7 @@ fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask
         if (sums.x == 0.0) {
             break;
         }
-        // One ray says whether the fewest are none.
+        // One ray decides whether the fewest surfaces are none.
         if (lane == 255u - atomicLoad(&silhouettes_best) % 256u) {
             silhouettes_open = select(0u, 1u, silhouettes_sees(eye, lane, silhouettes_middle(fewest.bits)));
         }
@@ -508,8 +509,8 @@ fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask
                 keep[w] |= fewest.bits[w];
             }
         }
-        // Two edges that lie on each other to the last digit may be taken in the wrong order: a few samples between them then have
-        // too few.
+        // The order of two edges that coincide to the last digit may be wrong, and a few samples between them then have too small a
+        // number.
         if (u32(sums.x) >= u32(sums.y) / SILHOUETTES_FEW) {
             break;
         }

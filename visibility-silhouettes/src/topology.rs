@@ -1,9 +1,9 @@
-//! Which triangles share an edge.
+//! Finds the triangles that share an edge.
 
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
-/// No patch, or one that is always drawn as it is.
+/// No patch, or a patch without a simplified form.
 pub(crate) const WHOLE: u16 = u16::MAX;
 /// No triangle on that side of an edge.
 pub(crate) const NONE: u32 = u32::MAX >> 1;
@@ -13,8 +13,8 @@ const FLAT: u32 = 1 << 31;
 /// An edge by the triangles on its two sides, in 8 bytes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Edge {
-    /// The first triangle times eight, plus twice the number of the corner where the edge begins, plus one where it runs down:
-    /// from a later position of the caller's to an earlier one.
+    /// The first triangle times eight, plus twice the number of the corner at which the edge begins, plus one if the edge runs
+    /// down: from a later position of the caller's to an earlier one.
     first: u32,
     /// The triangle that runs the other way, or [`NONE`]; the highest bit is [`FLAT`].
     second: u32,
@@ -44,7 +44,7 @@ impl Edge {
         [Some(self.triangle()), self.other()].into_iter().flatten()
     }
 
-    /// The same edge where each triangle has another number.
+    /// Replaces the triangles' numbers.
     pub(crate) fn renumber(&mut self, places: &[u32]) {
         self.first = 8 * places[self.triangle() as usize] + self.first % 8;
         self.second = self.other().map_or(NONE, |t| places[t as usize]) | self.second & FLAT;
@@ -65,7 +65,7 @@ impl Edge {
     }
 }
 
-/// Twice the area of a triangle times its unit normal, in f64.
+/// The normal of a triangle with twice its area as length, in f64.
 pub(crate) fn normal([a, b, c]: [Vec3; 3]) -> DVec3 {
     let a = a.as_dvec3();
     (b.as_dvec3() - a).cross(c.as_dvec3() - a)
@@ -87,7 +87,7 @@ pub(crate) fn weld(positions: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
     (welded, all)
 }
 
-/// New numbers for so many things, in the order in which some of them are used first; the others come last.
+/// New numbers for `count` items, in the order of their first use; unused items come last.
 pub(crate) fn by_first_use(count: usize, uses: impl Iterator<Item = u32>) -> Vec<u32> {
     let (mut places, mut next) = (vec![u32::MAX; count], 0);
     for used in uses.chain(0..count as u32) {
@@ -99,7 +99,7 @@ pub(crate) fn by_first_use(count: usize, uses: impl Iterator<Item = u32>) -> Vec
     places
 }
 
-/// Things in the order of their new numbers.
+/// Items in the order of their new numbers.
 pub(crate) fn placed<T: Copy>(things: &[T], places: &[u32]) -> Vec<T> {
     let mut out = things.to_vec();
     for (thing, place) in things.iter().zip(places) {
@@ -108,7 +108,7 @@ pub(crate) fn placed<T: Copy>(things: &[T], places: &[u32]) -> Vec<T> {
     out
 }
 
-/// One side of a triangle: its two ends, lower number first, then which side it is.
+/// One side of a triangle: its two ends, lower number first, then its identity.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Side {
     ends: (u32, u32),
@@ -153,10 +153,10 @@ pub(crate) fn sides(triangles: &[[u32; 3]]) -> Vec<Side> {
     sides
 }
 
-/// Turns triangles so that neighbours run in opposite directions along their common edge, wherever that is possible.
+/// Turns triangles so that neighbours run in opposite directions along their common edge, wherever possible.
 ///
-/// Visibility does not depend on how a triangle is wound; but two that agree cancel where both face the receiver, so their
-/// edge can be left out early.
+/// Visibility does not depend on the winding of a triangle. But two triangles that agree cancel if both face the receiver, and
+/// their edge can be left out early.
 fn orient(triangles: &mut [[u32; 3]], sides: &[Side]) -> bool {
     let pairs = || sides.chunk_by(|a, b| a.ends == b.ends).filter(|group| group.len() == 2);
     if pairs().all(|pair| pair[0].down != pair[1].down) {
@@ -195,9 +195,9 @@ fn orient(triangles: &mut [[u32; 3]], sides: &[Side]) -> bool {
     true
 }
 
-/// All edges of a mesh whose equal positions have one number; turns triangles on the way.
+/// All edges of a mesh whose equal positions have one number; turns its triangles too.
 ///
-/// Where more than two triangles share an edge, or two run the same way, it is there more than once.
+/// If more than two triangles share an edge, or two run the same way, it occurs more than once.
 pub(crate) fn edges(triangles: &mut [[u32; 3]]) -> Vec<Edge> {
     let mut all = sides(triangles);
     if orient(triangles, &all) {
@@ -210,7 +210,7 @@ pub(crate) fn edges(triangles: &mut [[u32; 3]]) -> Vec<Edge> {
     edges
 }
 
-/// The edges of sides that have the same ends; those that run up come first.
+/// Pairs sides that have the same ends; sides that run up come first.
 fn pairs(sides: &[Side], mut push: impl FnMut(Edge)) {
     let (up, down) = sides.split_at(sides.partition_point(|side| !side.down));
     for k in 0..up.len().max(down.len()) {
@@ -222,7 +222,7 @@ fn pairs(sides: &[Side], mut push: impl FnMut(Edge)) {
     }
 }
 
-/// In which forms of the patches on its two sides an edge is there.
+/// The forms of the patches on its two sides for which an edge is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Tag([u16; 2]);
 
@@ -232,7 +232,7 @@ impl Tag {
         if patch == WHOLE { 0 } else { 2 * patch + 2 + u16::from(is_coarse) }
     }
 
-    /// Patches, and whether their simplified form is meant. None where the edge is always there.
+    /// The patches, and whether their simplified form is meant. Empty if the edge is always drawn.
     pub(crate) fn patches(self) -> impl Iterator<Item = (u16, bool)> {
         self.0.into_iter().filter(|half| *half != 0).map(|half| ((half - 2) / 2, half % 2 == 1))
     }
@@ -242,10 +242,10 @@ impl Tag {
     }
 }
 
-/// The edges of a mesh and of simplified forms of its patches, with their tags. The first `fine` triangles are of the mesh;
-/// `patches` are those of all.
+/// The edges of a mesh and of simplified forms of its patches, with their tags. The first `fine` triangles belong to the mesh;
+/// `patches` has the patches of all.
 ///
-/// What is drawn of any choice of forms is closed: each triangle's sides are there exactly where its form is chosen.
+/// Any choice of forms is closed: each triangle's sides occur exactly if its form is chosen.
 pub(crate) fn tagged_edges(triangles: &[[u32; 3]], fine: u32, patches: &[u16]) -> Vec<(Edge, Tag)> {
     let mut edges = Vec::new();
     let patch = |side: &Side| patches[side.triangle as usize];
@@ -267,7 +267,7 @@ pub(crate) fn tagged_edges(triangles: &[[u32; 3]], fine: u32, patches: &[u16]) -
             }
             continue;
         }
-        // One triangle of each form, on the same side of the edge.
+        // One triangle for each form, on the same side of the edge.
         let is_one = |sides: &[Side]| {
             let forms = if patch(&sides[0]) == WHOLE { 1 } else { 2 };
             let fine = sides.iter().filter(|side| side.triangle < fine).count();
@@ -305,7 +305,7 @@ mod tests {
         }
     }
 
-    /// A Möbius strip cannot be turned to agree: one edge is there twice, with a triangle each.
+    /// A Möbius strip cannot be turned to agree: one edge occurs twice, with one triangle each.
     #[test]
     fn a_strip_with_a_twist_keeps_all_sides() {
         let n = 5;

@@ -6,26 +6,26 @@ use glam::Vec3;
 use lobe_core::vec3x8::Vec3x8;
 use rayon::prelude::*;
 
-/// Children of a node; edges of a leaf at most.
+/// Children of a node, and the most edges of a leaf.
 pub(crate) const WIDE: usize = 8;
-/// Up to so many edges are sorted to be split where it is best; more are put into bins.
+/// The most edges that are sorted for the best split; more edges are put into bins.
 const SORTED: usize = 256;
 const BINS: usize = 32;
-/// Half the sides of a box without anything in it: no plane has any of it on its near side.
+/// Half the sides of an empty box: it is outside every plane.
 const NEVER: f32 = -1e30;
-/// The sine of a cone that has no sides.
+/// The sine for a child without a cone.
 const WIDEST: f32 = 4.0;
 
 /// Eight children side by side.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 pub(crate) struct Node {
-    /// Middle of the box, half its sides, axis of the cone of normals, each x y z, and the sine of the cone's half-angle, above
-    /// 1 where there is no cone.
+    /// Centre of the box, half its sides, axis of the cone of normals, each x y z, and the sine of the cone's half-angle, above 1
+    /// if there is no cone.
     pub(crate) bounds: [[f32; WIDE]; 10],
     /// Another node, or the first edge of a leaf.
     pub(crate) first: [u32; WIDE],
-    /// Edges of a leaf; 0 for another node.
+    /// Edges of a leaf; 0 for a node.
     pub(crate) count: [u8; WIDE],
     /// Children.
     pub(crate) len: u8,
@@ -37,7 +37,8 @@ const EMPTY: Node = Node { bounds: [[0.0; WIDE]; 10], first: [0; WIDE], count: [
 pub(crate) struct Tree {
     /// Parents before their children.
     nodes: Vec<Node>,
-    /// How far from each child's middle something of it is drawn: `reach` and `detail`. None where that is everywhere.
+    /// For each child the distance from its centre at which any of its edges is drawn: `reach` and `detail`. Empty if all are
+    /// always drawn.
     reaches: Vec<[[f32; WIDE]; 2]>,
 }
 
@@ -50,8 +51,8 @@ struct EdgeBounds {
     sin: f32,
 }
 
-/// How far from a point something is drawn, where a receiver that asks for `scale` wants details of the size `detail` as far as
-/// `detail · scale`.
+/// The distance from a point at which an edge is drawn: `reach + detail · scale`, where `scale` is the receiver's distance ratio
+/// for details.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reach {
     pub(crate) reach: f32,
@@ -63,13 +64,13 @@ impl Reach {
     pub(crate) const EVERYWHERE: Self = Self { reach: f32::INFINITY, detail: 0.0 };
     const NOWHERE: Self = Self { reach: f32::NEG_INFINITY, detail: f32::NEG_INFINITY };
 
-    /// Of two things, one of them around a point so far away.
+    /// The union of two; the other one is around a point at the distance `away`.
     pub(crate) fn and(self, other: Self, away: f32) -> Self {
         Self { reach: self.reach.max(other.reach + away), detail: self.detail.max(other.detail) }
     }
 }
 
-/// An edge as the tree sees it: its ends, the normals on both sides.
+/// An edge for the tree: its ends, and the normals on both sides.
 pub(crate) type Shape = ([Vec3; 2], Vec3, Option<Vec3>);
 
 impl Tree {
@@ -153,7 +154,7 @@ impl Tree {
         }
     }
 
-    /// How far from a point the edges of a range are drawn; after [`fit`](Self::fit).
+    /// Computes all reaches from those of the edges of a range; call it after [`fit`](Self::fit).
     pub(crate) fn fit_reaches(&mut self, reach: impl Fn(Range<usize>, Vec3) -> Reach + Sync) {
         let Self { nodes, reaches } = self;
         reaches.resize(nodes.len(), [[0.0; WIDE]; 2]);
@@ -178,7 +179,7 @@ impl Tree {
         }
     }
 
-    /// What [`fit_reaches`](Self::fit_reaches) found for the children of a node.
+    /// The reaches of the children of a node.
     pub(crate) fn reach(&self, node: usize) -> Option<&[[f32; WIDE]; 2]> {
         self.reaches.get(node)
     }
@@ -187,7 +188,7 @@ impl Tree {
         &self.nodes
     }
 
-    /// The box of everything, of a tree that is fitted and not empty.
+    /// The box around all edges of a tree that is fitted and not empty.
     pub(crate) fn bounds(&self) -> [Vec3; 2] {
         let EdgeBounds { low, high, .. } = self.nodes[0].all();
         [low, high]
@@ -203,7 +204,7 @@ impl Tree {
         node
     }
 
-    /// Nodes from the root to a leaf, at most.
+    /// The most nodes from the root to a leaf.
     pub(crate) fn depth(&self) -> usize {
         let mut depths = vec![1; self.nodes.len()];
         for (number, node) in self.nodes.iter().enumerate().rev() {
@@ -229,7 +230,7 @@ impl Node {
 
     fn set(&mut self, k: usize, bounds: &EdgeBounds) {
         let center = 0.5 * bounds.low + 0.5 * bounds.high;
-        // A little more, for the rounding of the middle; an empty box stays one, which every plane parts from everything.
+        // With a margin for the rounding of the centre; an empty box stays empty, outside every plane.
         let half = (bounds.high - center).max(center - bounds.low) * 1.000_001;
         let (center, half) =
             if bounds.low.cmple(bounds.high).all() { (center, half) } else { (Vec3::ZERO, Vec3::splat(NEVER)) };
@@ -256,7 +257,7 @@ impl Node {
         EdgeBounds { low: center - half, high: center + half, axis: at(6), sin: self.bounds[9][k] }
     }
 
-    /// What bounds all children.
+    /// The bounds of all children together.
     fn all(&self) -> EdgeBounds {
         let children = (0..usize::from(self.len)).map(|k| self.get(k)).filter(|b| b.low.cmple(b.high).all());
         let mut bounds = NOTHING;
@@ -267,7 +268,7 @@ impl Node {
             axis += child.axis;
         }
         let axis = axis.normalize_or_zero();
-        // cos(α + β) of the child's half-angle and its axis' angle to the new one.
+        // cos(α + β) of the child's half-angle and the angle between its axis and the new one.
         let least = children.map(|child| {
             let beside = child.axis.dot(axis).clamp(-1.0, 1.0);
             let cos = (1.0 - child.sin * child.sin).max(0.0).sqrt();
@@ -280,7 +281,7 @@ impl Node {
 
 const NOTHING: EdgeBounds = EdgeBounds { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY, axis: Vec3::ZERO, sin: WIDEST };
 
-/// The sine of a half-angle, a little larger, or more than any sine where the angle is near a right one.
+/// The sine of a half-angle with a small margin, or more than any sine if the angle is near a right one.
 fn sine(axis: Vec3, cos: f32) -> f32 {
     if axis == Vec3::ZERO || cos < 0.1 { WIDEST } else { (1.0 - cos * cos).max(0.0).sqrt() + 1e-3 }
 }
@@ -354,17 +355,17 @@ fn half_area([low, high]: [Vec3; 2]) -> f32 {
     side.x * side.y + side.y * side.z + side.z * side.x
 }
 
-/// Parts of so many edges are as large as they should be: where there are more than fill eight leaves, those of one node.
+/// Parts of this many edges have the right size: if the edges fill more than eight leaves, those of one node.
 fn unit(count: usize) -> usize {
     if count > WIDE * WIDE { WIDE * WIDE } else { WIDE }
 }
 
-/// Blocks of eight that so many edges take.
+/// Number of leaves that `count` edges fill.
 fn blocks(count: usize) -> f32 {
     count.div_ceil(WIDE) as f32
 }
 
-/// Parts edges in two by the surface area heuristic, counted in leaves (J. Goldsmith, J. Salmon, *Automatic Creation of
+/// Divides edges into two parts by the surface area heuristic, counted in leaves (J. Goldsmith, J. Salmon, *Automatic Creation of
 /// Object Hierarchies for Ray Tracing*, 1987). Returns the size of the first part.
 fn split(items: &mut [Item]) -> usize {
     let spread = items.iter().map(Item::middle).fold(NO_BOX, |a, m| join(a, [m, m]));

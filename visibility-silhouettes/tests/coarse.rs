@@ -1,4 +1,4 @@
-//! Simplified forms of meshes: masks stay near the exact ones, and depend on the receiver and its light alone.
+//! Simplified forms of meshes: masks stay near the exact ones, and depend only on the receiver and its light.
 
 mod common;
 
@@ -10,7 +10,7 @@ use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(1.0, 6.0, 0.5), radius: 1.5 };
 
-/// A lumpy body on two balls, of 13 000 triangles.
+/// A lumpy body from two spheres, with 13 000 triangles.
 fn body() -> Soup {
     let mut soup = ball(Vec3::Y * 2.0, 1.0, 48);
     soup.append(&ball(Vec3::new(0.5, 0.4, 0.0), 0.4, 24));
@@ -32,7 +32,7 @@ fn ground() -> Vec<Vec<Receiver>> {
     (0..196).map(group).collect()
 }
 
-/// What each receiver sees of the light, asked in groups or each alone.
+/// The visible fraction of the light for each receiver, in groups or each alone.
 fn shares<H: AnyHit>(
     blockers: SilhouetteBlockers<'_, H>,
     groups: &[Vec<Receiver>],
@@ -69,7 +69,7 @@ fn masks_stay_within_the_tolerance() {
     let groups = ground();
     for tolerance in [0.01, 0.003] {
         let want = shares(SilhouetteBlockers::new(&exact, Rays(&soup)), &groups, tolerance, false);
-        // A mesh with simplified forms is exact when nothing else is asked for.
+        // A mesh with simplified forms is exact if no tolerance is set.
         let same = shares(SilhouetteBlockers::new(&coarse, Rays(&soup)), &groups, tolerance, false);
         assert_eq!(want, same);
         let blockers = || SilhouetteBlockers::new(&coarse, Rays(&soup)).with_tolerance(tolerance);
@@ -86,7 +86,7 @@ fn masks_stay_within_the_tolerance() {
     }
 }
 
-/// Moved back and forth, a mesh is the one that was made there.
+/// A mesh that was moved back and forth equals one that was built there.
 #[test]
 fn forms_are_refitted() {
     let soup = body();

@@ -1,4 +1,4 @@
-//! Receivers that are asked together see what each sees alone, and those on a face with one answer take one ray.
+//! A group of receivers gets the same results as each alone, and receivers on one face with one result take one ray.
 
 mod common;
 
@@ -10,7 +10,7 @@ use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, Visi
 use visibility_mask::Blockers;
 use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 
-/// The triangles that boxes around them say may meet a ball, and how many rays were asked.
+/// The triangles whose boxes meet a sphere, and the number of rays that were traced.
 struct Counted<'s>(Rays<'s>, AtomicU32);
 
 impl AnyHit for Counted<'_> {
@@ -42,7 +42,7 @@ impl AnyHit for Counted<'_> {
     }
 }
 
-/// Two triangles of a floor, level or not, which may have a plate close above it.
+/// Two triangles of a floor, level or not, with or without a plate close above it.
 fn floor(random: &mut Random, gap: Option<f32>) -> Soup {
     let up = if random.between(0.0, 1.0) < 0.5 { DVec3::Y } else { (DVec3::Y + random.axis() * 0.3).normalize() };
     let u = up.any_orthonormal_vector() * 6.0;
@@ -112,7 +112,7 @@ fn a_group_sees_what_each_sees_alone() {
         let all = blockers.enter(&group, &mut scratch);
         for (at, alone) in at.iter().zip(&alone) {
             let together = if all == Coverage::Lit { all } else { see(at, &mut scratch) };
-            // Of a longer list more outlines may seem to be before the light: the mask tells.
+            // A longer list may have more outlines that seem to be in front of the light: the mask decides.
             assert!(together == *alone || together == Coverage::Partial, "case {case}: {at:?} {together:?} {alone:?}");
         }
         if gap.is_none() && case % 4 != 0 && alone.iter().all(|seen| *seen == alone[0]) {

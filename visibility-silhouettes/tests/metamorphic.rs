@@ -1,4 +1,4 @@
-//! Scenes that are the same in other words have the same light.
+//! Equivalent descriptions of a scene give the same light.
 
 mod common;
 
@@ -13,7 +13,7 @@ fn moment(random: &mut Random, case: usize) -> Moment {
     Moment::random(random, case / 24 % 4, theta, exponent, [0.005, 0.003, 0.001][case % 3])
 }
 
-/// The same moment, turned, scaled and moved.
+/// The same moment, rotated, scaled and moved.
 fn transformed(m: &Moment, turn: DQuat, scale: f64, shift: DVec3) -> Moment {
     let mut new = m.clone();
     let point = |p: DVec3| turn * p * scale + shift;
@@ -26,7 +26,7 @@ fn transformed(m: &Moment, turn: DQuat, scale: f64, shift: DVec3) -> Moment {
     new
 }
 
-/// How many cases see a part of the light, and the differences there.
+/// The number of cases that see a part of the light, and their differences.
 fn differences(change: impl Fn(&mut Random, &Moment) -> Moment) -> Vec<f64> {
     let mut random = Random::new(41);
     let mut found = Vec::new();
@@ -67,7 +67,7 @@ fn triangles_in_any_order_and_wound_either_way() {
     }));
 }
 
-/// Edges that are there twice weigh more beside the horizon when a mask is turned.
+/// Edges that occur twice weigh more near the horizon when a mask is turned.
 #[test]
 fn triangles_that_are_there_twice() {
     let found = differences(|_, m| {
@@ -96,7 +96,7 @@ fn powers_of_two_change_no_bit() {
     }
 }
 
-/// Rounding moves edges, and a turned mask has its samples elsewhere: by what a mask errs.
+/// Rounding moves edges, and a turned mask has its samples elsewhere: the results differ by the mask's error.
 #[test]
 fn turned_scaled_and_moved() {
     for (scale, shift) in [(1.0, 0.0), (1e-6, 0.0), (1e6, 0.0), (1.0, 10.0), (1.0, 1000.0)] {

@@ -1,4 +1,4 @@
-//! What is seen of a light changes as smoothly as the scene moves.
+//! The visible fraction of a light changes as smoothly as the scene moves.
 
 mod common;
 
@@ -7,7 +7,7 @@ use lobe_core::oracle::Random;
 
 const SWEEPS: [&str; 5] = ["lobe", "blocker", "light", "receiver", "normal"];
 
-/// The largest step beyond its neighbours' along a sweep.
+/// The largest step of a sweep beyond its neighbours' steps.
 fn pop(steps: usize, at: impl Fn(f64) -> Moment) -> f64 {
     let seen: Vec<_> = (0..steps).map(|k| at(k as f64 / steps as f64).fraction()).collect();
     let changes: Vec<f64> = seen.windows(2).map(|w| w[1].0 - w[0].0).collect();
@@ -18,8 +18,8 @@ fn pop(steps: usize, at: impl Fn(f64) -> Moment) -> f64 {
     (2..changes.len() - 2).map(beyond).fold(0.0, f64::max)
 }
 
-/// The largest pop and what 95 % of all sweeps stay below, in tolerances. A narrow lobe may still see an edge along its rows
-/// where others, at its rim, turn its window.
+/// Checks the largest pop, and the bound of 95 % of all sweeps, in tolerances. A narrow lobe may still see an edge along its rows
+/// while other edges, at its rim, turn its window.
 fn check(tolerance: f32, most: f64, usual: f64) {
     let mut random = Random::new(3);
     let mut found = Vec::new();

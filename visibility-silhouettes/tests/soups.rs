@@ -13,7 +13,7 @@ fn vec(random: &mut Random, size: f64) -> Vec3 {
     (random.axis() * (size * random.between(0.0, 1.0).cbrt())).as_vec3()
 }
 
-/// Something of a kind: what it is made of differs, how it lies is random.
+/// Triangles of a kind: the composition differs by kind, the arrangement is random.
 fn soup(kind: usize, random: &mut Random) -> Soup {
     let mut soup = Soup::default();
     match kind {
@@ -31,7 +31,7 @@ fn soup(kind: usize, random: &mut Random) -> Soup {
                 soup.append(&cuboid(random, center, 0.8));
             }
         }
-        // Balls, some with holes, some with triangles wound the other way.
+        // Spheres, some with holes, some with triangles wound the other way.
         2 => {
             for _ in 0..random.between(1.0, 5.0) as usize {
                 let (center, radius) = (vec(random, 1.2), random.log_uniform(0.05, 0.9) as f32);
@@ -47,7 +47,7 @@ fn soup(kind: usize, random: &mut Random) -> Soup {
                 soup.append(&one);
             }
         }
-        // Strips and fans with common corners: more than two triangles at an edge, none at others.
+        // Strips and fans with common corners: more than two triangles at some edges, one at others.
         3 => {
             let corners = random.between(4.0, 14.0) as usize;
             soup.positions = (0..corners).map(|_| vec(random, 1.5)).collect();
@@ -58,7 +58,7 @@ fn soup(kind: usize, random: &mut Random) -> Soup {
                 }
             }
         }
-        // Cards: quads of two triangles, many of them.
+        // Cards: many quadrilaterals of two triangles.
         4 => {
             for _ in 0..random.between(5.0, 120.0) as usize {
                 let (c, q, s) = (vec(random, 1.5), turn(random), random.log_uniform(0.02, 0.4) as f32);
@@ -80,7 +80,7 @@ fn soup(kind: usize, random: &mut Random) -> Soup {
     soup
 }
 
-/// How far a point is from a triangle.
+/// The distance of a point from a triangle.
 fn distance_to(p: DVec3, corners: [Vec3; 3]) -> f64 {
     let [a, b, c] = corners.map(|q| q.as_dvec3());
     let n = (b - a).cross(c - a).normalize_or_zero();
@@ -95,8 +95,8 @@ fn distance_to(p: DVec3, corners: [Vec3; 3]) -> f64 {
     sides.map(to_side).into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// What a mask shows and what f64 rays do: samples that differ, samples in all, and those that differ by more than the
-/// rounding of an edge; and whether the light holds a part of a triangle.
+/// Compares a mask with f64 rays: samples that differ, all samples, and samples that differ by more than the rounding of an edge;
+/// and whether a triangle reaches into the light.
 fn compare(case: usize, random: &mut Random) -> Option<([u32; 3], bool)> {
     let soup = soup(case % 6, random);
     if soup.triangles.is_empty() {
@@ -110,7 +110,7 @@ fn compare(case: usize, random: &mut Random) -> Option<([u32; 3], bool)> {
     let light = Sphere { radius: random.log_uniform(0.01, 1.5) as f32, ..light };
     let mut normal = random.axis().as_vec3().normalize();
     let position = match case % 5 {
-        // On a triangle, on either side.
+        // Receivers on a triangle, on either side.
         0 => {
             let corners: Vec<_> = soup.corners().collect();
             let [a, b, c] = corners[random.between(0.0, corners.len() as f64) as usize % corners.len()];
@@ -150,14 +150,14 @@ fn compare(case: usize, random: &mut Random) -> Option<([u32; 3], bool)> {
     }
     let origin = rays.leave(position, normal).as_dvec3();
     let raster = mask.raster();
-    // How far a direction goes before it meets the light.
+    // The distance at which a direction meets the light.
     let to_light = light.center.as_dvec3() - origin;
     let distance = |d: DVec3| {
         let (along, square) = (d.dot(to_light), d.length_squared());
         let root = along * along - square * (to_light.length_squared() - f64::from(light.radius).powi(2));
         (along - root.max(0.0).sqrt()) / square
     };
-    // What the light holds of triangles has arcs for outlines, which are drawn as chords.
+    // The parts of triangles inside the light have arcs as outlines, which are drawn as chords.
     let touches = soup.corners().any(|t| distance_to(light.center.as_dvec3(), t) < f64::from(light.radius) * 1.01);
     let [mut different, mut all, mut wrong] = [0; 3];
     for (j, (from, to)) in emitting.into_iter().enumerate() {
@@ -188,7 +188,7 @@ fn compare(case: usize, random: &mut Random) -> Option<([u32; 3], bool)> {
 #[test]
 fn every_sample_is_that_of_a_ray() {
     let mut random = Random::new(77);
-    // Lights apart from all triangles, and lights that hold parts of some.
+    // Lights apart from all triangles, and lights that triangles reach into.
     let (mut sums, mut worst, mut cases) = ([[0_u64; 3]; 2], [[0; 2]; 2], [0; 2]);
     for case in 0..10_000 {
         let Some(([different, all, wrong], touches)) = compare(case, &mut random) else { continue };
@@ -206,13 +206,13 @@ fn every_sample_is_that_of_a_ray() {
         println!("{cases} cases, light {light}: {different} of {all} samples differ, {wrong} are wrong");
     }
     assert!(cases[0] > 5000 && cases[1] > 800);
-    // Needles as thin as the rounding of their corners: some few samples on them.
+    // On needles as thin as the rounding of their corners a few samples differ.
     let part = |k: usize| sums[k][0] as f64 / sums[k][1] as f64;
     assert!(worst[0][0] <= 2 && sums[0][2] <= 4 && part(0) < 1e-6);
     assert!(worst[1][0] <= 2 && sums[1][2] <= 4 && part(1) < 2e-4);
 }
 
-/// A mesh that has been refitted is that of a new one to the bit, whatever hierarchy it was built with.
+/// A refitted mesh gives the masks of a new one to the bit, whatever hierarchy it was built with.
 #[test]
 fn masks_do_not_depend_on_the_hierarchy() {
     let mut random = Random::new(5);
@@ -222,7 +222,7 @@ fn masks_do_not_depend_on_the_hierarchy() {
         let mut new = old.clone();
         let (turn, stretch) = (turn(&mut random), vec(&mut random, 0.4) + Vec3::ONE);
         for p in &mut new.positions {
-            // Corners that are one stay one.
+            // Equal corners stay equal.
             *p = turn
                 * (*p * stretch + 0.2 * (7.0 * p.y).sin() + 0.03 * (19.0 * Vec3::new(p.z, p.x, p.y)).map(f32::sin));
         }
@@ -251,13 +251,13 @@ fn masks_do_not_depend_on_the_hierarchy() {
     assert!(partly > 50, "{partly}");
 }
 
-/// Triangles that have no area at first block as soon as they have one.
+/// Triangles without area block as soon as they have one.
 #[test]
 fn what_was_flat_may_grow() {
     let grown = ball(Vec3::ZERO, 0.5, 9);
     let mut line = grown.clone();
     line.positions.iter_mut().for_each(|p| *p *= Vec3::Y);
-    // Rings whose corners have become one stay one: spread them along the line.
+    // Equal corners of rings stay equal: spread them along the line.
     for (k, p) in line.positions.iter_mut().enumerate() {
         p.y += 1e-3 * k as f32;
     }
@@ -293,7 +293,7 @@ fn what_was_flat_may_grow() {
     assert!(after.iter().any(|lit| *lit > 0 && *lit < before[29]));
 }
 
-/// A mask and its turn are the same to the bit whichever receivers share a list, or none.
+/// A mask and its rotation are the same to the bit, whichever receivers share a list, or none.
 #[test]
 fn masks_do_not_depend_on_the_group() {
     let mut random = Random::new(19);
@@ -306,7 +306,7 @@ fn masks_do_not_depend_on_the_group() {
         let meshes = [SilhouetteMesh::new(0, &soup.positions, &soup.triangles)];
         let blockers = SilhouetteBlockers::new(&meshes, Rays(&soup));
         let radius = random.log_uniform(0.05, 0.6) as f32;
-        // In front of a part of the soup, or within it.
+        // In front of a part of the soup, or inside it.
         let light = Sphere { center: vec(&mut random, 0.5) + Vec3::Y * random.between(0.5, 3.0) as f32, radius };
         let (middle, spread) = (vec(&mut random, 1.0) - Vec3::Y, random.log_uniform(1e-3, 1.0));
         // A patch, and a second one behind it: a step in depth.

@@ -3,7 +3,7 @@
 use crate::blob::blob;
 use crate::measure::{How, Timing, frames};
 use crate::scenes::{cube, diffuse, far_light, floor_scene, light, spiral_lights};
-use crate::sets::add_balls;
+use crate::sets::add_spheres;
 use cosine_lobes::render_cpu::{GBuffer, World};
 use cosine_lobes::scene::{BlockerSet, Scene};
 use glam::Vec3;
@@ -50,11 +50,11 @@ pub(crate) fn all() -> Vec<Curve> {
     ]
 }
 
-fn blob_scene(balls: &[cosine_lobes::lobe_core::Sphere]) -> (Scene, BlockerSet) {
+fn blob_scene(spheres: &[cosine_lobes::lobe_core::Sphere]) -> (Scene, BlockerSet) {
     let lights = vec![light(Vec3::new(1.0, 4.6, 0.5), 0.5)];
     let scene = floor_scene(Vec3::new(0.0, 4.0, 3.0), Vec3::ZERO, 24.0, diffuse(), lights);
     let mut blockers = BlockerSet::default();
-    add_balls(&mut blockers, 1, balls);
+    add_spheres(&mut blockers, 1, spheres);
     (scene, blockers)
 }
 

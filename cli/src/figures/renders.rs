@@ -261,13 +261,13 @@ const BRIGHTNESS: f32 = 9.0;
 fn square_lights() -> Result<[Vec<Light>; 3], Failure> {
     let (center, u, v) = square();
     let radiance = Vec3::splat(BRIGHTNESS);
-    let ball = |center: Vec3, radius: f32| Light::from(SphereLight::new(Sphere { center, radius }, radiance));
+    let sphere = |center: Vec3, radius: f32| Light::from(SphereLight::new(Sphere { center, radius }, radiance));
     let side = 2.0 * u.length();
     let radius = side / core::f32::consts::PI.sqrt();
     let nine = (0..9)
-        .map(|i| ball(center + u * ((i % 3) as f32 - 1.0) / 1.5 + v * ((i / 3) as f32 - 1.0) / 1.5, radius / 3.0));
+        .map(|i| sphere(center + u * ((i % 3) as f32 - 1.0) / 1.5 + v * ((i / 3) as f32 - 1.0) / 1.5, radius / 3.0));
     let flat = FlatLight::rectangle(center, u, v, radiance)?;
-    Ok([vec![Light::from(flat)], nine.collect(), vec![ball(center, radius)]])
+    Ok([vec![Light::from(flat)], nine.collect(), vec![sphere(center, radius)]])
 }
 
 pub(super) fn square_light(name: &str, studio: &mut Studio) -> Result<Page, Failure> {
@@ -377,9 +377,9 @@ pub(super) fn softening(name: &str, studio: &mut Studio) -> Result<Page, Failure
     // The light comes nearer, of the same radius; its brightness follows, so that the pictures stay comparable.
     for (letter, share) in ["(d)", "(e)", "(f)"].iter().zip([1.4_f32, 0.9, 0.6]) {
         let (mut scene, blockers) = on_floor(&cow, 0.0, light(Vec3::Y, 1.0), diffuse());
-        let ball = Sphere { center: Vec3::new(3.0, 5.5, 1.5) * share, radius: 0.6 };
-        scene.lights = vec![SphereLight::new(ball, Vec3::splat(30.0 * share * share / 0.36)).into()];
-        let distance = ball.center.y;
+        let sphere = Sphere { center: Vec3::new(3.0, 5.5, 1.5) * share, radius: 0.6 };
+        scene.lights = vec![SphereLight::new(sphere, Vec3::splat(30.0 * share * share / 0.36)).into()];
+        let distance = sphere.center.y;
         scenes.push((format!("{letter} light {distance:.1} above the plane"), scene, blockers));
     }
     let (mut cells, mut rows) = (Vec::new(), String::new());

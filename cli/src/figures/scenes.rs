@@ -2,7 +2,7 @@
 //!
 //! Shared with `examples/results_table`.
 
-use super::sets::{Model, add_balls};
+use super::sets::{Model, add_spheres};
 use cosine_lobes::brdf::{Lafortune, LafortuneLobe, Lambert, Material, ModifiedPhong};
 use cosine_lobes::lighting::{Light, SphereLight};
 use cosine_lobes::lobe_core::Sphere;
@@ -178,14 +178,14 @@ pub(crate) fn close_up(cow: &Model, radius: f32) -> (Scene, BlockerSet) {
 pub(crate) fn cube(lights: Vec<Light>) -> (Scene, BlockerSet) {
     // The outer ones touch the faces from inside: a sphere that bulges out would blacken them.
     let at = |i: u32| (i as f32 - 1.5) * 0.22;
-    let balls: Vec<Sphere> = (0..64)
+    let spheres: Vec<Sphere> = (0..64)
         .map(|i| Sphere { center: Vec3::new(at(i % 4), at(i / 4 % 4) + 0.9, at(i / 16)), radius: 0.17 })
         .collect();
     let mesh = Mesh::cuboid(Vec3::Y * 0.9, Vec3::splat(1.0));
     let mut scene = floor_scene(Vec3::new(0.0, 3.5, 5.5), Vec3::new(0.0, 0.4, 0.0), 36.0, diffuse(), lights);
     scene.objects.push(Object::mesh("cube", mesh, 0, Proxy::None));
     let mut blockers = BlockerSet::default();
-    add_balls(&mut blockers, 1, &balls);
+    add_spheres(&mut blockers, 1, &spheres);
     (scene, blockers)
 }
 

@@ -77,8 +77,8 @@ pub(crate) fn add(out: &mut BlockerSet, object: u32, set: &SphereSet, matrix: &M
 }
 
 /// Spheres that stand for themselves.
-pub(crate) fn add_balls(out: &mut BlockerSet, object: u32, balls: &[Sphere]) {
-    out.spheres.extend_from_slice(balls);
+pub(crate) fn add_spheres(out: &mut BlockerSet, object: u32, spheres: &[Sphere]) {
+    out.spheres.extend_from_slice(spheres);
     out.self_shadows.resize(out.spheres.len(), SelfShadow::whole(1e-3));
     out.objects.resize(out.spheres.len(), object);
     out.self_distances.resize(object as usize + 1, 0.0);

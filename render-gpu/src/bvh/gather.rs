@@ -1,4 +1,4 @@
-//! What of a scene rays may meet.
+//! The primitives of a scene that rays may meet.
 
 use super::primitive::{BLOCKS, BLOCKS_ALIKE, FLAT, GpuPrimitive, SPHERE, ShadowCasting, VISIBLE, bounds};
 use crate::GpuError;
@@ -9,16 +9,16 @@ use scene::{Duplicates, Proxy, Scene, Shape};
 pub(super) struct Gathered {
     /// In units of the hierarchy.
     pub(super) primitives: Vec<GpuPrimitive>,
-    /// Which of its object each is.
+    /// For each primitive its number within its object.
     pub(super) names: Vec<u32>,
-    /// Nine numbers for each triangle that has normals.
+    /// Nine numbers (three normals) for each triangle that has normals.
     pub(super) normals: Vec<f32>,
     pub(super) scale: f32,
 }
 
-/// The triangles with an area and the spheres with a radius of all objects that are seen or block, equal meshes and spheres once.
-/// Something that is neither
-/// where there is none: a hierarchy has a node at least.
+/// The triangles with an area and the spheres with a radius of all objects that are seen or block; equal meshes and spheres are
+/// listed once. Without any, the list holds one placeholder that is neither seen nor blocks, since a hierarchy has at least one
+/// node.
 pub(super) fn gather(scene: &Scene, casting: &[ShadowCasting]) -> Result<Gathered, GpuError> {
     let (needed, allowed) = (scene.objects.len() as u64, u64::from(BLOCKS_ALIKE));
     if needed > allowed {

@@ -1,4 +1,4 @@
-//! Triangles and spheres as the kernels read them, and whose rays they stop.
+//! Triangles and spheres as the kernels read them, and the rays that they stop.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -34,7 +34,8 @@ pub enum ShadowCasting {
     /// On all.
     #[default]
     All,
-    /// On receivers of objects that cast alike: others have other blockers for it, such as shadow maps.
+    /// On receivers of objects that also cast `Alike`. Other blockers, such as shadow maps, hide the light from all other
+    /// receivers.
     Alike,
 }
 

@@ -19,11 +19,11 @@ pub(crate) struct GpuNode {
     /// Primitives of a leaf; 0 in an inner node.
     pub(crate) count: u32,
     pub(crate) high: [f32; 3],
-    /// First primitive, or first of two children.
+    /// First primitive of a leaf, or first of two children.
     pub(crate) first: u32,
 }
 
-/// The steps of obvhs's own builder, which reads a clock that not every target has.
+/// Runs the steps of obvhs's own builder, which reads a clock that not every target has.
 fn build(boxes: &[Aabb]) -> Bvh2 {
     let of = BvhBuildParams::medium_build();
     let numbers = (0..boxes.len() as u32).collect();
@@ -45,7 +45,7 @@ fn build(boxes: &[Aabb]) -> Bvh2 {
 /// Hierarchies deeper than this are refused: a kernel's stack is as long.
 const DEEPEST: u32 = 1024;
 
-/// The root; before it is a node that is none.
+/// The root; the node before it is a header.
 const ROOT: usize = 1;
 
 /// The hierarchy: children after their parents.
@@ -54,15 +54,15 @@ pub(super) struct Tree {
     nodes: Vec<GpuNode>,
     /// Numbers of the primitives in the order of the leaves.
     order: Vec<u32>,
-    /// Object, kind and number of each primitive when it was built.
+    /// Object, kind and number of each primitive at the time of building.
     names: Vec<[u32; 2]>,
     depth: u32,
-    /// Area of all boxes over the root's when it was built.
+    /// Area of all boxes over the root's at the time of building.
     built_area: f32,
 }
 
 impl Tree {
-    /// Builds it. There is a primitive at least.
+    /// Builds the hierarchy. There must be at least one primitive.
     pub(super) fn new(primitives: &[GpuPrimitive], names: Vec<u32>) -> Result<Self, GpuError> {
         let boxes: Vec<_> = primitives.iter().map(bounds).map(|[a, b]| Aabb::new(a.into(), b.into())).collect();
         let bvh = build(&boxes);
@@ -77,8 +77,8 @@ impl Tree {
         Ok(tree)
     }
 
-    /// The same hierarchy around primitives that have moved; none where these are others, and where a new one would be much
-    /// better.
+    /// The same hierarchy around primitives that have moved. `None` if the primitives are others, or if a new hierarchy would be
+    /// much better.
     pub(super) fn refitted(mut self, primitives: &[GpuPrimitive], names: &[u32]) -> Option<Self> {
         let same = primitives.len() == self.names.len()
             && primitives.iter().zip(names).zip(&self.names).all(|((p, name), was)| [p.object, *name] == *was);
@@ -113,9 +113,9 @@ impl Tree {
         *primitives = self.order.iter().map(|number| primitives[*number as usize]).collect();
     }
 
-    /// All nodes as the GPU takes them. The first has the units of the hierarchy a world unit, and
-    /// whether all objects stop all rays; if not, it says where there is a node for each object whose count is 1 if it does, 2 if it
-    /// casts on its like.
+    /// All nodes in the order in which the GPU reads them. The first node is a header: `low` has the hierarchy's units per world
+    /// unit, `count` is 1 if all objects stop all rays. Otherwise `first` is where one node for each object begins, whose `count`
+    /// says what the object stops: 0 no rays, 1 all, 2 those from receivers that cast alike.
     pub(super) fn packed(&self, scale: f32, casting: &[ShadowCasting]) -> Vec<GpuNode> {
         let mut nodes = Vec::with_capacity(self.nodes.len() + casting.len());
         nodes.extend_from_slice(&self.nodes);
@@ -145,7 +145,7 @@ fn half_area(low: Vec3, high: Vec3) -> f32 {
     d.x * d.y + d.y * d.z + d.z * d.x
 }
 
-/// The nodes depth first, without their boxes, and how deep they go.
+/// The nodes depth first, without their boxes, and their depth.
 fn laid_out(bvh: &Bvh2) -> (Vec<GpuNode>, u32) {
     let mut nodes = Vec::with_capacity(bvh.nodes.len() + ROOT);
     nodes.resize(ROOT + 1, GpuNode::default());

@@ -1,4 +1,4 @@
-//! What Rust writes for the kernels of rays is what WGSL reads.
+//! The structs that Rust writes for the kernels of rays have the layout that WGSL reads.
 
 use super::*;
 use crate::bvh::{BLOCKS, BLOCKS_ALIKE, FLAT, GpuNode, GpuPrimitive, SPHERE, VISIBLE};

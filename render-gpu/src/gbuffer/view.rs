@@ -1,10 +1,10 @@
-//! What a camera sees: its rays and the tiles of a window of its image, as the kernel reads them.
+//! The camera as the kernel reads it: its rays, and the tiles of a window of its image.
 
 use bytemuck::{Pod, Zeroable};
 use core::ops::Range;
 use scene::Camera;
 
-/// Side of the tiles of pixels in whose order points lie: [`GpuPoints::pixel`](crate::GpuPoints::pixel).
+/// Side in pixels of the tiles in whose order points lie: [`GpuPoints::pixel`](crate::GpuPoints::pixel).
 pub const TILE: u32 = 8;
 
 /// `View` of trace.wgsl: the rays of a camera, and a window of its image.
@@ -24,7 +24,7 @@ pub(crate) struct GpuView {
 }
 
 impl GpuView {
-    /// As `render_cpu` has its rays; the eye in units of which `scale` are a world unit.
+    /// Rays as in `render_cpu`. Lengths are in units of the hierarchy: `scale` of them are one world unit.
     pub(super) fn new(
         camera: &Camera,
         [width, height]: [u32; 2],
@@ -58,7 +58,7 @@ impl GpuView {
         if self.columns[0] == self.columns[1] || self.rows[0] == self.rows[1] { [0; 2] } else { [self.across, down] }
     }
 
-    /// The number of a place's pixel in the window; none outside.
+    /// The number of a place's pixel in the window; `None` outside the window.
     pub(super) fn pixel(&self, place: u32) -> Option<u32> {
         let ([across, down], area) = (self.tiles(), TILE * TILE);
         if place / area >= across * down {

@@ -1,4 +1,4 @@
-//! What kernels do with a device: it compiles them, binds their buffers and runs them.
+//! Kernels on a device: compiles them, binds their buffers and runs them.
 
 use super::Kernel;
 use crate::binding::{Access, Slot};
@@ -6,7 +6,7 @@ use crate::module::Text;
 use crate::{Gpu, GpuError};
 use wgpu::BufferUsages;
 
-/// Bytes of the buffers of a kernel that runs no workgroups: at least the fixed part of each.
+/// Size in bytes of the buffers for a dispatch without workgroups: at least the fixed part of each buffer.
 const EMPTY: u64 = 4096;
 
 impl Kernel {
@@ -25,8 +25,8 @@ impl Kernel {
 
     fn create(gpu: &Gpu, Text { entry: label, text, bindings, .. }: &Text) -> Result<Self, GpuError> {
         let label = *label;
-        // Mesa's software driver takes numbers of a uniform that decide loops and branches for constants, unrolls the loops, and
-        // compiles the kernel anew for each light. Of a storage buffer it does not.
+        // Mesa's software driver treats numbers in a uniform that decide loops and branches as constants, unrolls the loops, and
+        // compiles the kernel again for each light. It does not do so with a storage buffer.
         let is_storage = gpu.is_software();
         let text = if is_storage { text.replace("var<uniform>", "var<storage, read>") } else { text.clone() };
         let access = |access: Access| if is_storage && access == Access::Uniform { Access::Read } else { access };
@@ -61,7 +61,7 @@ impl Kernel {
         })
     }
 
-    /// Runs no workgroups, and waits. Mesa's software driver compiles a kernel when it runs first, not when it is made.
+    /// Dispatches no workgroups, and waits. Mesa's software driver compiles a kernel at its first dispatch, not when it is created.
     fn run_empty(&self, gpu: &Gpu) -> Result<(), GpuError> {
         gpu.scoped("a kernel", || {
             let usage = BufferUsages::STORAGE | BufferUsages::UNIFORM;
@@ -80,7 +80,7 @@ impl Kernel {
         gpu.wait()
     }
 
-    /// Its bind group, of the buffers that `resource` has for its slots.
+    /// The kernel's bind group, from the buffers that `resource` returns for its slots.
     pub(crate) fn bind<'b>(
         &self,
         gpu: &Gpu,
@@ -101,14 +101,14 @@ impl Kernel {
         })
     }
 
-    /// Submits it alone, with so many workgroups along x and y and its uniform from the beginning; does not wait.
+    /// Submits the kernel alone, with `groups` workgroups along x and y and the first uniform; does not wait.
     pub(crate) fn submit(&self, gpu: &Gpu, group: &wgpu::BindGroup, groups: [u32; 2]) {
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.record(&mut encoder, group, groups);
         gpu.queue().submit([encoder.finish()]);
     }
 
-    /// Writes it into an encoder, as a pass of its own.
+    /// Writes the kernel into an encoder, as a pass of its own.
     pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, group: &wgpu::BindGroup, groups: [u32; 2]) {
         let label = Some(self.label);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes: None });

@@ -1,7 +1,7 @@
-// What strategies ask of the scene's triangles and spheres, in units of the scene: `World` of ray-tracing. Needs bvh.wgsl, geometry.wgsl
-// and STACK, at least the depth of the hierarchy.
+// Ray queries of strategies against the scene's triangles and spheres, in units of the scene: `World` of ray-tracing. Needs
+// bvh.wgsl, geometry.wgsl and STACK, at least the depth of the hierarchy.
 
-// How far above the plane of a receiver's face a shape may seem to be by rounding, over its distance.
+// The most by which rounding lifts a shape above the plane of a receiver's face, relative to its distance.
 const BLUR = 3e-7;
 
 // All rays from a point into a cone, up to a light there: `Region` of ray-tracing. In units of the hierarchy.
@@ -10,16 +10,16 @@ struct Region {
     sin: f32,
     axis: vec3f,
     cos: f32,
-    // All rays are on this side of a plane through the origin, or 0.
+    // All rays are on this side of a plane through the origin; 0 if there is no such plane.
     face: vec3f,
-    // No ray goes farther along the axis.
+    // The largest distance of a ray along the axis.
     far: f32,
 }
 
-// What stops rays: a flag of primitives, or two.
+// The flags of the primitives that stop rays.
 var<private> world_stop: u32 = BLOCKS;
 
-// From whom an object hides the light: 0 none, 1 all, 2 receivers on its like.
+// The receivers that an object hides the light from: 0 none, 1 all, 2 those whose object also has a 2 here.
 fn world_stops(object: u32) -> u32 {
     if object == NO_OBJECT {
         return 0u;
@@ -33,7 +33,7 @@ fn world_stops(object: u32) -> u32 {
 // True when a blocking triangle or sphere lies on the ray nearer than `distance`.
 fn world_occludes(origin: vec3f, direction: vec3f, distance: f32) -> bool {
     let ray = slabs(origin, direction);
-    // One sibling waits on each level.
+    // At each level one sibling waits.
     var stack: array<u32, STACK>;
     var waiting = 0u;
     var current = ROOT;
@@ -81,7 +81,7 @@ fn world_occludes(origin: vec3f, direction: vec3f, distance: f32) -> bool {
     return false;
 }
 
-// False when no ray of the region meets a blocking primitive; may be true although none does.
+// False if no ray of the region meets a blocking primitive; may be true although none does.
 fn world_meets(region: Region) -> bool {
     var stack: array<u32, STACK>;
     var waiting = 0u;
@@ -122,9 +122,9 @@ fn world_meets(region: Region) -> bool {
     return false;
 }
 
-// Normal of the cone's tangent plane on the side of a point, turned to the cone; 0 on the axis.
+// Normal of the cone's tangent plane on the side of a point, turned toward the cone; 0 on the axis.
 fn region_tangent(region: Region, point: vec3f) -> vec3f {
-    // Twice, since what is left of a point near the axis would lie anywhere.
+    // Twice, since for a point near the axis one subtraction leaves only rounding errors.
     var aside = point - region.axis * dot(point, region.axis);
     aside = aside - region.axis * dot(aside, region.axis);
     let length_sq = dot(aside, aside);
@@ -134,11 +134,12 @@ fn region_tangent(region: Region, point: vec3f) -> vec3f {
     return region.axis * region.sin - aside * (region.cos / sqrt(length_sq));
 }
 
-// Each test is true when a plane parts the rays from a convex shape: by the shape's farthest extent along the plane's normal.
+// Each test is true if a plane separates the rays from a convex shape; it uses the shape's farthest extent along the plane's
+// normal.
 
 fn region_misses_box(region: Region, low: vec3f, high: vec3f) -> bool {
     let center = 0.5 * (low + high) - region.origin;
-    // More than rounding moves the origin, too.
+    // The second term exceeds the rounding of the origin.
     let half = 0.500001 * (high - low) + 1e-7 * abs(region.origin);
     let along = dot(region.axis, center);
     let size = dot(abs(region.axis), half);
@@ -195,7 +196,7 @@ fn any_hit_of(object: u32) {
     world_stop = select(BLOCKS, BLOCKS | BLOCKS_ALIKE, world_stops(object) == 2u);
 }
 
-// Off the surface by 5e-7 of the point's largest coordinate.
+// Moves the point off the surface by 5e-7 of its largest coordinate.
 fn any_hit_leave(at: Receiver) -> vec3f {
     let size = max(max(abs(at.position.x), abs(at.position.y)), abs(at.position.z));
     return at.position + at.face * (5e-7 * size);
@@ -205,14 +206,14 @@ fn any_hit_has(object: u32) -> bool { return world_stops(object) != 0u; }
 
 fn any_hit(origin: vec3f, direction: vec3f, distance: f32) -> bool {
     let scale = nodes[0].low.x;
-    // Finite in the hierarchy's units, too.
+    // The distance stays finite in the hierarchy's units.
     return world_occludes(origin * scale, direction, min(distance, 1e30 / scale) * scale);
 }
 
 fn any_hit_cone(origin: vec3f, cone: Cone, face: vec3f) -> bool {
     let scale = nodes[0].low.x;
     let cosine = cone_cos(cone);
-    // Where the tangents touch: d cos²θ along the axis, and all of the near surface is nearer.
+    // The tangents touch the light at d cos²θ along the axis; all of its near surface is nearer.
     let far = cone.distance * cosine * cosine * scale;
     return world_meets(Region(origin * scale, sqrt(cone_sin_sq(cone)), cone.axis, cosine, face, far));
 }

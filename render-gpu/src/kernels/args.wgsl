@@ -1,4 +1,4 @@
-// How many workgroups the penumbra kernel has: one a queued point. Needs frame.wgsl and queue.wgsl.
+// The size of the penumbra kernel's dispatch: one workgroup a queued point. Needs frame.wgsl and queue.wgsl.
 @group(0) @binding(5) var<storage, read_write> args: array<u32, 3>;
 
 @compute @workgroup_size(1)

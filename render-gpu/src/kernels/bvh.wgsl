@@ -1,8 +1,9 @@
-// The hierarchy of bvh.rs and the primitives in it, both in its units.
+// The hierarchy of bvh.rs and its primitives, in the hierarchy's units.
 
-// 32 bytes. The first one is no node: `low` has the units of the hierarchy a world unit, `high` is zero; where its count is 0
-// there is one from `first` on for each object, whose count is 1 if it blocks, 2 if it does so for its like. A leaf has `count`
-// primitives from `first` on; an inner node has count 0 and its children at `first` and `first + 1`.
+// 32 bytes. A leaf has `count` primitives from `first` on; an inner node has count 0 and its children at `first` and `first + 1`.
+// The first node is a header: `low.x` has the hierarchy's units per world unit, and `high` is zero. If its count is 0, one node for
+// each object follows from `first` on, whose count is 0 if the object does not block, 1 if it blocks, 2 if it blocks for receivers
+// whose object also has a 2.
 struct BvhNode {
     low: vec3f,
     count: u32,
@@ -10,8 +11,8 @@ struct BvhNode {
     first: u32,
 }
 
-// 48 bytes. A triangle: its corners, exact; `corners` is where its normals begin, or NO_CORNERS. A sphere: centre and
-// radius (`b.x`). `object` is its number and the flags below.
+// 48 bytes. A triangle has its exact corners in `a`, `b`, `c`; `corners` is where its normals begin, or NO_CORNERS. A sphere has
+// its centre in `a` and its radius in `b.x`. `object` is the object's number and the flags below.
 struct Primitive {
     a: vec3f,
     object: u32,
@@ -33,20 +34,20 @@ const BLOCKS_ALIKE = 0x10000000u;
 const OBJECT = 0x0fffffffu;
 const NO_CORNERS = 0xffffffffu;
 
-// Farther than everything.
+// Larger than every distance.
 const NEVER = 3e38;
 
-// How far outside a triangle, in barycentric units, a ray still hits.
+// Distance outside a triangle, in barycentric units, at which a ray still hits it.
 const BVH_EDGE = 1e-6;
 // The most by which rounding makes a triangle larger, in barycentric units.
 const WIDEST = 0.05;
 
-// Relative error of a distance to a triangle: over the start's distance from the corner and the slant, which is |e1||e2|/det.
-// Of that to a sphere: as a part of the squared radius. `Fine` numbers decide where a start is so near.
+// Relative errors. That of a distance to a triangle counts times the start's distance from the corner and times the slant
+// |e1||e2|/det; that of a distance to a sphere is relative to the squared radius. Nearer starts are decided with `Fine` numbers.
 const CLOSE = 2e-6;
 const CLOSE_TO_SPHERE = 1e-5;
 
-// A ray as boxes see it.
+// A ray prepared for tests against boxes.
 struct Slabs {
     low: vec3f,
     high: vec3f,
@@ -57,12 +58,12 @@ fn slabs(origin: vec3f, direction: vec3f) -> Slabs {
     let size = abs(direction);
     let least = select(vec3f(1e-15), -vec3f(1e-15), direction < vec3f(0.0));
     let size_of = abs(origin);
-    // What rounding may move a ray by at the far end of the scene, which is below 2²¹.
+    // The most that rounding moves a ray at the far end of the scene, which is below 2²¹.
     let pad = 3e-7 * max(max(size_of.x, size_of.y), max(size_of.z, 2097152.0));
     return Slabs(origin + pad, origin - pad, 1.0 / select(direction, least, size < vec3f(1e-15)));
 }
 
-// Where a ray enters a box, or NEVER; not beyond `limit`.
+// The distance at which a ray enters a box, or NEVER if it misses the box or enters it beyond `limit`.
 fn enter(ray: Slabs, low: vec3f, high: vec3f, limit: f32) -> f32 {
     let one = (low - ray.low) * ray.inverse;
     let other = (high - ray.high) * ray.inverse;
@@ -73,8 +74,8 @@ fn enter(ray: Slabs, low: vec3f, high: vec3f, limit: f32) -> f32 {
     return select(NEVER, near, near <= far * 1.000001);
 }
 
-// Distance to a triangle, both sides, or NEVER; a ray that starts on it does not meet it (T. Möller, B. Trumbore, 1997);
-// `blur` is what rounding may change of the barycentric coordinates times the determinant, over the lengths of the edges.
+// Distance to a triangle from either side, or NEVER. A ray that starts on the triangle does not meet it (T. Möller, B. Trumbore,
+// 1997). `blur` bounds the rounding of the barycentric coordinates times the determinant, over the lengths of the edges.
 fn meet_triangle(t: Primitive, origin: vec3f, direction: vec3f, blur: f32) -> f32 {
     let e1 = t.b - t.a;
     let e2 = t.c - t.a;
@@ -103,13 +104,13 @@ fn meet_triangle(t: Primitive, origin: vec3f, direction: vec3f, blur: f32) -> f3
     return select(NEVER, along, along > 0.0);
 }
 
-// Distance to a sphere, from inside or its surface to the far side, or NEVER.
+// Distance to a sphere, or NEVER. From inside the sphere or its surface: the distance to the far side.
 fn meet_sphere(sphere: Primitive, origin: vec3f, direction: vec3f) -> f32 {
     let to = sphere.a - origin;
     let along = dot(to, direction);
     let radius_sq = sphere.b.x * sphere.b.x;
     if abs(dot(to, to) - radius_sq) <= CLOSE_TO_SPHERE * radius_sq {
-        // Its sign is that of the nearer distance where the sphere is ahead.
+        // If the sphere is ahead, `off` has the sign of the nearer distance.
         let off = off_sphere(sphere, origin);
         let half_sq = along * along - off;
         let far = along + select(sqrt(max(half_sq, 0.0)), -sqrt(max(half_sq, 0.0)), along < 0.0);
@@ -117,7 +118,7 @@ fn meet_sphere(sphere: Primitive, origin: vec3f, direction: vec3f) -> f32 {
         let first = select(max(near, far), min(near, far), min(near, far) > 0.0);
         return select(NEVER, first, half_sq >= 0.0 && first > 0.0);
     }
-    // The distance of the centre from the ray first: |to|² − along² would cancel.
+    // Computes the centre's distance from the ray first, since |to|² − along² would cancel.
     let aside = to - direction * along;
     let half_sq = sphere.b.x * sphere.b.x - dot(aside, aside);
     let half = sqrt(max(half_sq, 0.0));
@@ -125,14 +126,14 @@ fn meet_sphere(sphere: Primitive, origin: vec3f, direction: vec3f) -> f32 {
     return select(NEVER, t, half_sq >= 0.0 && t > 0.0);
 }
 
-// Numbers of twice as many digits, three at a time: the sum of two of which the second is at most half a last digit of the
-// first (T. J. Dekker, *A Floating-Point Technique for Extending the Available Precision*, 1971).
+// Numbers with twice the digits, three at a time: each is a sum of two floats, of which the second is at most half a last digit of
+// the first (T. J. Dekker, *A Floating-Point Technique for Extending the Available Precision*, 1971).
 struct Fine {
     high: vec3f,
     low: vec3f,
 }
 
-// The same numbers, hidden from the compiler: it may take a + b − a for b, which is the rounding that is wanted here.
+// Hides numbers from the compiler, which could otherwise replace a + b − a by b and lose the rounding that is computed here.
 fn opaque(v: vec3f) -> vec3f { return bitcast<vec3f>(bitcast<vec3u>(v) ^ bitcast<vec3u>(nodes[0].high)); }
 
 fn fine_sum(a: vec3f, b: vec3f) -> Fine {
@@ -141,14 +142,14 @@ fn fine_sum(a: vec3f, b: vec3f) -> Fine {
     return Fine(sum, (a - (sum - added)) + (b - added));
 }
 
-// The sum of fine numbers whose second parts are `low` together.
+// The sum of two fine numbers with first parts `a` and `b`; `low` is the sum of their second parts.
 fn fine_add(a: vec3f, b: vec3f, low: vec3f) -> Fine {
     let sum = fine_sum(a, b);
     return fine_sum(sum.high, sum.low + low);
 }
 
 fn fine_product(a: Fine, b: Fine) -> Fine {
-    // Products of halves are exact, whether or not a compiler fuses them with sums.
+    // Products of halves of the digits are exact, whether or not a compiler fuses them with sums.
     let a_high = bitcast<vec3f>(bitcast<vec3u>(a.high) & vec3u(0xfffff000u));
     let b_high = bitcast<vec3f>(bitcast<vec3u>(b.high) & vec3u(0xfffff000u));
     let a_low = a.high - a_high;
@@ -170,14 +171,14 @@ fn fine_dot(a: Fine, b: Fine) -> Fine {
     return fine_add(one.high, product.high.zzz, one.low + product.low.zzz);
 }
 
-// Normal of a triangle's plane, of any length, and its product with the way from the plane to a point: from its corners as
-// they are, to some 2⁻⁴⁰ of the triangle's size.
+// Normal of a triangle's plane, not normalised, and its dot product with the vector from the plane to a point. Computed from the
+// exact corners, with an error of some 2⁻⁴⁰ of the triangle's size.
 fn plane_of(t: Primitive, point: vec3f) -> vec4f {
     let normal = fine_cross(fine_sum(t.b, -t.a), fine_sum(t.c, -t.a));
     return vec4f(normal.high, fine_dot(normal, fine_sum(point, -t.a)).high.x);
 }
 
-// The squared distance of a point from a sphere's centre, less that of its surface.
+// The squared distance of a point from a sphere's centre, minus the squared radius.
 fn off_sphere(sphere: Primitive, point: vec3f) -> f32 {
     let to = fine_sum(sphere.a, -point);
     let square = fine_dot(to, to);

@@ -1,6 +1,6 @@
-// What each point sees of one light: all of it, and its radiance is added; nothing; or a part, and the point is queued with
-// its integrals. As `Integrator::by_moments`. 64 threads, one tile. Needs frame.wgsl, the light's text, queue.wgsl, brdf's lobes,
-// `light_integral`, points.wgsl, tiles.wgsl and `blockers_coverage(tile, at, cone)`.
+// Classifies each point for one light: a lit point gets the light's radiance, a dark one nothing, and one in penumbra is queued
+// with its integrals. As `Integrator::by_moments`. 64 threads, one tile. Needs frame.wgsl, the light's text, queue.wgsl, brdf's
+// lobes, `light_integral`, points.wgsl, tiles.wgsl and `blockers_coverage(tile, at, cone)`.
 
 // `MaskVisibility::coverage`, before any mask is made.
 fn coverage_of(tile: u32, at: Receiver, cone: Cone) -> u32 {
@@ -9,7 +9,7 @@ fn coverage_of(tile: u32, at: Receiver, cone: Cone) -> u32 {
         return LIT;
     }
     let coverage = blockers_coverage(tile, at, cone);
-    // What touches the direction of a point light hides it.
+    // A blocker that touches the direction of a point light hides it.
     return select(coverage, DARK, coverage == PARTIAL && cone.one_minus_cos <= 0.0);
 }
 
@@ -26,7 +26,7 @@ fn classify_point(tile: u32, point: u32) {
     var item = 0u;
     for (var k = 0u; k < lobes; k++) {
         let lobe = brdf_lobe(at.material, at, k);
-        // A lobe without flux is not there.
+        // A lobe without flux has no integral.
         var integral = Integral();
         if (any(lobe.flux != vec3f(0.0))) {
             integral = light_integral(at, lobe, cone);
@@ -40,7 +40,7 @@ fn classify_point(tile: u32, point: u32) {
                 if (coverage == PARTIAL) {
                     item = atomicAdd(&queue.count, 1u) * frame.queue_stride;
                     queue.items[item] = point;
-                    // Lobes below the threshold are left out.
+                    // Lobes below the threshold have zero integrals in the queue.
                     for (var before = 0u; before < k; before++) {
                         queue_keep(item, before, Integral());
                     }

@@ -1,22 +1,22 @@
 // One light of one frame, for the points of a slice. The same struct as `layout::GpuFrame`.
 struct Frame {
-    // The sphere around the light, and around windows on it: centre and radius.
+    // The sphere around the light, or around a window on it: centre and radius.
     light: vec4f,
     radiance: vec3f,
     tolerance: f32,
     threshold: f32,
     point_count: u32,
-    // Words of a queue item: the point and the integral of each of its lobes.
+    // Words of a queue item: the point's index and the integrals of its lobes.
     queue_stride: u32,
-    // 2: what a loop that nobody ends early comes to.
+    // Always 2: `note_cut_loops` counts to it, to find loops that the driver ended early.
     rounds: u32,
-    // Where the image that the light shows begins in the buffer of images.
+    // The place in the buffer of images where the light's image begins.
     image: u32,
-    // Which light of the frame it is.
+    // The light's number in the frame.
     number: u32,
     pad0: u32,
     pad1: u32,
-    // What else the kind of light is told by.
+    // Parameters of the kind of light.
     shape: array<vec4f, 26>,
 }
 

@@ -1,5 +1,5 @@
-// `classify` by the paper's method, as `Integrator::by_paper`: the product of reflectance and light comes from the table. A
-// point is queued where any blocker may shade it, umbra included. Needs frame.wgsl, the light's text, queue.wgsl, points.wgsl, tiles.wgsl,
+// `classify` by the paper's method, as `Integrator::by_paper`: the product of reflectance and light comes from the table. A point
+// is queued if any blocker may shade it, in the umbra too. Needs frame.wgsl, the light's text, queue.wgsl, points.wgsl, tiles.wgsl,
 // brdf's lobes, paper.wgsl of lobe-core and `blockers_coverage(tile, at, cone)`.
 
 fn classify_point(tile: u32, point: u32) {
@@ -14,7 +14,7 @@ fn classify_point(tile: u32, point: u32) {
     var coverage = UNKNOWN;
     for (var k = 0u; k < lobes; k++) {
         let lobe = brdf_lobe(at.material, at, k);
-        // A lobe without flux is not there.
+        // Skips lobes without flux.
         if (all(lobe.flux == vec3f(0.0))) {
             continue;
         }

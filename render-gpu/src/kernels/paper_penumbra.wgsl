@@ -1,6 +1,6 @@
-// One queued point, one workgroup, by the paper's method: shadow nodes of the light's square, a lobe each. As
-// `Integrator::by_paper` with `PaperVisibility`. Needs frame.wgsl, the light's text, queue.wgsl, points.wgsl, visibility-mask's pieces and paper.wgsl,
-// that of lobe-core, brdf's lobes and `blockers_splat(lane, tile, at, light, mask)`.
+// Shades one queued point with one workgroup, by the paper's method: shadow nodes of the light's square, one lobe each. As
+// `Integrator::by_paper` with `PaperVisibility`. Needs frame.wgsl, the light's text, queue.wgsl, points.wgsl, visibility-mask's
+// pieces and paper.wgsl, lobe-core's paper.wgsl, brdf's lobes and `blockers_splat(lane, tile, at, light, mask)`.
 
 @compute @workgroup_size(LANES)
 fn penumbra(
@@ -48,7 +48,7 @@ fn penumbra(
         atomicAdd(&queue.counters[INTEGRALS], integrals);
         atomicAdd(&queue.counters[PRUNED], pruned);
         if (nodes == 0u) {
-            // Queued, and counted as such.
+            // `classify` counted the queued point as penumbra.
             atomicSub(&queue.counters[PENUMBRA_POINTS], 1u);
             atomicAdd(&queue.counters[LIT_POINTS], 1u);
         }

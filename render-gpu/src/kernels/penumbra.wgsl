@@ -1,5 +1,6 @@
-// One queued point, one workgroup: its mask of one light, and what each of its reflectance lobes sees of it. As
-// `Integrator::by_moments`. Needs frame.wgsl, the light's text, queue.wgsl, points.wgsl, visibility-mask's pieces, brdf's lobes and the strategies.
+// Shades one queued point with one workgroup: draws its mask of one light, and sums the visible fraction of each of its reflectance
+// lobes. As `Integrator::by_moments`. Needs frame.wgsl, the light's text, queue.wgsl, points.wgsl, visibility-mask's pieces, brdf's
+// lobes and the strategies.
 
 @compute @workgroup_size(LANES)
 fn penumbra(
@@ -33,7 +34,7 @@ fn penumbra(
     if (lane == 0u) {
         radiance[point] += vec4f(sum, 0.0);
         if (coverage != PARTIAL) {
-            // Queued, and counted as such.
+            // `classify` counted the queued point as penumbra.
             atomicSub(&queue.counters[PENUMBRA_POINTS], 1u);
             atomicAdd(&queue.counters[select(DARK_POINTS, LIT_POINTS, coverage == LIT)], 1u);
         }

@@ -1,7 +1,7 @@
-// What `classify` leaves to the penumbra kernel, and the counters of a frame. Needs frame.wgsl.
+// The queue from `classify` to the penumbra kernel, and the counters of a frame. Needs frame.wgsl.
 
-// `count` items of `frame.queue_stride` words: the point (as an index into `points`), then its integral over the whole
-// light for each reflectance lobe, one word or one a channel. Items of one light are in no order; each point is there at most once.
+// `count` items of `frame.queue_stride` words: the point (as an index into `points`), then for each reflectance lobe its integral
+// over the whole light, in one word or one a colour channel. Items of one light are in no order; each point occurs at most once.
 struct Queue {
     count: atomic<u32>,
     counters: array<atomic<u32>, 15>,
@@ -9,31 +9,31 @@ struct Queue {
 }
 @group(0) @binding(4) var<storage, read_write> queue: Queue;
 
-// Point–light pairs by what is seen of the light. `classify` counts as penumbra what it queues; the penumbra kernel moves to
-// the others what it finds to be wholly lit or dark.
+// Point–light pairs by class. `classify` counts queued points as penumbra; the penumbra kernel moves those that are wholly lit or
+// dark to the other counters.
 const LIT_POINTS = 0u;
 const DARK_POINTS = 1u;
 const PENUMBRA_POINTS = 2u;
-// Integrals of reflectance lobes; lobes dropped below the threshold.
+// Integrals of reflectance lobes, and lobes dropped below the threshold.
 const INTEGRALS = 3u;
 const PRUNED = 4u;
-// Threads whose loops the driver has ended early.
+// Threads whose loops the driver ended early.
 const CUT = 5u;
 
-// By the paper's method: marks a queued point that one blocker hides the whole light from.
+// By the paper's method: marks a queued point for which one blocker hides the whole light.
 const HIDDEN = 0x80000000u;
 
-// A dispatch has at most so many workgroups along x.
+// The most workgroups of a dispatch along x.
 const QUEUE_WIDEST = 32768u;
 
-// Workgroups along x and y that take `count` items, one each: the item of a workgroup is `y * size.x + x`, below `count`.
+// Number of workgroups along x and y for `count` items, one each. A workgroup takes the item `y * size.x + x`, if below `count`.
 fn queue_size(count: u32) -> vec2u {
     let rows = max((count + (QUEUE_WIDEST - 1u)) / QUEUE_WIDEST, 1u);
     return vec2u((count + (rows - 1u)) / rows, rows);
 }
 
-// Mesa's software driver ends a thread's loops after 65 535 rounds of all of them together, from then on each after one. Counts
-// the threads that this has happened to: called last.
+// Counts this thread if the driver has ended its loops early; call it last. Mesa's software driver allows a thread 65 535 rounds of
+// all its loops together, and ends each later loop after one round.
 fn note_cut_loops() {
     var rounds = 0u;
     for (var k = 0u; k < frame.rounds; k++) {

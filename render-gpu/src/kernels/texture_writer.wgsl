@@ -1,11 +1,11 @@
-// Radiance to a texture, one pixel a thread: points are listed by tiles of 8 × 8 pixels. Needs lobe-core's geometry, and
+// Writes radiance to a texture, one pixel a thread; points are listed by tiles of 8 × 8 pixels. Needs lobe-core's geometry, and
 // `target_texture`, a storage texture of binding 10.
 @group(0) @binding(1) var<storage, read> points: array<Receiver>;
 @group(0) @binding(3) var<storage, read> radiance: array<vec4f>;
 
 const NO_MATERIAL = 0xffffffffu;
 
-// The first row of tiles that is bound.
+// The first row of tiles in the binding.
 struct Band {
     first: u32,
 }
@@ -21,7 +21,7 @@ fn write_points(
     let pixel = 8u * vec2u(tile.x, band.first + tile.y) + vec2u(lane % 8u, lane / 8u);
     let size = textureDimensions(target_texture);
     if pixel.x < size.x && pixel.y < size.y {
-        // Coverage: what the camera sees nothing at is transparent.
+        // Coverage: a pixel without a visible point is transparent.
         let alpha = select(1.0, 0.0, points[point].material == NO_MATERIAL);
         textureStore(target_texture, pixel, vec4f(radiance[point].xyz, alpha));
     }

@@ -1,7 +1,7 @@
-// What both ways to classify points share: 64 threads, one tile, and what they count. Needs frame.wgsl, queue.wgsl, points.wgsl
+// The parts that both `classify` kernels share: 64 threads, one tile, and its counters. Needs frame.wgsl, queue.wgsl, points.wgsl
 // and `classify_point(tile, point)`, which ends with `told`.
 const NO_MATERIAL = 0xffffffffu;
-// Not asked yet.
+// Coverage not computed yet.
 const UNKNOWN = 3u;
 
 var<workgroup> tally: array<atomic<u32>, 5>;
@@ -10,7 +10,7 @@ fn count(what: u32) {
     atomicAdd(&tally[what], 1u);
 }
 
-// Counts what a point sees of the light, and adds what it gets where that is all of it.
+// Counts a point by its class, and adds the unshadowed radiance to a lit point.
 fn told(point: u32, coverage: u32, sum: vec3f) {
     if (coverage == LIT) {
         count(LIT_POINTS);

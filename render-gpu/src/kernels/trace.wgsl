@@ -4,9 +4,9 @@
 // The same struct as `gbuffer::GpuView`. Lengths are in the hierarchy's units.
 struct View {
     eye: vec3f,
-    // World units a unit.
+    // World units per unit of the hierarchy.
     unit: f32,
-    // Direction through the image's corner, and its change a pixel to the right and down.
+    // Direction through the image's corner, and its change per pixel to the right and down.
     corner: vec3f,
     // Tiles in a row of the window.
     across: u32,
@@ -15,7 +15,7 @@ struct View {
     left: u32,
     down: vec3f,
     top: u32,
-    // First and one past the last.
+    // First column and row, and the ones after the last.
     columns: vec2u,
     rows: vec2u,
 }
@@ -56,7 +56,7 @@ fn nearest(origin: vec3f, direction: vec3f) -> u32 {
     let ray = slabs(origin, direction);
     var limit = NEVER;
     var found = NOTHING;
-    // One sibling waits on each level.
+    // At each level one sibling waits.
     var stack: array<u32, STACK>;
     var waiting = 0u;
     var current = ROOT;
@@ -107,8 +107,8 @@ fn meet(number: u32, origin: vec3f, direction: vec3f) -> f32 {
     return meet_triangle(p, origin, direction, 1.5e-7);
 }
 
-// What the surface is like where the ray meets a primitive. The position comes from the primitive and not along the ray, and
-// is brought onto it: so it is off the surface by its own rounding only.
+// The receiver at which a ray meets a primitive. The position is computed from the primitive, not along the ray, and then moved
+// onto the surface: only its own rounding is left.
 fn surface(number: u32, direction: vec3f) -> Receiver {
     let p = primitives[number];
     var out: Receiver;
@@ -135,7 +135,7 @@ fn surface(number: u32, direction: vec3f) -> Receiver {
         let u = clamp(dot(s, across) * inverse, 0.0, 1.0);
         let v = clamp(dot(direction, cross(s, e1)) * inverse, 0.0, 1.0 - u);
         position = p.a + e1 * u + e2 * v;
-        // Rounding of a far corner leaves it beside the plane.
+        // Moves the position onto the plane: rounding of a far corner puts it beside.
         let plane = plane_of(p, position);
         let size = max(max(abs(plane.x), abs(plane.y)), abs(plane.z));
         let across_plane = plane.xyz / max(size, 1e-37);
@@ -146,7 +146,7 @@ fn surface(number: u32, direction: vec3f) -> Receiver {
         if p.corners != NO_CORNERS {
             let mean = corner(p.corners) * (1.0 - u - v) + corner(p.corners + 3u) * u + corner(p.corners + 6u) * v;
             let smoothed = unit_or(mean, vec3f(0.0));
-            // On the side of the face that is seen; a normal that still looks away is no use to a viewer.
+            // Turned to the visible side of the face; a normal that still faces away from the viewer is replaced by the face's.
             let turned = select(smoothed, -smoothed, dot(smoothed, out.face) < 0.0);
             out.normal = select(out.face, turned, dot(turned, direction) < 0.0);
         }
@@ -161,7 +161,7 @@ fn corner(first: u32) -> vec3f {
 }
 
 fn unit_or(v: vec3f, otherwise: vec3f) -> vec3f {
-    // In two steps: squares of tiny edges would vanish.
+    // Scales first: squares of tiny lengths would underflow.
     let size = max(max(abs(v.x), abs(v.y)), abs(v.z));
     if size < 1e-37 {
         return otherwise;

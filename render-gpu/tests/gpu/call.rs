@@ -1,19 +1,19 @@
-//! Calls WGSL functions on rows of numbers, and makes trials.
+//! Evaluates WGSL functions on rows of numbers, and builds trials.
 
 use libtest_mimic::Trial;
 use render_gpu::{Gpu, GpuOptions};
 use std::sync::{Mutex, PoisonError};
 use wgpu::util::DeviceExt;
 
-/// Devices that no test is using, with the kernels that they have compiled. Each test that runs has a device of its own: a
-/// software driver compiles all kernels of a device in one thread.
+/// Idle devices, with their compiled kernels. Each running test has a device of its own, since a software driver compiles all
+/// kernels of a device in one thread.
 static FREE: Mutex<Vec<Gpu>> = Mutex::new(Vec::new());
 
 fn free() -> std::sync::MutexGuard<'static, Vec<Gpu>> {
     FREE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A test of the GPU, ignored where there is none.
+/// A test of the GPU, ignored without one.
 pub(crate) fn trial(name: &str, gpu: Option<&Gpu>, test: impl FnOnce(&Gpu) + Send + 'static) -> Trial {
     let run = move || {
         let known = free().pop();
@@ -25,7 +25,7 @@ pub(crate) fn trial(name: &str, gpu: Option<&Gpu>, test: impl FnOnce(&Gpu) + Sen
     Trial::test(name, run).with_ignored_flag(gpu.is_none())
 }
 
-/// The kernels that took longest to compile: nearly all of the time that these tests take on a software driver.
+/// Prints the kernels that took longest to compile: nearly all of these tests' time on a software driver.
 pub(crate) fn report_kernels() {
     let mut all: Vec<_> = free().iter().flat_map(|gpu| gpu.kernels().compiled()).collect();
     if all.is_empty() {
@@ -39,13 +39,13 @@ pub(crate) fn report_kernels() {
     }
 }
 
-/// Evaluates WGSL statements for rows of `inputs` numbers each: `pieces` are joined before; `body` reads `x(0), x(1) …` and
+/// Evaluates WGSL statements for rows of `inputs` numbers each. `pieces` are joined before `body`, which reads `x(0), x(1) …` and
 /// calls `y(0, value)`, … up to `outputs`.
 pub(crate) fn call(gpu: &Gpu, pieces: &[&str], body: &str, rows: &[f32], inputs: usize, outputs: usize) -> Vec<f32> {
     call_with(gpu, pieces, body, rows, [inputs, outputs], &[])
 }
 
-/// [`call`] with further buffers that the pieces read: binding from 2 on and words of each.
+/// [`call`] with further buffers for the pieces: bindings from 2 on, and the words of each.
 pub(crate) fn call_with(
     gpu: &Gpu,
     pieces: &[&str],
@@ -69,7 +69,7 @@ pub(crate) fn call_with(
     run(gpu, pieces, &main, rows, count * outputs, words, count.div_ceil(64))
 }
 
-/// [`call`] by a workgroup of LANES threads for each row of `inputs`: all threads come by `body`, each with its `lane`.
+/// [`call`] with a workgroup of LANES threads for each row of `inputs`: all threads run `body`, each with its `lane`.
 pub(crate) fn call_groups(
     gpu: &Gpu,
     pieces: &[&str],
@@ -95,7 +95,7 @@ pub(crate) fn call_groups(
     run(gpu, pieces, &main, rows, count * outputs, &[], count)
 }
 
-/// Dispatches so many workgroups of a module that reads `rows` and writes `size` numbers.
+/// Dispatches `groups` workgroups of a module that reads `rows` and writes `size` numbers.
 fn run(
     gpu: &Gpu,
     pieces: &[&str],

@@ -34,7 +34,7 @@ const ROOM: usize = 8;
 /// Numbers of a case: view, lobe's axis, exponent, factor, axis of the light, corners and their number, radius.
 const INPUTS: usize = 3 + 3 + 2 + 3 + 2 + 3 * ROOM;
 
-/// A polygon or a disc, its corners (of a disc the middle) relative to the receiver, above the horizon or through it.
+/// A polygon or a disc above the horizon or across it, with its corners (of a disc the centre) relative to the receiver.
 fn outline(random: &mut Random) -> Option<(Outline, Vec<Vec3>, f32)> {
     let (toward, normal) = (random.axis().as_vec3(), random.axis().as_vec3());
     let center = toward * random.between(1.0, 2.0) as f32;
@@ -46,7 +46,7 @@ fn outline(random: &mut Random) -> Option<(Outline, Vec<Vec3>, f32)> {
     }
     let count = 3 + (random.bits() % 6) as usize;
     let long = random.log_uniform(1.0, 10.0) as f32;
-    // In either order.
+    // Clockwise or counter-clockwise.
     let turn = if random.bits().is_multiple_of(2) { TAU } else { -TAU };
     let corner = |k: usize| {
         let (sin, cos) = (turn * (k as f32 + 0.3) / count as f32).sin_cos();
@@ -56,7 +56,8 @@ fn outline(random: &mut Random) -> Option<(Outline, Vec<Vec3>, f32)> {
     Some((Outline::new(&corners, axis)?, corners, 0.0))
 }
 
-/// The same rules in another order of operations; relative to what the light gives along the axis of a lobe of its size.
+/// The same rules in another order of operations. Errors are relative to the light's integral with a lobe of that size along the
+/// axis.
 fn integrals(gpu: &Gpu) {
     let mut random = Random::new(23);
     let (mut rows, mut want) = (Vec::new(), Vec::new());
@@ -116,7 +117,7 @@ fn integrals(gpu: &Gpu) {
         assert!(got.iter().all(|x| x.is_finite()), "case {k}: {got:?}");
         let error = f64::from((got[0] - want).abs() / scale.max(1e-6));
         (sums[k % 4], worst[k % 4]) = (sums[k % 4] + error, worst[k % 4].max(error));
-        // A cone that is a hemisphere here and a little less there is none of rounding.
+        // Rounding makes a cone a hemisphere on one device and a little less on the other.
         if (got[1] < 1.0) == (cone.one_minus_cos < 1.0) {
             cones = cones.max((got[1] - cone.one_minus_cos).abs() / cone.one_minus_cos);
             if cone.distance.is_finite() {
@@ -160,7 +161,7 @@ fn lit(scene: Scene, light: Light) -> Scene {
     Scene { lights: vec![light], ..scene }
 }
 
-/// All shapes at once and a sphere, on all kinds of surfaces.
+/// All shapes of light and a sphere, on all kinds of surfaces.
 fn beside_spheres(gpu: &Gpu) {
     let inside = EnclosedLight { light: Box::new(disc()), object: 0 }.into();
     let sphere = SphereLight::new(Sphere { center: Vec3::new(2.0, 3.0, 1.0), radius: 0.3 }, Vec3::splat(20.0)).into();
@@ -168,8 +169,8 @@ fn beside_spheres(gpu: &Gpu) {
     View::new(scene, 64, 36).compare_spheres(gpu, "flat lights", 0.003, 5);
 }
 
-/// Beside a tube; and with panels whose planes cut the pickets, one of which reaches between them. Where the directions of edges cancel,
-/// as of these pickets and rails, rounding decides how a mask is turned: as exact a mask, but another.
+/// Silhouettes with a tube, and with panels whose planes cut the pickets, one of them between the pickets. The edges' directions
+/// cancel for these pickets and rails; rounding then decides the mask's rotation, and the masks differ but are equally exact.
 fn by_silhouettes(gpu: &Gpu) {
     SILHOUETTES.compare(gpu, "tube", &lit(fence(), tube()), [48, 36], 0.003, 5);
     let panel = |u: f32, v: f32| -> Light {
@@ -195,7 +196,7 @@ fn by_silhouettes(gpu: &Gpu) {
     }
 }
 
-/// Screens of waves, one cut by the floor's horizon.
+/// Screens with wave-shaped outlines, one cut by the floor's horizon.
 fn of_images(gpu: &Gpu) {
     let size = UVec2::new(64, 32);
     let wave = |place: u32, step: f32| 1.0 + 0.9 * (place as f32 * step).sin();
@@ -234,6 +235,6 @@ fn refusals(gpu: &Gpu) {
     let tables = Tables::with_products(ProductTable::build_with(Resolution { angles: 33, per_interval: 4 }));
     let mut shader = GpuShader::new(gpu, Occlusion::default()).expect("a shader").with_paper(&tables);
     let mut out = vec![Vec3::ZERO; view.points.receivers.len()];
-    let refused = shader.shade(&view.points, &view.frame(0.003, 5), &mut out).expect_err("no balls");
-    assert!(refused.to_string().contains("balls"), "{refused}");
+    let refused = shader.shade(&view.points, &view.frame(0.003, 5), &mut out).expect_err("no sphere lights");
+    assert!(refused.to_string().contains("sphere lights"), "{refused}");
 }

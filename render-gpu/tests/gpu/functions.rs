@@ -1,4 +1,4 @@
-//! The mathematics of lobe-core in WGSL against the Rust that it mirrors.
+//! The mathematics of lobe-core in WGSL against the same functions in Rust.
 
 use crate::call::{call, trial};
 use libtest_mimic::Trial;
@@ -126,7 +126,7 @@ fn cones_and_bases(gpu: &Gpu) {
         for (got, want) in got[..3].iter().zip(cone.axis.to_array()) {
             worst[0] = worst[0].max(f64::from((got - want).abs()));
         }
-        // A rounding error of the chord's square counts e times.
+        // A rounding error of the squared chord counts e times.
         worst[1] = worst[1].max(f64::from((got[7] - power).abs()) / f64::from(power * drop.max(1.0)).max(1e-30));
         for (got, want) in got[8..].iter().zip([u.to_array(), v.to_array()].as_flattened()) {
             worst[2] = worst[2].max(f64::from((got - want).abs()));
@@ -137,7 +137,7 @@ fn cones_and_bases(gpu: &Gpu) {
     assert!(worst[0] < 5e-7 && worst[1] < 2e-6 && worst[2] < 5e-7);
 }
 
-/// Where light and lobe are: what decides how the integral is taken.
+/// Positions of light and lobe, which decide how the integral is computed.
 #[derive(Clone, Copy, Debug)]
 struct Kind {
     name: &'static str,
@@ -151,7 +151,7 @@ const fn kind(name: &'static str, exponents: (f64, f64), lights: (f64, f64), thr
     Kind { name, exponents, lights, through }
 }
 
-/// All forms, and the ends of each.
+/// All positions, and the ends of each.
 const KINDS: [Kind; 12] = [
     kind("Lambert above", (1.0, 1.0), (1e-12, 0.9), false),
     kind("Lambert through", (1.0, 1.0), (1e-12, 1.0), true),
@@ -234,8 +234,8 @@ fn differences(gpu: &Gpu, pieces: &[&str], cases: &[(Receiver, Lobe, Cone)]) -> 
     cases.iter().zip(got).map(one).collect()
 }
 
-/// The same polynomials in the same order: what differs is what the driver rewrites (a common factor, 1e-7 on lavapipe). The
-/// limits leave room for devices whose divisions and roots are off by 2.5 last digits, where a chord is cut off at its end.
+/// The same polynomials in the same order: differences come only from the driver's rewriting (a common factor, 1e-7 on lavapipe).
+/// The limits leave room for devices whose divisions and roots are off by 2.5 last digits, where the end of a chord is cut off.
 fn cap_integrals(gpu: &Gpu) {
     let mut random = Random::new(3);
     for kind in &KINDS {
@@ -248,7 +248,8 @@ fn cap_integrals(gpu: &Gpu) {
     }
 }
 
-/// Microfacets of all roughnesses, lights of all sizes where they mirror the view, beside that, anywhere, and through the horizon.
+/// Microfacets of all roughnesses; lights of all sizes in the mirror direction of the view, beside it, anywhere, and across the
+/// horizon.
 fn microfacet_integrals(gpu: &Gpu) {
     let mut random = Random::new(6);
     let pieces = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE, wgsl::CAP, wgsl::MICROFACETS, wgsl::CAP_MICROFACETS];
@@ -298,7 +299,7 @@ fn lambert_integrals(gpu: &Gpu) {
     small_lights_at_the_horizon(gpu, &mut random);
 }
 
-/// Relative to the value itself, against the f64 oracle: lights of all sizes, at all heights that the horizon crosses.
+/// Errors relative to the value itself, against the f64 oracle: lights of all sizes, at all heights at which the horizon cuts them.
 fn small_lights_at_the_horizon(gpu: &Gpu, random: &mut Random) {
     let rows: Vec<[f32; 2]> = (0..4 * COUNT)
         .map(|_| {

@@ -30,7 +30,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     ]
 }
 
-/// Meshes of some 20 000 triangles, smooth and flat, one that is not seen; spheres; a tilted floor.
+/// Meshes of some 20 000 triangles, smooth and flat; one hidden mesh; spheres; a tilted floor.
 fn globes() -> Scene {
     let mut scene = plain();
     let tilt = Vec3::new(0.0, -0.2, -3.9);
@@ -49,7 +49,7 @@ fn sphere(x: f32, radius: f32) -> Sphere {
     Sphere { center: Vec3::new(x, 0.9 + 0.03 * x * x, -1.0), radius }
 }
 
-/// A floor of this half size under a light, turned: no plane in f32 holds it exactly.
+/// A rotated floor of this half size under a light: no plane in f32 contains it exactly.
 pub(crate) fn large_floor(half: f32) -> Scene {
     let turn = Mat4::from_quat(Quat::from_xyzw(0.31, -0.22, 0.17, 0.91).normalize());
     let mut floor = Mesh::quad(Vec3::ZERO, Vec3::X * half, Vec3::NEG_Z * half);
@@ -64,7 +64,7 @@ pub(crate) fn large_floor(half: f32) -> Scene {
     scene
 }
 
-/// Points lie on their triangle but for their own rounding, however far its corners are.
+/// Points lie on their triangle to within their own rounding, however far its corners are.
 fn on_a_large_floor(gpu: &Gpu) {
     let scene = large_floor(1000.0);
     let Shape::Mesh(mesh) = &scene.objects[0].shape else { unreachable!("a mesh") };
@@ -76,7 +76,7 @@ fn on_a_large_floor(gpu: &Gpu) {
             let [a, b, c] = t.map(|k| mesh.positions[k as usize].as_dvec3());
             (b - a).cross(c - a).normalize().dot(at.position.as_dvec3() - a).abs()
         });
-        // Of the two triangles, whose planes are not quite one, that which it lies on.
+        // Of the two triangles, whose planes differ by rounding, the one that contains the point.
         let off = off.fold(f64::INFINITY, f64::min);
         worst = worst.max(off / f64::from(at.position.abs().max_element()));
     }
@@ -85,7 +85,7 @@ fn on_a_large_floor(gpu: &Gpu) {
     assert!(points.receivers.len() > 2000 && worst < 1.1e-7);
 }
 
-/// Everything moved and scaled.
+/// Moves and scales the whole scene.
 pub(crate) fn placed(mut scene: Scene, scale: f32, shift: Vec3) -> Scene {
     let place = Mat4::from_translation(shift) * Mat4::from_scale(Vec3::splat(scale));
     let moved = |b: &Sphere| Sphere { center: place.transform_point3(b.center), radius: b.radius * scale };
@@ -101,20 +101,20 @@ pub(crate) fn placed(mut scene: Scene, scale: f32, shift: Vec3) -> Scene {
     scene
 }
 
-/// How the points of an image differ.
+/// Differences between the points of two images.
 #[derive(Debug, Default)]
 struct Differences {
     points: usize,
-    /// Pixels where the one sees something and the other nothing, or another object or material.
+    /// Pixels where one image sees something and the other nothing, or another object or material.
     other: usize,
-    /// Points elsewhere, or with another normal.
+    /// Points at another position, or with another normal.
     moved: usize,
     position: f32,
     off_plane: f32,
     normal: f32,
 }
 
-/// Compares by pixel: positions to 1e-5 of the scene's size and normals to 1e-4 count as the same.
+/// Compares pixel by pixel: positions to 1e-5 of the scene's size and normals to 1e-4 count as equal.
 fn differences(gpu: &mut GpuGBuffer, scene: &Scene, width: u32, height: u32) -> Differences {
     let world = World::new(scene);
     let want = GBuffer::new(&world, width, height, 1);
@@ -149,7 +149,7 @@ fn differences(gpu: &mut GpuGBuffer, scene: &Scene, width: u32, height: u32) -> 
     out
 }
 
-/// At most one pixel in 10 000, and one, differs.
+/// At most one pixel plus one in 10 000 differs.
 fn check(gpu: &mut GpuGBuffer, scene: &Scene, width: u32, height: u32) -> Differences {
     let found = differences(gpu, scene, width, height);
     println!("{width}×{height}: {found:?}");
@@ -180,7 +180,7 @@ fn windows(gpu: &Gpu) {
     }
 }
 
-/// All the work of a picture in an encoder of the caller's, in slices that differ: the same bits as submitted one by one.
+/// All work of a picture in a caller's encoder, in slices of different sizes, gives the same bits as separate submissions.
 fn recorded(gpu: &Gpu) {
     let view = View::new(globes(), 1, 1);
     let frame = view.frame(0.003, 5);
@@ -218,7 +218,7 @@ fn recorded(gpu: &Gpu) {
     assert!(pictures[0] == pictures[1] && pictures[1] == pictures[2]);
 }
 
-/// Points found and shaded on the GPU, of a window that cuts tiles: the picture of the CPU; nothing where there is no point.
+/// Points found and shaded on the GPU in a window that cuts tiles give the CPU's picture; pixels without a point stay empty.
 fn shaded(gpu: &Gpu) {
     let view = View::new(globes(), 1, 1);
     let (columns, rows) = (3..77, 5..44);
@@ -258,7 +258,7 @@ fn shaded(gpu: &Gpu) {
     let apart: Vec<f32> = want.iter().zip(&got).map(|(a, b)| (*a - *b).abs().max_element() / peak).collect();
     let (mean, largest) = (apart.iter().sum::<f32>() / apart.len() as f32, apart.iter().copied().fold(0.0, f32::max));
     println!("mean {mean:.1e}, largest {largest:.1e} of the peak");
-    // Positions differ by rounding, and narrow lobes see that.
+    // Positions differ by rounding, and narrow lobes amplify it.
     assert!(window.len() < want.len() && mean < 1e-5 && largest < 5e-3);
 }
 
@@ -267,13 +267,13 @@ fn nothing(gpu: &Gpu) {
     let mut ours = GpuGBuffer::new(gpu, &scene).expect("geometry");
     assert!(ours.read(&scene.camera, 33, 17, 0..33, 0..17).expect("points").1.is_empty());
     assert_eq!(ours.trace(&scene.camera, 33, 17, 0..33, 0..17).expect("points").count, 5 * 3 * 64);
-    // Something that the camera looks away from.
+    // An object outside the camera's view.
     scene.objects.push(Object::spheres("behind", vec![Sphere { center: Vec3::Z * 30.0, radius: 1.0 }], 0));
     ours.update(&scene).expect("geometry");
     assert!(ours.read(&scene.camera, 33, 17, 0..33, 0..17).expect("points").1.is_empty());
 }
 
-/// The eye in a globe and in a sphere: their inner sides.
+/// The eye inside a globe mesh and inside a sphere sees their inner sides.
 fn from_inside(gpu: &Gpu) {
     let mut scene = globes();
     for eye in [Vec3::new(-1.0, 0.3, 0.2), Vec3::new(1.2, 0.5, 0.4), sphere(0.0, 0.12).center + 0.01] {
@@ -292,18 +292,18 @@ fn scales(gpu: &Gpu) {
     }
 }
 
-/// After objects have moved: as from a new hierarchy. Only what moved is uploaded.
+/// After objects have moved, the result is that of a new hierarchy. Only moved data is uploaded.
 fn motion(gpu: &Gpu) {
     let mut scene = globes();
     let mut ours = GpuGBuffer::new(gpu, &scene).expect("geometry");
     let all = ours.world().uploaded();
     ours.update(&scene).expect("geometry");
     assert_eq!(ours.world().uploaded(), 0);
-    let Shape::Spheres(spheres) = &mut scene.objects[4].shape else { unreachable!("balls") };
+    let Shape::Spheres(spheres) = &mut scene.objects[4].shape else { unreachable!("spheres") };
     spheres[0].center.y += 0.2;
     ours.update(&scene).expect("geometry");
     let few = ours.world().uploaded();
-    assert!((1..all / 20).contains(&few), "{few} of {all} bytes for one ball");
+    assert!((1..all / 20).contains(&few), "{few} of {all} bytes for one sphere");
     check(&mut ours, &scene, 100, 60);
     for turn in [0.3, 2.0] {
         let Shape::Mesh(mesh) = &mut scene.objects[1].shape else { unreachable!("a mesh") };
@@ -311,14 +311,14 @@ fn motion(gpu: &Gpu) {
         ours.update(&scene).expect("geometry");
         check(&mut ours, &scene, 100, 60);
     }
-    // Other triangles.
+    // Different triangles.
     scene.objects.swap(1, 2);
     scene.objects.truncate(3);
     ours.update(&scene).expect("geometry");
     check(&mut ours, &scene, 100, 60);
 }
 
-/// No ray gets into a closed surface of triangles smaller than pixels, nor through a grid whose edges are at their centres.
+/// No ray enters a closed surface of triangles smaller than pixels, nor passes a grid whose edges are at the rays.
 fn no_cracks(gpu: &Gpu) {
     let mut scene = plain();
     scene.camera = Camera { eye: Vec3::new(0.3, 0.8, 4.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.45 };

@@ -1,4 +1,4 @@
-//! Tests that want a GPU, a software one at least: shown as ignored where there is none.
+//! Tests that need a GPU, at least a software one: shown as ignored without one.
 
 mod call;
 mod flat;

@@ -1,4 +1,4 @@
-//! Coverage and masks of shadow maps against the Rust ones that they mirror.
+//! Coverage and masks of shadow maps in WGSL against the same in Rust.
 
 mod mesh;
 mod pictures;
@@ -50,9 +50,9 @@ fn cases() -> Vec<Case> {
     let fence = || Mesh::fence().floor(0.0, 2.0);
     let case = |name, mesh, light, resolution, layers, depth| Case { name, mesh, light, resolution, layers, depth };
     vec![
-        case("ball 0.5°, 1024²", bumpy(), light([1.5, 5.0, 0.8], 0.5), 1024, 3, 5),
-        case("ball 5°, 256²", bumpy(), light([1.5, 5.0, 0.8], 5.0), 256, 4, 5),
-        case("ball 15°, 128²", bumpy(), light([3.5, 2.0, 0.8], 15.0), 128, 3, 4),
+        case("sphere 0.5°, 1024²", bumpy(), light([1.5, 5.0, 0.8], 0.5), 1024, 3, 5),
+        case("sphere 5°, 256²", bumpy(), light([1.5, 5.0, 0.8], 5.0), 256, 4, 5),
+        case("sphere 15°, 128²", bumpy(), light([3.5, 2.0, 0.8], 15.0), 128, 3, 4),
         case("fence 1°, 512²", fence(), light([1.0, 3.0, 3.0], 1.0), 512, 3, 6),
         case("fence 6°, 256²", fence(), light([-1.0, 2.0, 4.0], 6.0), 256, 1, 3),
         case("room 128²", Mesh::room(), Sphere { center: Vec3::new(0.05, 0.1, -0.07), radius: 0.12 }, 128, 3, 5),
@@ -60,7 +60,7 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-/// What is asked: of a receiver, a light, and of masks the turn and the window: its centre and half sides in discs.
+/// A query of a receiver and a light; for masks also the rotation and the window: its centre and half sides, in radii of the disc.
 #[derive(Clone, Copy, Debug)]
 struct Question {
     at: Receiver,
@@ -71,7 +71,7 @@ struct Question {
     window: [f32; 4],
 }
 
-/// What the tolerance is for a depth.
+/// The tolerance that gives a depth.
 fn tolerance_for(depth: u32) -> f32 {
     let tolerance = [0.01, 0.003, 0.001][depth.clamp(4, 6) as usize - 4];
     assert_eq!(Accuracy::new(tolerance).depth, depth.clamp(4, 6));
@@ -89,7 +89,7 @@ fn questions(random: &mut Random, receivers: &[Receiver], light: Sphere, depth: 
     receivers.iter().map(question).collect()
 }
 
-/// Numbers of a question for WGSL.
+/// Numbers of a query for WGSL.
 const INPUTS: usize = 23;
 
 const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, number: u32 }
@@ -119,7 +119,7 @@ fn numbers(question: &Question) -> [f32; INPUTS] {
     out
 }
 
-/// The words as so many buffers, with their bindings.
+/// Splits the words into buffers, with their bindings.
 fn bound(packed: &PackedMaps, pages: GpuPages) -> Vec<(u32, &[u32])> {
     let words = packed.words();
     let page = |k| pages.range(k, size_of_val(words) as u64);
@@ -162,7 +162,7 @@ fn rust_coverage(blockers: &ShadowMapBlockers, questions: &[Question]) -> Vec<Co
     questions.iter().map(coverage).collect()
 }
 
-/// What a mask says: emitting and lit area in cells, and the lit cells of each row.
+/// The results of a mask: emitting and lit area in cells, and the lit cells of each row.
 struct Seen {
     emitting: f32,
     lit: f32,
@@ -236,7 +236,7 @@ fn rust_masks(blockers: &ShadowMapBlockers, questions: &[Question], depth: u32) 
     questions.iter().map(seen).collect()
 }
 
-/// How many receivers a share of what is asked may be of another class.
+/// Checks that at most a fraction `most` of the queries gets another class.
 fn compare_coverage(gpu: &Gpu, name: &str, blockers: &ShadowMapBlockers, questions: &[Question], most: f64) {
     let packed = blockers.pack();
     let (want, got) = (rust_coverage(blockers, questions), gpu_coverage(gpu, &packed, questions));
@@ -251,7 +251,7 @@ fn compare_coverage(gpu: &Gpu, name: &str, blockers: &ShadowMapBlockers, questio
     assert!(differ as f64 <= most * questions.len() as f64, "{name}: {differ} of {} differ", questions.len());
 }
 
-/// Masks of those receivers that may see a part: mean difference of the share, and the largest.
+/// Compares the masks of the receivers in class partial: mean difference of the visible fraction, and the largest.
 fn compare_masks(
     gpu: &Gpu,
     name: &str,
@@ -264,7 +264,7 @@ fn compare_masks(
     let partial = rust_coverage(blockers, questions);
     let questions = questions.iter().zip(partial).filter(|(_, c)| *c == Coverage::Partial).map(|(q, _)| *q);
     let questions: Vec<Question> = questions.collect();
-    // Most of them in penumbrae, some that are wholly lit or dark after all.
+    // Mostly penumbrae, and some receivers that turn out wholly lit or dark.
     let (mut penumbrae, mut others) = (0, 0);
     let (questions, want): (Vec<Question>, Vec<Seen>) = questions
         .iter()
@@ -280,7 +280,7 @@ fn compare_masks(
     let got = gpu_masks(gpu, &packed, &questions, depth);
     let (mut sum, mut worst, mut place, mut cells, mut all, mut between) = (0.0_f64, 0.0_f64, 0, 0, 0, 0);
     for (k, (want, got)) in want.iter().zip(&got).enumerate() {
-        // Ends of rows may be a sample off.
+        // The ends of rows may differ by one sample.
         assert!((want.emitting - got.emitting).abs() <= 0.02 * want.emitting + 1.0, "{name}: {k}");
         let share = |seen: &Seen| f64::from(seen.lit / seen.emitting.max(1.0));
         between += usize::from(share(want) > 0.0 && share(want) < 1.0);
@@ -311,7 +311,7 @@ fn coverage(gpu: &Gpu) {
         let blockers = ShadowMapBlockers::new(vec![case.mesh.map(case.light, case.resolution, case.layers)]);
         let receivers = case.mesh.receivers(&mut random, case.light, 1500);
         let questions = questions(&mut random, &receivers, case.light, case.depth, false);
-        // Rounding of a texel that touches the light or the receiver's plane.
+        // Rounding decides whether a texel touches the light or the receiver's plane.
         compare_coverage(gpu, case.name, &blockers, &questions, 0.002);
     }
 }
@@ -353,7 +353,7 @@ fn several_lights(gpu: &Gpu) {
     compare_masks(gpu, "several lights", &blockers, &all, 5, [1e-4, 1e-2]);
 }
 
-/// The same to the bit, however many bindings the words are in.
+/// The result is the same to the bit, however many bindings hold the words.
 fn pages(gpu: &Gpu) {
     let mesh = Mesh::bumpy(Vec3::new(0.0, 0.9, 0.0), 0.8).floor(0.0, 2.5);
     let light = light([1.5, 5.0, 0.8], 5.0);
@@ -392,8 +392,8 @@ fn tiny_lights(gpu: &Gpu) {
     let receivers = mesh.receivers(&mut random, light, 40_000);
     let questions = questions(&mut random, &receivers, light, 5, false);
     compare_coverage(gpu, "0.1°", &blockers, &questions, 0.005);
-    // A share of a light that is 1/600 of its distance wide: f32 resolves 1e-7 of the distance, and where the blocker is as
-    // near as the light is wide that is magnified.
+    // The light is 1/600 of its distance wide, and f32 resolves 1e-7 of the distance. Blockers as near to the light as its width
+    // magnify this error of the visible fraction.
     compare_masks(gpu, "0.1°", &blockers, &questions, 5, [5e-4, 2e-2]);
 }
 
@@ -402,7 +402,7 @@ fn own_face(gpu: &Gpu) {
     let light = light([3.0, 3.0, 0.8], 6.0);
     let blockers = ShadowMapBlockers::new(vec![mesh.map(light, 256, 3)]).with_casters(vec![true, false]);
     let mut random = Random::new(70);
-    // On its own: shading normals that see the light, faces that see a part of it or nothing.
+    // Receivers on the mesh itself: their shading normals face the light, their faces see a part of it or nothing.
     let mut receivers = mesh.receivers(&mut random, light, 4000);
     receivers.retain(|at| {
         let cone = Cone::of_sphere(at.position, light);
@@ -417,7 +417,7 @@ fn own_face(gpu: &Gpu) {
     assert!(classes.iter().filter(|c| **c == Coverage::Partial).count() > 20 && classes.contains(&Coverage::Dark));
     compare_coverage(gpu, "own face", &blockers, &questions, 0.002);
     compare_masks(gpu, "own face", &blockers, &questions, 5, [1e-4, 1e-2]);
-    // The same mesh left to other blockers: its receivers see all, those on the floor what they saw.
+    // The same mesh left to other blockers: its own receivers see all of the light; those on the floor see the same as before.
     let left = blockers.leaving(vec![true]);
     assert!(rust_coverage(&left, &questions[..count]).iter().all(|coverage| *coverage == Coverage::Lit));
     assert!(rust_coverage(&left, &questions[count..]).contains(&Coverage::Partial));

@@ -1,4 +1,4 @@
-//! Squares, edges, masks and their shares in WGSL against the Rust that they mirror.
+//! Squares, edges, masks and their visible fractions in WGSL against the same in Rust.
 
 use crate::call::{call, call_groups, trial};
 use glam::Vec3;
@@ -47,7 +47,7 @@ impl Spread {
     }
 }
 
-/// A light, a receiver that sees at least its rim, and a lobe that sees at least a little of it.
+/// A light, a receiver that sees at least its rim, and a lobe that covers at least a little of it.
 struct Case {
     light: Cone,
     at: Receiver,
@@ -89,14 +89,14 @@ impl Case {
     }
 }
 
-/// Reads what [`Case::row`] wrote.
+/// Reads the row of [`Case::row`].
 const CASE: &str = "
     let light = Cone(vec3f(x(0u), x(1u), x(2u)), x(3u), x(4u));
     var at: Receiver;
     at.normal = vec3f(x(5u), x(6u), x(7u));
     let lobe = Lobe(vec3f(x(8u), x(9u), x(10u)), x(11u), vec3f(1.0), x(12u));";
 
-/// Directions to a few roundings, windows to as many of the light's disc.
+/// Directions agree to a few roundings, windows to as many relative to the light's disc.
 fn squares(gpu: &Gpu) {
     let mut random = Random::new(71);
     let cases: Vec<_> = (0..4000).map(|number| Case::new(number, &mut random)).collect();
@@ -141,7 +141,7 @@ fn squares(gpu: &Gpu) {
     windows.check("windows", 1e-6, 1e-4);
 }
 
-/// Two circles and an edge; where they nearly cancel, rounding decides.
+/// Two circles and an edge; rounding decides if they nearly cancel.
 fn edges(gpu: &Gpu) {
     let mut random = Random::new(72);
     let rows: Vec<[f32; 17]> = (0..4000)
@@ -181,7 +181,7 @@ fn edges(gpu: &Gpu) {
     spread.check("edges", 1e-6, 1e-3);
 }
 
-/// All pieces of masks, but for the kernel.
+/// All pieces of masks, without the kernel.
 fn pieces(header: &str) -> Vec<&str> {
     let masks = [
         wgsl::SQUARE,
@@ -197,8 +197,8 @@ fn pieces(header: &str) -> Vec<&str> {
     [header, GEOMETRY, LOBE, SPECIAL].into_iter().chain(masks).collect()
 }
 
-/// Bits of a mask with spans along rows and shapes along heights, then the share. Positions of samples are rounded to
-/// 2⁻¹⁶ of a sample at most: a bit in some ten thousand ends may differ.
+/// Bits of a mask with spans along rows and shapes along heights, then the visible fraction. Positions of samples are rounded to
+/// 2⁻¹⁶ of a sample at most: one bit in some ten thousand ends may differ.
 fn masks(gpu: &Gpu, coarse: bool) {
     const HOOKS: &str = "
         const NARROW_GRID = vec2u(1u);
@@ -217,7 +217,7 @@ fn masks(gpu: &Gpu, coarse: bool) {
             let height = mask_row_y(mask, lane) + mask_cell(mask).y * row_height(k);
             mask_block_line(lane, k, mask_sample(mask, x(25u) + x(26u) * height), WIDTH);
         }
-        // And one more by heights, four at once.
+        // One more edge by heights, four samples at once.
         for (var first = 0u; first < 8u; first += 4u) {
             let height = mask_row_y(mask, lane) + mask_cell(mask).y * mask_heights(lane, first);
             let position = (x(27u) + x(28u) * height - mask.left) * mask.scale;
@@ -287,10 +287,10 @@ fn masks(gpu: &Gpu, coarse: bool) {
         }
     }
     println!("{differing} of {bits} bits differ");
-    // Ends of spans are one in a hundred of all bits.
+    // One in a hundred bits is the end of a span.
     assert!(f64::from(differing) <= 1e-5 * f64::from(bits), "{differing} of {bits} bits differ");
-    // The logarithm of a weight, e times that of a cosine near 1, is known to e·2⁻²⁴ and as much differs: e is up to 1e5 in
-    // windows, less where all of a light is seen.
+    // The logarithm of a weight is e times that of a cosine near 1; its error is e·2⁻²⁴, and so is the difference. e is up to 1e5
+    // in windows, less if the mask covers a whole light.
     let limits =
         [("Lambert, small light", 2e-6), ("Lambert", 2e-6), ("other, whole light", 2e-6), ("other, window", 2e-5)];
     for (form, (name, mean)) in forms.iter().zip(limits) {
@@ -299,7 +299,7 @@ fn masks(gpu: &Gpu, coarse: bool) {
     }
 }
 
-/// Hides the side of a plane through the receiver that its normal points to.
+/// Blocks the side of a plane through the receiver that its normal points to.
 #[derive(Clone, Copy)]
 struct Curtain(Vec3);
 
@@ -325,8 +325,8 @@ impl Blockers for Curtain {
     }
 }
 
-/// All that [`MaskVisibility`] does for a curtain's edge before each case: the difference of shares, and how many are lit, partly
-/// lit, dark.
+/// Runs all of [`MaskVisibility`] for a curtain's edge before each case: differences of the visible fraction, and counts of lit,
+/// partly lit and dark receivers.
 fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: f32) -> (Spread, [u32; 3]) {
     const HOOKS: &str = "
         fn curtain() -> vec3f { return vec3f(x(13u), x(14u), x(15u)); }
@@ -387,22 +387,22 @@ fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: 
                 spread.add(got[1], fraction);
             }
         }
-        // The mask of the whole light is left as it was.
+        // The mask of the whole light stays the same.
         assert!((0.0..=1.0).contains(&got[2]));
     }
     (spread, classes)
 }
 
-/// Whether a lobe is more than next to nothing anywhere on a light: else the weights of all samples drown.
+/// Whether a lobe is noticeable anywhere on a light: otherwise the weights of all samples underflow.
 fn sees_light(lobe: &Lobe, light: &Cone) -> bool {
     let (axis, toward) = (lobe.axis.as_dvec3(), light.axis.as_dvec3());
     let off = axis.cross(toward).length().atan2(axis.dot(toward)) - f64::from(light.tan()).atan();
     let logarithm = f64::from(lobe.exponent) * off.clamp(0.0, core::f64::consts::FRAC_PI_2).cos().ln();
-    // NaN is a mirror's, whose axis is on the light.
+    // NaN comes from a mirror, whose axis is on the light.
     logarithm.is_nan() || logarithm > -60.0
 }
 
-/// An edge somewhere between a light's middle and beyond its rim.
+/// An edge between a light's centre and a place beyond its rim.
 fn edge_across(light: &Cone, random: &mut Random) -> Vec3 {
     let off = random.between(-1.1, 1.1) * f64::from(light.tan()).atan();
     random.axis_at(light.axis.as_dvec3(), core::f64::consts::FRAC_PI_2 + off).as_vec3()
@@ -420,13 +420,13 @@ fn visibility(gpu: &Gpu) {
             .collect();
         let (spread, classes) = compare_visibility(gpu, &cases, depth, tolerance);
         assert!(classes.iter().all(|count| *count > 10), "{classes:?}");
-        // A bit of the smallest masks is a thousandth of the light, or more of a lobe's window.
+        // A bit of the smallest masks is a thousandth of the light, and more of a lobe's window.
         spread.check(&format!("visibility at depth {depth}"), 1e-5, 1e-2);
     }
 }
 
-/// The smallest and the widest lights, the broadest and the narrowest lobes, mirrors among them: numbers in [0, 1], and the
-/// same as Rust's.
+/// The smallest and the widest lights, the broadest and the narrowest lobes, mirrors among them, give numbers in [0, 1], and the
+/// same as in Rust.
 fn extremes(gpu: &Gpu) {
     let cases = extreme_cases(&[1e-20, 1e-12, 1e-7, 0.5, 0.9, 0.999_999, 1.0]);
     for depth in [5, 6] {

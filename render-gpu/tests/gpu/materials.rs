@@ -47,7 +47,7 @@ impl Random {
         Vec3::new(s * phi.cos(), s * phi.sin(), z).normalize()
     }
 
-    /// A colour, black now and then, coloured else.
+    /// A colour, sometimes black.
     fn color(&mut self) -> Vec3 {
         let color = Vec3::new(self.next(), self.next(), self.next());
         if self.next() < 0.2 { Vec3::ZERO } else { color }
@@ -93,7 +93,7 @@ fn lafortune(random: &mut Random) -> Material {
     Lafortune { diffuse: random.color(), lobes }.into()
 }
 
-/// Mirrors, shrinking ones, flat ones, growing ones with exponents that allow it; along the axes or turned.
+/// Matrices that mirror, shrink, flatten, or grow with exponents that allow it; along the axes or rotated.
 fn lafortune_lobe(random: &mut Random) -> LafortuneLobe {
     let mut exponent = random.exponent();
     let signs = Vec3::new(-1.0, -1.0, 1.0);
@@ -112,7 +112,7 @@ fn lafortune_lobe(random: &mut Random) -> LafortuneLobe {
     if random.next() < 0.5 {
         let turn = Mat3::from_quat(Quat::from_axis_angle(random.direction(), 6.0 * random.next()));
         matrix = turn * matrix * turn.transpose();
-        // Exactly as high as allowed would be a matter of rounding.
+        // At exactly the largest height rounding would decide.
         exponent = exponent.min(1e6);
     }
     LafortuneLobe::new(matrix, exponent, random.color() + Vec3::X)
@@ -128,7 +128,7 @@ fn receiver(normal: Vec3, view: Vec3) -> Receiver {
     Receiver::on_surface(Vec3::ZERO, normal, view)
 }
 
-/// Views from along the normal to grazing and below the horizon; normals at the poles, where bases turn.
+/// Views along the normal, grazing and below the horizon; normals at the poles, where bases turn.
 fn receivers() -> Vec<Receiver> {
     let mut random = Random::new(3);
     let mut all = Vec::new();
@@ -156,7 +156,7 @@ fn receivers() -> Vec<Receiver> {
     all
 }
 
-/// All lobes that the GPU makes of materials, as many as each has, for each of the receivers.
+/// All lobes that the GPU computes for each of the materials and receivers.
 fn lobes(gpu: &Gpu, packed: &PackedMaterials, materials: usize, receivers: &[Receiver]) -> Vec<Vec<PackedLobe>> {
     let pairs = (0..materials).flat_map(|m| receivers.iter().map(move |at| (m, at)));
     let mut rows: Vec<f32> = Vec::new();
@@ -182,12 +182,12 @@ fn lobes(gpu: &Gpu, packed: &PackedMaterials, materials: usize, receivers: &[Rec
     lobes.chunks(packed.max_lobes as usize).map(<[PackedLobe]>::to_vec).collect()
 }
 
-/// What no sum sees: an exponential's last numbers end earlier on some machines.
+/// A smaller flux never counts in a sum: some machines end an exponential's smallest values earlier.
 fn visible(lobe: &PackedLobe) -> bool {
     lobe.flux.max_element() > 1e-30
 }
 
-/// The GPU's lobes are those of Rust, in the same order; its cosine lobes as well.
+/// The GPU's lobes are Rust's, in the same order; so are its cosine lobes.
 fn agree(gpu: &Gpu, materials: &[Material]) {
     agree_with(
         gpu,
@@ -240,20 +240,20 @@ fn agree_with(
 /// Some roundings of f32.
 const TOLERANCE: f32 = 2e-6;
 
-/// Errors of axis, exponent and flux: the tolerance, times what the lobe makes of a rounding of its arguments.
+/// Allowed errors of axis, exponent and flux: the tolerance times the lobe's sensitivity to a rounding of its arguments.
 fn allowed(material: &Material, at: &Receiver, want: &PackedLobe) -> [f32; 3] {
     match material {
         Material::Lafortune(m) if want.kind == PackedLobe::COSINE => {
             let (t, b) = orthonormal_basis(at.normal);
             let view = Vec3::new(t.dot(at.view), b.dot(at.view), at.normal.dot(at.view)).as_dvec3();
-            // Which one it is, is known by its exponent; the most sensitive else.
+            // The exponent identifies the lobe; among equal exponents the most sensitive lobe counts.
             let own = m.lobes.iter().filter(|lobe| lobe.exponent() == want.exponent);
             let sensitive = own.map(|lobe| {
                 let q = DMat3::from_cols_array(&lobe.matrix().to_cols_array().map(f64::from));
                 let length = (q * view).length();
                 let largest = lobe.matrix().to_cols_array().iter().fold(0.0_f32, |s, x| s.max(x.abs()));
-                // gain = exp(e/2·ln(1 + ωᵀQω)), small ones by |Mω| itself: what a rounding of ω does to that, and to the
-                // logarithm.
+                // gain = exp(e/2·ln(1 + ωᵀQω)), and small gains come from |Mω| itself: the effect of a rounding of ω on them, and
+                // on the logarithm.
                 let square = (q.transpose() * q - DMat3::IDENTITY) * view;
                 let turn = (square.length() / (length * length)).min(f64::from(largest) / length);
                 let steep = f64::from(lobe.exponent()) * turn;
@@ -263,14 +263,14 @@ fn allowed(material: &Material, at: &Receiver, want: &PackedLobe) -> [f32; 3] {
             let [axis, flux] = sensitive.fold([1.0_f32; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
             [TOLERANCE * axis, TOLERANCE, TOLERANCE * flux]
         }
-        // A place among 48 rows has 1/48 of an f32's digits, and rows differ by up to a half.
+        // A position among 48 rows has 1/48 of an f32's digits, and rows differ by up to a half.
         Material::MetallicRoughness(_) | Material::HalfVector(_) if want.axis != at.normal => {
             [TOLERANCE, 24.0 * TOLERANCE, 24.0 * TOLERANCE]
         }
-        // Of a table as well; and a rounding of the divisor n·ω counts by as much as it is small, to the steepest that there is.
+        // Also from a table; and a rounding of the divisor n·ω counts more the smaller it is, down to the smallest divisor.
         Material::Neumann(m) if want.axis != at.normal => {
             let divisor = at.normal.dot(at.view).max(1.0 / (15.0 * (m.exponent + 1.0).sqrt()));
-            // The lobe without cosine begins with a weight of zero: a rounding of the whole highlight.
+            // The lobe without cosine begins with a weight of zero: a rounding of the whole highlight counts.
             let whole = (m.ks.max_element() / want.flux.max_element()).max(1.0);
             let number = TOLERANCE * (24.0 + whole * (1.0 + 0.1 / divisor));
             [TOLERANCE, number, number]
@@ -279,7 +279,7 @@ fn allowed(material: &Material, at: &Receiver, want: &PackedLobe) -> [f32; 3] {
     }
 }
 
-/// `M ω = 0`: no lobe, and no NaN.
+/// `M ω = 0` gives no lobe, and no NaN.
 fn no_axis(gpu: &Gpu) {
     let at = [receiver(Vec3::Z, Vec3::X), receiver(Vec3::X, Vec3::NEG_Y)];
     for c in [Vec3::Z, Vec3::ZERO, Vec3::splat(1e-32)] {

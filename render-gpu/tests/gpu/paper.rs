@@ -1,4 +1,4 @@
-//! The paper's tables and lobes in WGSL against the Rust that they mirror.
+//! The paper's tables and lobes in WGSL against the same in Rust.
 
 use crate::call::{call_with, trial};
 use crate::parity::View;
@@ -38,8 +38,8 @@ fn lobe(random: &mut Random, near: Option<Vec3>) -> Lobe {
     Lobe { has_cosine: random.bits() % 2 == 1, ..Lobe::with_flux(axis, exponent, flux) }
 }
 
-/// A place in the table is a polynomial's angle: 5e-7 of a radian, 5e-6 of a step between angles, beside the rounding of
-/// the place itself, and a table falls by all of its value in one step where exponents are large.
+/// A position in the table is a polynomial's angle, with an error of 5e-7 of a radian (5e-6 of a step between angles) beside its
+/// own rounding. A table falls by its whole value in one step for large exponents.
 fn paper_products(gpu: &Gpu) {
     let tables = tables();
     let words: Vec<u32> = tables.pack().as_flattened().iter().map(|x| x.to_bits()).collect();
@@ -64,10 +64,10 @@ fn paper_products(gpu: &Gpu) {
         let got = *bytemuck::from_bytes::<PackedLobe>(bytemuck::cast_slice(got));
         assert!(got.flux.is_finite() && got.axis.is_finite() && got.exponent.is_finite(), "{got:?} {a:?} {b:?}");
         assert_eq!(got.kind, PackedLobe::from(want).kind);
-        // Where the two axes are opposite the table has nothing and the direction no meaning.
+        // If the two axes are opposite, the table's value is zero and the direction has no meaning.
         let opposite = (a.axis + b.axis).length() < 1e-3;
         let limit = |e: f32| e.min(1e5) + 1.0;
-        // Of the product of the scales: the table's entry, as it is interpolated.
+        // Relative to the product of the scales: the table's interpolated entry.
         let scales = (a.flux * b.flux).abs() * (limit(a.exponent) * limit(b.exponent) / core::f32::consts::TAU.powi(2));
         let entry = ((got.flux * (got.exponent + 1.0) - want.flux * (want.exponent + 1.0)) / core::f32::consts::TAU)
             .abs()
@@ -110,7 +110,7 @@ fn paper_caps(gpu: &Gpu) {
         let occluder = paper_occluder(cone);
         y(0, light.exponent); y(1, light.flux.x); y(2, occluder.exponent); y(3, occluder.flux.x);
         y(4, paper_weight(u32(x(1)), x(2)));";
-    // Weights want nothing else of the piece that they stand in.
+    // Weights need nothing else of their piece.
     let all = [
         wgsl::SPECIAL,
         wgsl::GEOMETRY,
@@ -131,7 +131,7 @@ fn paper_caps(gpu: &Gpu) {
         let weight = weights.weight(row[1] as u32, row[2]);
         let want = [light.exponent, light.flux.x, occluder.exponent, occluder.flux.x, weight];
         for (got, want) in got.iter().zip(want) {
-            // No infinite exponents here: as large as floats are.
+            // Exponents are as large as floats allow, not infinite.
             let far = want > 1e30 && *got > 1e30;
             worst = worst.max(if far { 0.0 } else { (got - want).abs() / want.abs().max(1.0) });
         }
@@ -147,7 +147,7 @@ fn compare(gpu: &Gpu, view: &View, tables: &Tables, name: &str, depth: u32, thre
     compare_blockers(gpu, view, tables, name, &frame, view.spheres.clone(), occlusion);
 }
 
-/// Pictures of both: differences as shares of the picture's largest value, points of each class.
+/// Pictures of both devices: differences relative to the picture's largest value, and points of each class.
 fn compare_blockers(
     gpu: &Gpu,
     view: &View,
@@ -181,7 +181,7 @@ fn compare_blockers(
     assert!(got.iter().all(|v| v.is_finite()) && peak > 0.0, "{name}");
     assert!(w.penumbra_points > 0 && w.integrals > w.penumbra_points, "{name}: nothing is in shadow");
     assert!(largest <= 1e-3 && mean <= 1e-5, "{name}");
-    // A leaf whose last sample is on its edge may be in shadow or not.
+    // Rounding decides whether a leaf is in shadow if its last sample is on its edge.
     let apart = |a: u64, b: u64| a.abs_diff(b) as f64 <= 1.0 + 5e-4 * want.len() as f64;
     assert!(apart(w.lit_points, g.lit_points) && apart(w.penumbra_points, g.penumbra_points), "{name}");
     assert_eq!(w.dark_points, g.dark_points, "{name}");
@@ -211,7 +211,7 @@ fn parity_of_the_paper(gpu: &Gpu) {
     compare(gpu, &view, &tables, "modified phong, four lights", 4, 0.0);
 }
 
-/// The meshes by maps, alone and with the spheres by spheres.
+/// The meshes by shadow maps, alone and with the spheres by sphere blockers.
 fn parity_of_the_paper_with_maps(gpu: &Gpu) {
     let tables = tables();
     let view = View::new(scene::builtin(), 64, 36);

@@ -22,7 +22,7 @@ use visibility_mask::{MaskVisibility, Mixture, facet_coverage};
 use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
 use visibility_spheres::SphereBlockers;
 
-/// Largest and mean difference, as shares of the picture's largest value.
+/// Largest and mean difference, relative to the picture's largest value.
 const LARGEST: f32 = 1e-3;
 const MEAN: f64 = 1e-5;
 
@@ -43,7 +43,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     ]
 }
 
-/// A scene, what the camera sees of it, and what blocks.
+/// A scene, its visible points, and its blockers.
 pub(crate) struct View {
     pub(crate) scene: Scene,
     pub(crate) points: ShadingPoints,
@@ -53,9 +53,9 @@ pub(crate) struct View {
 impl View {
     pub(crate) fn new(mut scene: Scene, width: u32, height: u32) -> Self {
         let GBuffer { points, materials, .. } = GBuffer::new(&World::new(&scene), width, height, 1);
-        // Those of points with textures, too.
+        // Points with textures have materials of their own.
         scene.materials = materials;
-        let set = blockers(&scene, &mut |_, _| ControlFlow::Continue(())).expect("exact balls");
+        let set = blockers(&scene, &mut |_, _| ControlFlow::Continue(())).expect("exact spheres");
         let spheres = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);
         let spheres = spheres.with_self_shadows(&set.self_shadows);
         Self { scene, points, spheres }
@@ -76,7 +76,7 @@ impl View {
         let receivers = ReceiverBounds::of(self.points.receivers.iter().map(|r| r.position));
         let options = MapOptions { resolution: 256, receivers, ..MapOptions::default() };
         let map = |l: &Light| {
-            ShadowMap::fitted(&all.positions, &all.triangles, l.sphere().expect("a ball"), &options).expect("a map")
+            ShadowMap::fitted(&all.positions, &all.triangles, l.sphere().expect("a sphere"), &options).expect("a map")
         };
         let casters = self.scene.objects.iter().map(|o| matches!(o.shape, Shape::Mesh(_))).collect();
         ShadowMapBlockers::new(self.scene.lights.iter().map(map).collect()).with_casters(casters)
@@ -94,7 +94,7 @@ impl View {
         (out, stats.counts)
     }
 
-    /// With the spheres on both sides.
+    /// With the spheres as blockers on both devices.
     pub(crate) fn compare_spheres(&self, gpu: &Gpu, name: &str, tolerance: f32, depth: u32) {
         let frame = self.frame(tolerance, depth);
         let want = self.cpu(MaskVisibility::new(self.spheres.clone()), &frame);
@@ -104,17 +104,17 @@ impl View {
     }
 }
 
-/// Facets cut the light of points whose object has a sphere, here the second of three, and of no others.
+/// Self-shadowing by facets for points whose object has a sphere, here the second of three objects, and for no others.
 fn at_terminators_of_spheres(gpu: &Gpu) {
     let mut scene = large_floor(8.0);
     for (x, name) in [(-0.5, "globe"), (0.7, "bare globe")] {
         let globe = globe(14, Vec3::new(x, 0.3, 0.0), 0.5, true);
         scene.objects.push(Object::mesh(name, globe, 0, Proxy::Count(8)));
     }
-    scene.lights[0].as_sphere_mut().expect("a ball").sphere.radius = 1.2;
+    scene.lights[0].as_sphere_mut().expect("a sphere").sphere.radius = 1.2;
     let points = GBuffer::new(&World::new(&scene), 80, 60, 1).points;
-    let ball = |x: f32| Sphere { center: Vec3::new(x, 0.3, 0.0), radius: 0.47 };
-    let spheres = SphereBlockers::new(&[ball(-0.5), ball(4.0)], &[1, 3], &[0.0, 0.3]);
+    let sphere = |x: f32| Sphere { center: Vec3::new(x, 0.3, 0.0), radius: 0.47 };
+    let spheres = SphereBlockers::new(&[sphere(-0.5), sphere(4.0)], &[1, 3], &[0.0, 0.3]);
     let cut = |object: u32| {
         let is_clipped =
             |at: &&Receiver| at.object == object && facet_coverage(at, &scene.lights[0].cone(at)) == Coverage::Partial;
@@ -125,12 +125,12 @@ fn at_terminators_of_spheres(gpu: &Gpu) {
     View { scene, points, spheres }.compare_spheres(gpu, "terminators of spheres", 0.003, 5);
 }
 
-/// Pictures the same to the stated differences, and as many points in each class but for some on its limit.
+/// Pictures agree to the stated differences, and so do the counts of each class, but for some points at a class's limit.
 pub(crate) fn assert_same(name: &str, want: &(Vec<Vec3>, Counts), got: &(Vec<Vec3>, Counts)) {
     assert_same_but(name, want, got, LARGEST, 1 + want.0.len() as u64 / 2000);
 }
 
-/// The same with another largest difference, and so many points in other classes.
+/// The same with another largest difference, and another number of points that change class.
 fn assert_same_but(name: &str, want: &(Vec<Vec3>, Counts), got: &(Vec<Vec3>, Counts), most: f32, others: u64) {
     let peak = want.0.iter().map(|v| v.max_element()).fold(0.0, f32::max);
     let (mut largest, mut sum, mut place) = (0.0_f32, 0.0, 0);
@@ -159,7 +159,7 @@ fn assert_same_but(name: &str, want: &(Vec<Vec3>, Counts), got: &(Vec<Vec3>, Cou
     );
     assert!(peak > 0.0, "{name}: nothing is lit");
     assert!(largest <= most && mean <= MEAN, "{name}: largest {largest:.2e} at point {place}, mean {mean:.2e}");
-    // Whose coverage is within rounding of a limit may change its class.
+    // Points whose coverage is within rounding of a limit may change their class.
     let apart = |a: u64, b: u64| assert!(a.abs_diff(b) <= others, "{name}: {w:?} {g:?}");
     apart(w.lit_points, g.lit_points);
     apart(w.dark_points, g.dark_points);
@@ -167,7 +167,7 @@ fn assert_same_but(name: &str, want: &(Vec<Vec3>, Counts), got: &(Vec<Vec3>, Cou
     assert_eq!((w.integrals, w.pruned), (g.integrals, g.pruned), "{name}");
 }
 
-/// The built-in scene without its texture: points have the scene's own materials.
+/// The built-in scene without its texture: points use the scene's own materials.
 pub(crate) fn plain() -> Scene {
     Scene { surfaces: Vec::new(), ..scene::builtin() }
 }
@@ -176,7 +176,7 @@ fn builtin() -> View {
     View::new(scene::builtin(), 96, 54)
 }
 
-/// A material a point, of every model.
+/// One material a point, of every model.
 fn of_textures(gpu: &Gpu) {
     let texel = |i: u32| [(40 + 7 * i % 215) as u8, (90 + i % 160) as u8, (i * 50 % 256) as u8, 255];
     let texture = Texture::new("texels", [32, 32], (0..32 * 32).map(texel).collect(), Encoding::Linear);
@@ -261,18 +261,18 @@ fn of_many_lights(gpu: &Gpu) {
     }
 }
 
-/// Spots, suns and lamps, alone and beside spheres.
+/// Spots, suns and lamps, alone and beside sphere lights.
 fn of_spots_and_suns(gpu: &Gpu) {
     let mut view = builtin();
-    let ball = |radius| Sphere { center: Vec3::new(1.5, 4.0, 2.0), radius };
+    let lamp = |radius| Sphere { center: Vec3::new(1.5, 4.0, 2.0), radius };
     let world = Sphere { center: Vec3::Y, radius: 12.0 };
-    let sphere: Light = SphereLight::new(ball(0.4), Vec3::splat(20.0)).into();
-    let light = SphereLight::with_intensity(ball(0.2), Vec3::splat(60.0));
+    let sphere: Light = SphereLight::new(lamp(0.4), Vec3::splat(20.0)).into();
+    let light = SphereLight::with_intensity(lamp(0.2), Vec3::splat(60.0));
     let axis = Vec3::new(-0.4, -1.0, -0.5).normalize();
     let spot: Light = SpotLight { light, axis, cos: [0.95, 0.8] }.into();
     let toward = Vec3::new(-0.5, 0.8, 0.4).normalize();
     let sun = |degrees| SunLight::new(toward, degrees, Vec3::new(2.0, 1.8, 1.5), world).into();
-    // Next to the floor, which it does not light where it is that object's.
+    // A spot next to the floor, which it does not light if it belongs to that object.
     let near = SphereLight::new(Sphere { center: Vec3::new(0.5, 0.3, 1.5), radius: 0.2 }, Vec3::splat(20.0));
     let inside = |object| EnclosedLight { light: Box::new(near.into()), object }.into();
     for (name, lights) in [
@@ -287,7 +287,7 @@ fn of_spots_and_suns(gpu: &Gpu) {
     }
 }
 
-/// Lights of 62° to 84° low above a floor of all materials: masks are deeper from 65° on, and deeper again from 79°.
+/// Lights of 62° to 84°, low above a floor of all materials. Masks are deeper from 65° on, and once more from 79° on.
 fn of_wide_lights(gpu: &Gpu) {
     let mut scene = large_floor(4.0);
     scene.materials = scene::builtin().materials;
@@ -307,9 +307,9 @@ fn of_wide_lights(gpu: &Gpu) {
     let mut view = View { scene, points, spheres };
     for (tolerance, depth) in [(0.003, 5), (0.01, 4)] {
         for height in [0.5, 0.02] {
-            let ball = Sphere { center: normal * (radius + height), radius };
-            view.scene.lights = vec![SphereLight::new(ball, Vec3::ONE).into()];
-            let angles = view.points.receivers.iter().map(|at| (radius / at.position.distance(ball.center)).asin());
+            let sphere = Sphere { center: normal * (radius + height), radius };
+            view.scene.lights = vec![SphereLight::new(sphere, Vec3::ONE).into()];
+            let angles = view.points.receivers.iter().map(|at| (radius / at.position.distance(sphere.center)).asin());
             let [least, most] = angles.fold([9.0, 0.0_f32], |[a, b], x| [x.min(a), x.max(b)]).map(f32::to_degrees);
             assert!(most < 86.0 && (least < 65.0 || most > 79.0), "{least}° to {most}°");
             let name = format!("lights of {least:.0}° to {most:.0}°, tolerance {tolerance}");
@@ -317,15 +317,15 @@ fn of_wide_lights(gpu: &Gpu) {
             let want = view.cpu(MaskVisibility::new(view.spheres.clone()), &frame);
             let occlusion = Occlusion { blockers: &[&view.spheres], any_hit: None };
             let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
-            // In the middle of the widest one sample, which rounding decides, is 0.4 % of the light. One at the horizon, 1e-5 of it,
-            // decides whether a point is lit.
+            // In the middle of the widest light one sample, which rounding decides, is 0.4 % of it. A light at the horizon, of
+            // which 1e-5 is visible, decides whether a point is lit.
             let others = view.points.receivers.len() as u64 / 30;
             assert_same_but(&name, &want, &view.gpu(&mut shader, &frame), 5e-3, others);
         }
     }
 }
 
-/// The built-in scene's meshes by maps, alone and with the spheres by spheres.
+/// The built-in scene's meshes by shadow maps, alone and with the spheres by sphere blockers.
 fn of_shadow_maps(gpu: &Gpu) {
     let view = builtin();
     let maps = view.maps();
@@ -344,13 +344,13 @@ fn of_shadow_maps(gpu: &Gpu) {
     }
 }
 
-/// A light moves, its map is another; that of the other light is the one that is there.
+/// A light moves and gets another map; the other light keeps its map.
 fn maps_that_change(gpu: &Gpu) {
     let mut view = View::new(scene::builtin(), 48, 27);
     let before = view.maps();
     let mut shader = GpuShader::new(gpu, Occlusion::of(&[&before.pack()])).expect("a shader");
     let first = view.gpu(&mut shader, &view.frame(0.003, 5));
-    view.scene.lights[1].as_sphere_mut().expect("a ball").sphere.center.x += 0.4;
+    view.scene.lights[1].as_sphere_mut().expect("a sphere").sphere.center.x += 0.4;
     let casters = view.scene.objects.iter().map(|o| matches!(o.shape, Shape::Mesh(_))).collect();
     let maps = vec![before.maps()[0].clone(), view.maps().maps()[1].clone()];
     let after = ShadowMapBlockers::new(maps).with_casters(casters);

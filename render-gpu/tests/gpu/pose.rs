@@ -21,7 +21,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     ]
 }
 
-/// A closed tube along x from −2 to 2 that swells with one morph target and bends with another, on three joints.
+/// A closed tube along x from −2 to 2 on three joints; one morph target makes it swell, another bends it.
 fn tube() -> BoundSet {
     let (rings, sides) = (33_u32, 16_u32);
     let mut positions: Vec<Vec3> = (0..rings * sides)
@@ -67,7 +67,7 @@ fn tube() -> BoundSet {
     set.bind(&positions, &triangles, &carriers).expect("it fits")
 }
 
-/// Spheres that stand still, a tube, one more sphere, the tube once more; sphere i is of object i.
+/// Fixed spheres, a tube, one more sphere, the tube once more; sphere i belongs to object i.
 struct Crowd {
     set: BoundSet,
     blockers: SphereBlockers,
@@ -81,7 +81,7 @@ impl Crowd {
         let sphere = |x: f32| Sphere { center: Vec3::new(x, 3.0, -x), radius: 0.25 };
         let rest = &set.rest().spheres;
         let spheres = [&[sphere(0.0), sphere(1.0)], rest.as_slice(), &[sphere(2.0)], rest].concat();
-        // As the sets have them, whatever radii and distances.
+        // As in the sets, whatever radii and distances.
         let still = [SelfShadow::whole(0.0)];
         let fitted = &set.rest().self_shadows;
         let mut own = [&still, &still, fitted.as_slice(), &still, fitted].concat();
@@ -99,7 +99,7 @@ impl Crowd {
         GpuPose::new(gpu, SphereRig::new(&self.blockers, &parts).expect("it fits")).expect("it fits")
     }
 
-    /// The blockers as they are in the buffer.
+    /// The blockers as in the buffer.
     fn packed(&self) -> Vec<BlockerSphere> {
         let mut packed = Vec::new();
         self.blockers.pack(&mut packed);
@@ -107,7 +107,7 @@ impl Crowd {
     }
 }
 
-/// What a pose makes of the blockers.
+/// The blockers of a pose, read back from the GPU.
 fn posed(
     gpu: &Gpu,
     pose: &mut GpuPose,
@@ -148,7 +148,7 @@ impl Random {
         Vec3::new(self.next(), self.next(), self.next())
     }
 
-    /// Turned, moved, sheared, mirrored now and then; flat in the third kind.
+    /// Rotated, moved, sheared, sometimes mirrored; flat in the third kind.
     fn joint(&mut self, kind: usize) -> Mat4 {
         let turn = Quat::from_axis_angle((self.vector() + Vec3::splat(1e-3)).normalize(), 3.0 * self.next());
         let scale = match kind % 4 {
@@ -195,7 +195,7 @@ fn follows_bones_and_morphs(gpu: &Gpu) {
             }
             // Four joints of four products each, points up to 2.5 from the origin.
             let far = (Vec3::from(got.center) - want.center).length() / (2.5 * size);
-            // A volume is rounded relative to the product of the matrix's columns, not to itself.
+            // Rounding of a volume is relative to the product of the matrix's columns, not to the volume.
             let volume = (got.radius.powi(3) - want.radius.powi(3)).abs() / (size * 0.6).powi(3);
             worst = [worst[0].max(far), worst[1].max(volume)];
             assert!(far < 1e-6 && volume < 1e-6, "{kind} {index}: {got:?} for {want:?}, {far:e} {volume:e}");
@@ -240,7 +240,7 @@ fn too_few_bones(gpu: &Gpu) {
     posed(gpu, &mut pose, &packed, &[whole; 2]).expect("it fits");
 }
 
-/// The same picture whether spheres are posed here or there, one pose after another.
+/// The picture is the same whether spheres are posed on the GPU or on the CPU, one pose after another.
 fn moves_shadows(gpu: &Gpu) {
     let crowd = Crowd::new();
     let floor = |i: usize| {
@@ -293,10 +293,10 @@ fn moves_shadows(gpu: &Gpu) {
                 / a.iter().map(|v| v.max_element()).fold(0.0, f32::max)
         };
         println!("posed: {:.1e} apart, {:.1e} from the rest pose", apart(&want, &got), apart(&want, &still));
-        // A sphere moved by a rounding moves samples at its rim.
+        // A sphere moved by a rounding changes samples at its rim.
         assert!(apart(&want, &got) < 1e-3 && apart(&want, &still) > 0.1);
     }
-    // What was posed is forgotten.
+    // `occlude` restores the rest pose.
     shader.occlude(Occlusion::of(&[&crowd.blockers])).expect("it fits");
     assert_eq!(shade(&mut shader), still);
 }

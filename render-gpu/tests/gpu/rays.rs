@@ -69,7 +69,7 @@ pub(crate) fn frame(scene: &Scene, tolerance: f32, depth: u32) -> Frame<'_> {
     Frame::new(&scene.materials, &scene.lights, Accuracy { tolerance, depth })
 }
 
-/// The radiance from the GPU, and the counts.
+/// The GPU's radiance and counts.
 fn from_gpu(gpu: &Gpu, scene: &Scene, points: &ShadingPoints, frame: &Frame<'_>) -> Shaded {
     let world = GpuWorld::new(gpu, scene).expect("geometry");
     let mut shader = GpuShader::new(gpu, Occlusion { blockers: &[&GpuRays], any_hit: Some(&world) }).expect("a shader");
@@ -92,7 +92,7 @@ pub(crate) fn unshadowed(points: &ShadingPoints, frame: &Frame<'_>) -> Vec<f32> 
     out.into_iter().map(Vec3::element_sum).collect()
 }
 
-/// How a strategy shades on both devices.
+/// The shading of a strategy on each device.
 #[derive(Clone, Copy)]
 pub(crate) struct Ways {
     pub(crate) cpu: fn(&World<'_>, &ShadingPoints, &Frame<'_>) -> Shaded,
@@ -106,7 +106,7 @@ fn compare(gpu: &Gpu, name: &str, scene: &Scene, size: [u32; 2], tolerance: f32,
 }
 
 impl Ways {
-    /// As shares of the unshadowed radiance: mean difference over penumbrae, mean over all points, largest.
+    /// Errors relative to the unshadowed radiance: mean over penumbrae, mean over all points, largest.
     pub(crate) fn compare(self, gpu: &Gpu, name: &str, scene: &Scene, size: [u32; 2], tolerance: f32, depth: u32) {
         let world = World::new(scene);
         let points = GBuffer::new(&world, size[0], size[1], 1).points;
@@ -121,8 +121,8 @@ impl Ways {
         }
     }
 
-    /// Below a light of 70° to 74°, whose masks are bands on a GPU: as near to silhouettes, which are exact, as on a CPU. Rays look for
-    /// blockers in each band by itself, and miss less.
+    /// Below a light of 70° to 74°, whose masks are bands on a GPU, rays are as near to the exact silhouettes as on a CPU. They
+    /// search each band for blockers by itself, and miss fewer.
     pub(crate) fn compare_wide(self, gpu: &Gpu) {
         let light = SphereLight::new(Sphere { center: Vec3::Y * 20.85, radius: 20.0 }, Vec3::ONE).into();
         let scene = Scene { lights: vec![light], ..fence() };
@@ -142,7 +142,7 @@ impl Ways {
         assert!(counts.penumbra_points > 300 && got < 1.05 * want + 1e-5, "{want} off by CPU, {got} by GPU");
     }
 
-    /// The unit of length does not matter, nor does the place.
+    /// Neither the unit of length nor the position matters.
     pub(crate) fn compare_all_scales(self, gpu: &Gpu) {
         for (scale, shift) in [(1e-4, 0.0), (1e4, 0.0), (1.0, 30.0)] {
             let scene = placed(fence(), scale, Vec3::splat(shift));
@@ -154,7 +154,7 @@ impl Ways {
 /// Radiance of points, and the counts.
 pub(crate) type Shaded = (Vec<Vec3>, Counts);
 
-/// Pictures of the CPU and of the GPU whose masks are the same but for rounding; unshadowed radiance.
+/// The pictures agree if their masks agree but for rounding; `whole` is the unshadowed radiance.
 pub(crate) fn check_alike(name: &str, (want, counts): Shaded, (got, ours): Shaded, whole: &[f32]) {
     let (mut sum, mut in_penumbra, mut largest, mut n) = (0.0, 0.0, 0.0_f64, 0);
     for ((want, got), whole) in want.iter().zip(&got).zip(whole) {
@@ -175,7 +175,7 @@ pub(crate) fn check_alike(name: &str, (want, counts): Shaded, (got, ours): Shade
         "{name}: {n} of {} in penumbra, mean {penumbra:.1e} there, {mean:.1e} of all, largest {largest:.1e}; {counts:?} {ours:?}",
         want.len()
     );
-    // A ray that passes an edge by a few millionths of a triangle's side goes by rounding: a step of a bisection, two samples.
+    // Rounding decides a ray that passes an edge within a few millionths of a triangle's side: a step of a bisection, two samples.
     assert!(n > 30 && penumbra < 1e-5 && mean < 2e-6 && largest < 1e-3, "{name}");
     let apart = |a: u64, b: u64| assert!(a.abs_diff(b) <= 2 + want.len() as u64 / 1000, "{name}: {counts:?} {ours:?}");
     apart(counts.lit_points, ours.lit_points);
@@ -195,7 +195,7 @@ fn masks_of_all_depths(gpu: &Gpu) {
     RAYS.compare_all_depths(gpu);
 }
 
-/// Lights whose penumbrae are narrower than pixels: what a single ray says.
+/// Lights whose penumbrae are narrower than pixels: a single ray decides.
 fn tiny_lights(gpu: &Gpu) {
     let mut scene = plain();
     for light in scene.lights.iter_mut().filter_map(Light::as_sphere_mut) {
@@ -211,7 +211,7 @@ fn tiny_lights(gpu: &Gpu) {
     assert!(want.lit_points.abs_diff(got.lit_points) < 4 && want.dark_points.abs_diff(got.dark_points) < 4);
 }
 
-/// Points at the upper edge of a box: on its top exactly, and by a hair inside of its back. The top hides nothing from them.
+/// Points at the upper edge of a box, exactly on its top and slightly inside its back. The top hides nothing from them.
 fn from_an_edge(gpu: &Gpu) {
     let mesh = Mesh::cuboid(Vec3::new(0.0, 0.5, 0.0), Vec3::ONE);
     let light = Sphere { center: Vec3::new(0.25, 6.0, 4.5), radius: 0.7 };
@@ -242,7 +242,7 @@ fn at_all_scales(gpu: &Gpu) {
 fn at_terminators(gpu: &Gpu) {
     let mut scene = large_floor(80.0);
     scene.objects.push(Object::mesh("globe", globe(14, Vec3::Y * 0.3, 0.5, true), 0, Proxy::Count(8)));
-    scene.lights[0].as_sphere_mut().expect("a ball").sphere.radius = 1.2;
+    scene.lights[0].as_sphere_mut().expect("a sphere").sphere.radius = 1.2;
     scene.camera.vertical_fov = 0.4;
     let world = World::new(&scene);
     let points = GBuffer::new(&world, 64, 48, 1).points;
@@ -255,7 +255,7 @@ fn at_terminators(gpu: &Gpu) {
     compare(gpu, "terminators", &scene, [64, 48], 0.003, 5);
 }
 
-/// A tilted floor of a thousand times the distance to what is seen shades none of its points, of the CPU or of the GPU.
+/// A tilted floor, a thousand times as large as the distance to the visible points, shades none of them, on CPU and GPU.
 fn from_a_large_floor(gpu: &Gpu) {
     let scene = large_floor(1000.0);
     let [width, height] = [64, 48];
@@ -271,8 +271,8 @@ fn from_a_large_floor(gpu: &Gpu) {
     }
 }
 
-/// A fence that stops the rays of its own receivers alone: they see what they see where it stops all, the floor what it sees
-/// without the fence.
+/// A fence stops only the rays of its own receivers: its receivers see the same as if it stopped all rays; the floor sees the same
+/// as without the fence.
 fn of_receivers_on_their_like(gpu: &Gpu) {
     let scene = fence();
     let points = GBuffer::new(&World::new(&scene), 40, 30, 1).points;
@@ -289,17 +289,17 @@ fn of_receivers_on_their_like(gpu: &Gpu) {
     let of = |object: u32| -> Vec<usize> { (0..all.len()).filter(|k| points.receivers[*k].object == object).collect() };
     let (floor, own) = (of(0), of(1));
     assert!(floor.iter().all(|k| alike[*k] == none[*k]) && own.iter().all(|k| alike[*k] == all[*k]));
-    // Both have shadows of the fence.
+    // Both have shadows from the fence.
     assert!([floor, own].iter().all(|points| points.iter().any(|k| all[*k] != none[*k])));
 }
 
-/// Only some objects by rays, the others by spheres: as the CPU's mixture of both.
+/// Some objects by rays, the others by spheres: as the CPU's mixture of both.
 fn of_some_objects(gpu: &Gpu) {
     let scene = plain();
     let by_rays = |object: u32| object == 2 || object == 4;
     let world = World::new(&scene);
     let points = GBuffer::new(&world, 64, 36, 1).points;
-    let mut set = blockers(&scene, &mut |_, _| ControlFlow::Continue(())).expect("exact balls");
+    let mut set = blockers(&scene, &mut |_, _| ControlFlow::Continue(())).expect("exact spheres");
     let keep: Vec<bool> = set.objects.iter().map(|o| !by_rays(*o)).collect();
     let mut kept = keep.iter();
     set.spheres.retain(|_| *kept.next().expect("one a sphere"));
@@ -339,7 +339,7 @@ fn by_the_papers_method(gpu: &Gpu) {
     assert!(counts.penumbra_points > 50 && counts.penumbra_points.abs_diff(found.penumbra_points) < 3);
 }
 
-/// Pictures the same, as shares of the largest value.
+/// Pictures agree, with differences relative to the largest value.
 pub(crate) fn check_picture(want: &[Vec3], got: &[Vec3], limit: f32) {
     let peak = want.iter().map(|v| v.max_element()).fold(0.0, f32::max);
     let apart: Vec<f32> = want.iter().zip(got).map(|(a, b)| (*a - *b).abs().max_element() / peak).collect();
@@ -348,7 +348,7 @@ pub(crate) fn check_picture(want: &[Vec3], got: &[Vec3], limit: f32) {
     assert!(got.iter().all(|v| v.is_finite()) && mean < 1e-5 && largest < limit);
 }
 
-/// A scene that moves: the same from a refitted hierarchy as from a new one.
+/// A scene that moves: a refitted hierarchy gives the same picture as a new one.
 fn follow_motion(gpu: &Gpu) {
     let mut scene = fence();
     let points = GBuffer::new(&World::new(&scene), 40, 30, 1).points;
@@ -368,7 +368,7 @@ fn follow_motion(gpu: &Gpu) {
     assert!(before != moved && moved == from_gpu(gpu, &scene, &points, &frame(&scene, 0.003, 5)).0);
 }
 
-/// The error of V against many shadow rays is the CPU's.
+/// The error of the visible fraction against many shadow rays is that of the CPU.
 fn near_monte_carlo(gpu: &Gpu) {
     let scene = plain();
     let world = World::new(&scene);

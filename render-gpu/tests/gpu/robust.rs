@@ -1,4 +1,4 @@
-//! What a caller can do wrong, and what is very small or very large.
+//! Errors of callers, and very small and very large inputs.
 
 use crate::call::trial;
 use crate::parity::{View, assert_same};
@@ -58,13 +58,13 @@ fn no_spheres_at_all(gpu: &Gpu) {
     let want = view.cpu(MaskVisibility::new(none.clone()), &frame);
     let mut shader = GpuShader::new(gpu, Occlusion::of(&[&none])).expect("a shader");
     assert_same("no spheres", &want, &view.gpu(&mut shader, &frame));
-    // And some afterwards.
+    // And some points after that.
     shader.occlude(Occlusion::of(&[&view.spheres])).expect("room for them");
     let want = view.cpu(MaskVisibility::new(view.spheres.clone()), &frame);
     assert_same("spheres again", &want, &view.gpu(&mut shader, &frame));
 }
 
-/// A cloud of motes between lights and floor: tiles have more in their shafts than a list has room for.
+/// A cloud of motes between lights and floor: more of them meet a tile's shaft than fit a list.
 fn fifty_thousand_spheres(gpu: &Gpu) {
     let mut view = small();
     let fraction = |k: u32, step: f64| (f64::from(k) * step).fract() as f32;
@@ -81,11 +81,11 @@ fn fifty_thousand_spheres(gpu: &Gpu) {
     view.compare_spheres(gpu, "50 000 spheres", 0.01, 4);
 }
 
-/// Spheres that meet the light: thousands are right, and as many as no thread of Mesa's software driver has rounds for are
-/// an error there.
+/// Spheres that meet the light: thousands give the right picture. With more than Mesa's software driver allows rounds for a thread,
+/// the call returns an error there.
 fn loops_that_are_cut_are_an_error(gpu: &Gpu) {
     let mut view = View::new(scene::builtin(), 8, 4);
-    let light = view.scene.lights[0].sphere().expect("a ball");
+    let light = view.scene.lights[0].sphere().expect("a sphere");
     let mote = |k: u32| {
         let [x, y, z] =
             [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|step: f64| (f64::from(k) * step).fract() as f32 - 0.5);
@@ -135,7 +135,7 @@ fn points_that_are_not_finite_stay_alone(gpu: &Gpu) {
     let after = frame(&view);
     for (i, (before, after)) in before.iter().zip(&after).enumerate() {
         if !broken.contains(&i) {
-            // Bounds of a tile change what is listed, not what is seen.
+            // The bounds of a tile change the list, not the visible fraction.
             assert!(
                 (*before - *after).abs().max_element() <= 1e-5 * before.max_element(),
                 "point {i}: {before} {after}"
@@ -161,8 +161,7 @@ fn a_lost_device_is_an_error(_: &Gpu) {
     assert!(matches!(error, GpuError::Lost { .. }), "{error:?}");
 }
 
-/// A caller's device with less than the adapter has: smaller slices, or a clear message.
-/// A device with no more than these limits.
+/// A device with limits as small as these, as a caller may have: it gives smaller slices, or a clear message.
 fn device(limits: wgpu::Limits) -> Gpu {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let adapter = instance.request_adapter(&wgpu::RequestAdapterOptions::default());
@@ -172,7 +171,7 @@ fn device(limits: wgpu::Limits) -> Gpu {
     Gpu::from_device(device, queue)
 }
 
-/// The maps of several lights, and more than a binding takes: in as many as they need, to the bit.
+/// The maps of several lights, larger than a binding: in as many bindings as they need, with the same bits.
 fn maps_larger_than_a_binding(gpu: &Gpu) {
     let view = small();
     let (maps, frame) = (view.maps(), view.frame(0.003, 5));
@@ -181,12 +180,12 @@ fn maps_larger_than_a_binding(gpu: &Gpu) {
         let occlusion = Occlusion { blockers: &[&maps.pack()], any_hit: None };
         view.gpu(&mut GpuShader::new(gpu, occlusion).expect("a shader"), &frame)
     };
-    // Two or three pages: the most that leave a kernel with what every device has.
+    // Two or three pages: the most that leave a kernel the storage buffers of every device.
     let most = bytes / 4 * 3;
     let small = device(wgpu::Limits { max_storage_buffer_binding_size: most, ..wgpu::Limits::default() });
     assert_eq!(small.room_for_pages(), most);
     assert_eq!(picture(&small), picture(gpu));
-    // Too many for a kernel, and more than a buffer may be.
+    // Too many pages for a kernel, and more bytes than a buffer may have.
     let tiny = device(wgpu::Limits { max_storage_buffer_binding_size: bytes / 20, ..wgpu::Limits::default() });
     let narrow = device(wgpu::Limits { max_buffer_size: bytes / 2, ..wgpu::Limits::default() });
     for gpu in [tiny, narrow] {
@@ -199,7 +198,7 @@ fn maps_larger_than_a_binding(gpu: &Gpu) {
     }
 }
 
-/// Of a device of their own: others compile at the same time.
+/// A device of its own: other tests compile at the same time.
 fn kernels_are_named_with_their_time(_: &Gpu) {
     let gpu = Gpu::blocking(&render_gpu::GpuOptions::default()).expect("another device");
     let (view, log) = (small(), gpu.kernels().clone());
@@ -211,7 +210,7 @@ fn kernels_are_named_with_their_time(_: &Gpu) {
         assert!(done.iter().any(|kernel| kernel.name.starts_with(name)), "{name}: {done:?}");
     }
     assert!(done.is_sorted_by(|a, b| a.time >= b.time) && log.compiling().is_empty(), "{done:?}");
-    // Nothing is left to compile for the first points.
+    // No kernel is left to compile for the first points.
     view.gpu(&mut shader, &view.frame(0.02, 2));
     assert_eq!(log.compiled(), done);
 }
@@ -235,7 +234,7 @@ fn small_limits(_: &Gpu) {
     let many = SphereBlockers::new(&vec![Sphere { center: Vec3::ZERO, radius: 1.0 }; 1000], &vec![0; 1000], &[]);
     let error = GpuShader::new(&gpu, Occlusion::of(&[&many])).map(|_| ());
     assert!(matches!(error, Err(GpuError::Limits { needed: 48_000, .. })), "{error:?}");
-    // What finds no room leaves nothing that blocks, and what was there before finds room again.
+    // Blockers that do not fit leave no blockers; the earlier ones fit again.
     let few = SphereBlockers::new(&[Sphere { center: Vec3::Y, radius: 0.5 }], &[99], &[]);
     let few: [&dyn GpuBlockers; 1] = [&few];
     let few = Occlusion::of(&few);

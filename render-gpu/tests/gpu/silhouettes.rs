@@ -1,4 +1,4 @@
-//! Silhouettes on the GPU, by the door for strategies that it does not know, against `SilhouetteBlockers`.
+//! Silhouettes on the GPU, as a strategy that render-gpu does not know, against `SilhouetteBlockers`.
 
 use crate::call::trial;
 use crate::gbuffer::large_floor;
@@ -87,16 +87,16 @@ fn at_all_scales(gpu: &Gpu) {
     SILHOUETTES.compare_all_scales(gpu);
 }
 
-/// Coarse facets under smooth normals: facets cut the light of many points, which lie in front of their own triangles by a hair.
+/// Coarse facets under smooth normals: facets cut the light of many points that lie slightly in front of their own triangles.
 fn at_terminators(gpu: &Gpu) {
     let mut scene = large_floor(80.0);
     scene.objects.push(Object::mesh("globe", globe(14, Vec3::Y * 0.3, 0.5, true), 0, Proxy::None));
-    scene.lights[0].as_sphere_mut().expect("a ball").sphere.radius = 1.2;
+    scene.lights[0].as_sphere_mut().expect("a sphere").sphere.radius = 1.2;
     scene.camera.vertical_fov = 0.4;
     compare(gpu, "terminators", &scene, [64, 48]);
 }
 
-/// Many objects under one light: a hierarchy above theirs, and more silhouettes than a workgroup keeps.
+/// Many objects under one light: a hierarchy over objects, and more silhouettes than a workgroup holds.
 fn more_than_are_kept(gpu: &Gpu) {
     let mut scene = fence();
     scene.objects.truncate(1);
@@ -107,11 +107,11 @@ fn more_than_are_kept(gpu: &Gpu) {
         mesh.append(&globe(6, center + Vec3::Y * 0.06, 0.03, false));
         scene.objects.push(Object::mesh(format!("crumb {k}"), mesh, 0, Proxy::None));
     }
-    scene.lights[0].as_sphere_mut().expect("a ball").sphere.radius = 1.5;
+    scene.lights[0].as_sphere_mut().expect("a sphere").sphere.radius = 1.5;
     compare(gpu, "crumbs", &scene, [40, 30]);
 }
 
-/// A scene that moves: the same from a refitted hierarchy as from a new one.
+/// A scene that moves: a refitted hierarchy gives the same picture as a new one.
 fn follow_motion(gpu: &Gpu) {
     let mut scene = fence();
     let points = GBuffer::new(&World::new(&scene), 40, 30, 1).points;
@@ -141,11 +141,11 @@ fn beside_spheres(gpu: &Gpu) {
     let by_silhouettes = |object: u32| is_mesh(&scene, object) && object.is_multiple_of(2);
     let world = World::new(&scene);
     let points = GBuffer::new(&world, 64, 36, 1).points;
-    let balls = [
+    let shapes = [
         Sphere { center: Vec3::new(0.4, 0.5, 0.6), radius: 0.3 },
         Sphere { center: Vec3::new(-0.6, 0.8, 0.2), radius: 0.2 },
     ];
-    let spheres = SphereBlockers::new(&balls, &[99, 99], &[0.0, 0.0]);
+    let spheres = SphereBlockers::new(&shapes, &[99, 99], &[0.0, 0.0]);
     let frame = frame(&scene, 0.003, 5);
     let silhouettes = SceneSilhouettes::new(&scene, by_silhouettes);
     let hits = SurfaceHits::new(&world, by_silhouettes);
@@ -194,7 +194,7 @@ fn twice_the_same_bits(gpu: &Gpu) {
     assert_eq!(from_gpu(gpu, &scene, &points, &frame), from_gpu(gpu, &scene, &points, &frame));
 }
 
-/// Without a scene for its rays, or twice, the shader says so.
+/// Without a scene for its rays, or with the strategy twice, the shader returns an error.
 fn want_any_hit(gpu: &Gpu) {
     let scene = fence();
     let world = GpuWorld::new(gpu, &scene).expect("geometry");

@@ -1,4 +1,4 @@
-//! Sphere blockers in WGSL against the Rust that they mirror: lists, classes, masks.
+//! Sphere blockers in WGSL against the same in Rust: lists, classes, masks.
 
 use crate::call::trial;
 use glam::{Vec2, Vec3};
@@ -29,7 +29,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     ]
 }
 
-/// Runs a kernel with storage buffers of these words, binding 0 being uniform, and gives what is then in `out`.
+/// Runs a kernel with storage buffers of these words and a uniform as binding 0; returns the contents of `out`.
 fn dispatch(gpu: &Gpu, pieces: &[&str], buffers: &[(u32, &[u32])], out: u32, groups: usize) -> Vec<u32> {
     use wgpu::BufferUsages as Usage;
     let device = gpu.device();
@@ -79,16 +79,16 @@ fn dispatch(gpu: &Gpu, pieces: &[&str], buffers: &[(u32, &[u32])], out: u32, gro
     bytemuck::cast_slice(&view).to_vec()
 }
 
-/// Where most spheres are.
+/// The place of most spheres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
-    /// Well between the receivers and the light.
+    /// Between the receivers and the light, away from both.
     Between,
-    /// Around the receivers: they may be in spheres, and spheres beside or behind them.
+    /// Around the receivers: receivers may be inside spheres, and spheres beside or behind them.
     Near,
     /// Around the light.
     Light,
-    /// Any of these.
+    /// All of these.
     Everywhere,
 }
 
@@ -102,11 +102,11 @@ struct Setup {
 }
 
 impl Setup {
-    /// The light is seen from the origin along a random axis; tiles are small and near the origin.
+    /// Seen from the origin, the light lies along a random axis; tiles are small and near the origin.
     fn new(random: &mut Random, tiles: usize, count: usize, place: Place) -> Self {
         let toward = random.axis();
         let distance = random.log_uniform(2.0, 20.0);
-        // Thousands that each cover a part of a wide light take a software device minutes.
+        // Thousands of spheres that each cover a part of a wide light take a software device minutes.
         let widest = if count > 1000 && place == Place::Between { 0.2 } else { 0.9 };
         let theta = random.log_uniform(0.003, widest);
         let center = (toward * distance).as_vec3();
@@ -126,7 +126,7 @@ impl Setup {
         let mut spheres = Vec::new();
         let mut objects = Vec::new();
         let mut self_shadows = Vec::new();
-        // As many meet the shafts, however many there are.
+        // The same number meets the shafts, whatever the count.
         let size = 0.7 / (count as f64).cbrt().max(1.0);
         for _ in 0..count {
             let place = if place == Place::Everywhere {
@@ -137,7 +137,7 @@ impl Setup {
             let radius = f64::from(light.radius);
             let (center, radius) = match place {
                 Place::Near => {
-                    // Their rims cross the light.
+                    // Spheres whose rims cross the light.
                     let r = random.log_uniform(0.3, 3.0);
                     let d = r * random.between(0.98, 1.6);
                     let rim = (r / d).min(1.0).asin() + theta * random.between(-1.0, 1.5);
@@ -167,7 +167,7 @@ impl Setup {
         SphereBlockers::new(&self.spheres, &self.objects, &[]).with_self_shadows(&self.self_shadows)
     }
 
-    /// The same with all radii a little different.
+    /// The same setup with slightly different radii.
     fn scaled(&self, spheres: f32, light: f32) -> Self {
         let scale = |sphere: &Sphere, by: f32| Sphere { radius: sphere.radius * by, ..*sphere };
         Self {
@@ -179,7 +179,7 @@ impl Setup {
         }
     }
 
-    /// From the receivers of a tile to the light.
+    /// The shaft from the receivers of a tile to the light.
     fn shaft(&self, tile: usize) -> Shaft {
         let receivers = &self.receivers[tile * TILE..(tile + 1) * TILE];
         let center = receivers.iter().map(|at| at.position).sum::<Vec3>() / receivers.len() as f32;
@@ -187,7 +187,7 @@ impl Setup {
         Shaft::new(Sphere { center, radius }, self.light, LightId(0))
     }
 
-    /// What each receiver sees.
+    /// The coverage of each receiver.
     fn coverage(&self) -> Vec<Coverage> {
         let blockers = self.blockers();
         let mut scratch = blockers.scratch();
@@ -203,12 +203,12 @@ impl Setup {
     }
 }
 
-/// The buffers, as kernels that shade have them.
+/// The buffers as in kernels that shade.
 const BUFFERS: &str = "@group(0) @binding(6) var<storage, read> spheres: array<BlockerSphere>;
     @group(0) @binding(7) var<storage, read> spheres_lists: array<u32>;
     @group(0) @binding(11) var<storage, read> spheres_bounds: array<vec4f>;";
 
-/// What the kernels read of a setup.
+/// The words that the kernels read for a setup.
 struct Words {
     frame: Vec<u32>,
     points: Vec<u32>,
@@ -218,7 +218,7 @@ struct Words {
 }
 
 impl Words {
-    /// Bounds and lists come from their kernels.
+    /// The kernels compute bounds and lists.
     fn new(gpu: &Gpu, setup: &Setup) -> Self {
         let mut packed: Vec<BlockerSphere> = Vec::new();
         setup.blockers().pack(&mut packed);
@@ -227,7 +227,7 @@ impl Words {
         let count = setup.receivers.len() as u32;
         let light = [x, y, z, setup.light.radius.to_bits()];
         let mut frame = [light, [0; 4], [0, count, 0, 0], [0; 4]].concat();
-        // And nothing of the light's shape.
+        // The light's shape has no parameters.
         frame.resize(16 + 4 * GPU_SHAPE, 0);
         let points: Vec<_> = setup.receivers.iter().map(|at| GpuReceiver::new(at, 0)).collect();
         let points = bytemuck::cast_slice(&points).to_vec();
@@ -246,7 +246,7 @@ impl Words {
         Self { frame, points, spheres, bounds, lists }
     }
 
-    /// Says of all lists that they have overflown.
+    /// Marks all lists as overflown.
     fn overflow(&mut self) {
         for list in self.lists.chunks_mut(LIST_WORDS) {
             list.fill(0);
@@ -360,11 +360,12 @@ fn class(coverage: Coverage) -> u32 {
     }
 }
 
-/// Ascending, short, without duplicates; with all that a receiver can meet; full where there are too many.
+/// Lists are ascending, short, without duplicates; contain all spheres that a receiver can meet; and are full if there are too
+/// many.
 fn lists(gpu: &Gpu) {
     let mut random = Random::new(80);
     let (mut listed, mut all, mut full) = (0, 0, 0);
-    // Points, lights that reach nearly to the receivers, and around them.
+    // Around the points, around lights that reach nearly to the receivers, and around both.
     let lights = [None, None, None, None, Some(0.0), Some(0.98), Some(0.999), Some(1.3)];
     for (count, of_distance) in [1, 33, 400, 5000, 33, 33, 33, 33].into_iter().zip(lights) {
         let mut setup = Setup::new(&mut random, 6, count, Place::Everywhere);
@@ -405,7 +406,7 @@ fn lists(gpu: &Gpu) {
     assert!(listed > 0 && full > 0);
 }
 
-/// Lit, dark or partial, by a list and without one; other than Rust's only where a ten-thousandth of a per cent decides.
+/// Coverage with and without a list; it differs from Rust's only if a ten-thousandth of a per cent decides.
 fn classes(gpu: &Gpu) {
     let mut random = Random::new(84);
     let (mut seen, mut close, mut points) = ([0; 3], 0, 0);
@@ -461,7 +462,7 @@ fn windows(setup: &Setup, random: &mut Random) -> Vec<(usize, UnitSquare)> {
     all
 }
 
-/// Bits of the masks; `share` of all may differ.
+/// Bits of the masks; a fraction `share` of all may differ.
 fn spheres_on_masks(gpu: &Gpu, place: Place, seed: u64, share: f64) {
     let counts = if place == Place::Near { [1; 12] } else { [1, 2, 3, 5, 1, 2, 3, 5, 33, 33, 700, 5000] };
     let mut random = Random::new(seed);
@@ -477,7 +478,7 @@ fn spheres_on_masks(gpu: &Gpu, place: Place, seed: u64, share: f64) {
         let got = words.masks(gpu, depth, coarse, &cases);
         if number % 2 == 0 {
             words.overflow();
-            // But for the sum of edges, whose order is another one.
+            // Except for the sum of edges, which is summed in another order.
             let rows =
                 |all: &[u32]| all.chunks((8 << depth) + 2).flat_map(|of| of[..8 << depth].to_vec()).collect::<Vec<_>>();
             let again = words.masks(gpu, depth, coarse, &cases);
@@ -513,7 +514,7 @@ fn spheres_on_masks(gpu: &Gpu, place: Place, seed: u64, share: f64) {
     assert!(f64::from(differing) <= share * bits as f64, "{differing} of {bits} bits differ");
 }
 
-/// The direction that a mask is turned to.
+/// The direction that a mask is turned to, from the sum of edges.
 fn edges(gpu: &Gpu) {
     let mut random = Random::new(85);
     let (mut count, mut worst) = (0, 0.0_f32);
@@ -533,12 +534,12 @@ fn edges(gpu: &Gpu) {
             let query = VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003));
             blockers.select(&query, &mut scratch);
             let across = blockers.across(&query, &scratch);
-            // The same sum of one edge: an edge of the length of the sum, half its angle away.
+            // The same sum as one edge: its length is that of the sum, and its direction half the sum's angle.
             let sum = Vec2::new(f32::from_bits(got[64]), f32::from_bits(got[65])) + Vec2::new(1e-3, 0.0);
             let half = Vec2::from_angle(0.5 * sum.to_angle());
             let (right, up) = frame(&cone);
             let turn = right * half.x + up * half.y;
-            // Where edges nearly cancel their rounding decides.
+            // Where edges nearly cancel, rounding decides.
             if sum.length() > 0.01 {
                 count += 1;
                 worst = worst.max(1.0 - turn.dot(across).abs());
@@ -549,7 +550,7 @@ fn edges(gpu: &Gpu) {
     assert!(count > 100 && worst < 1e-5, "{count} turns, {worst:e}");
 }
 
-/// The frame in which edges are summed, asked of Rust: one edge alone gives its own direction.
+/// The frame in which edges are summed, from Rust: a single edge gives its own direction.
 fn frame(cone: &Cone) -> (Vec3, Vec3) {
     let across = Edges::new(cone).across();
     (across, across.cross(cone.axis))

@@ -31,13 +31,13 @@ fn filled(gpu: &Gpu, contents: &[u8]) -> wgpu::Buffer {
     gpu.device().create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
 }
 
-/// The red of pixel (x, y), and whether there is anything.
+/// The red of pixel (x, y), and whether the pixel has a point.
 fn pixel(x: u32, y: u32) -> (f32, bool) {
     (1000.0 * y as f32 + x as f32, !(x + y).is_multiple_of(3))
 }
 
 fn each_point_at_its_pixel(gpu: &Gpu) {
-    // Rows of 16 pixels are 256 bytes, as copies want them; neither side whole tiles.
+    // Copies need rows of 256 bytes, here 16 pixels; neither side is a multiple of a tile.
     for (width, height) in [(16, 8), (48, 27), (16, 1)] {
         let count = GpuTextureWriter::points(width, height) as usize;
         let mut points = vec![GpuReceiver { material: NO_MATERIAL, ..GpuReceiver::default() }; count];

@@ -1,4 +1,4 @@
-//! The WGSL of the materials without a GPU: every choice of models validates, and has no code of the others.
+//! The WGSL of the materials without a GPU: every choice of models validates, and contains no code of other models.
 
 use crate::validated::with_info;
 use brdf::Material;

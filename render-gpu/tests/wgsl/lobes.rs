@@ -1,4 +1,4 @@
-//! The WGSL without a GPU: pieces validate, layouts and constants are Rust's.
+//! The WGSL without a GPU: pieces validate, layouts and constants are the same as in Rust.
 
 use crate::validated::module;
 use lighting::SphereLight;
@@ -48,7 +48,7 @@ fn integrals_validate() {
     }
 }
 
-/// Reflectance and blockers, as the paper's kernels ask for them.
+/// Reflectance and blockers, as the paper's kernels require them.
 const HOOKS: &str = "
     fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 { return PARTIAL; }
     fn brdf_lobe_count(material: u32) -> u32 { return materials[0]; }

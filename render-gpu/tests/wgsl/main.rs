@@ -1,4 +1,4 @@
-//! The WGSL without a GPU: every variant validates, layouts and constants are Rust's.
+//! The WGSL without a GPU: every variant validates, layouts and constants are the same as in Rust.
 
 mod brdf;
 mod lobes;

@@ -5,7 +5,7 @@ use lobe_core::gpu::GpuPages;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
 use visibility_shadowmap::wgsl;
 
-/// What kernels declare.
+/// The declarations of kernels.
 const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, number: u32 }
     @group(0) @binding(0) var<uniform> frame: Frame;";
 

@@ -6,7 +6,7 @@ use lobe_core::gpu::GpuLight as _;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, OUTLINE, SPECIAL};
 use visibility_mask::{Fineness, wgsl};
 
-/// Blockers and reflectance, as the kernel asks for them.
+/// Blockers and reflectance, as the kernel requires them.
 const HOOKS: &str = "
     fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f { return vec4f(0.0); }
     fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
@@ -33,7 +33,7 @@ fn pieces_validate_alone() {
     }
 }
 
-/// No barrier where threads part, among the rest.
+/// Among other things: no barrier in non-uniform control flow.
 #[test]
 fn penumbrae_validate() {
     let kernel = [

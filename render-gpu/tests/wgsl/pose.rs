@@ -1,4 +1,4 @@
-//! The kernels of poses and texture writers without a GPU: they validate, and their constants are Rust's.
+//! The kernels of poses and texture writers without a GPU: they validate, and their constants are the same as in Rust.
 
 use crate::constant;
 use crate::validated::module;

@@ -14,7 +14,7 @@ fn visible_points_validate() {
     }
 }
 
-/// Masks of all sizes; the workgroup's memory is within what every device has.
+/// Masks of all sizes; the workgroup's memory is within the limits of every device.
 #[test]
 fn shadow_rays_validate() {
     const STACK: &str = "const STACK = 32u;";
@@ -38,7 +38,7 @@ fn shadow_rays_validate() {
     }
 }
 
-/// The rim's directions are those of `Contour`: 32 around the light, from half a step on; the first quadrant is written down.
+/// The rim's directions are those of `Contour`: 32 around the light, from half a step on; the text lists the first quadrant.
 #[test]
 fn rim_is_rusts() {
     for k in 0..8 {

@@ -1,4 +1,4 @@
-//! The WGSL of sphere blockers without a GPU: every composed variant validates, layouts and constants are Rust's.
+//! The WGSL of sphere blockers without a GPU: every composed variant validates, layouts and constants are the same as in Rust.
 
 use crate::constant;
 use crate::validated::module;
@@ -18,12 +18,12 @@ const CLASSIFY: &str = concat!(
 );
 const ARGS: &str = include_str!("../../src/kernels/args.wgsl");
 
-/// The buffers, as kernels that shade have them.
+/// The buffers as in kernels that shade.
 const BUFFERS: &str = "@group(0) @binding(16) var<storage, read> spheres: array<BlockerSphere>;
     @group(0) @binding(17) var<storage, read> spheres_bounds: array<vec4f>;
     @group(0) @binding(18) var<storage, read> spheres_lists: array<u32>;";
 
-/// The hook of `classify`, for spheres only.
+/// The hook of `classify`, with spheres only.
 const HOOK: &str = "fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
     return spheres_coverage(tile, at, cone);
 }";

@@ -1,4 +1,4 @@
-//! What blocks samples of a mask: spans, areas, half-spaces, cells, and rows that somebody else found.
+//! Functions that block samples of a mask: spans, areas, half-spaces, cells, and rows found elsewhere.
 
 use super::{Mask, below};
 use crate::bits::Bits;
@@ -21,16 +21,16 @@ impl Mask {
         self.set(j, row::without(&self.lit(j), row));
     }
 
-    /// Blocks row `j` between two plane coordinates x; infinite ones are fine, an empty or NaN interval blocks nothing.
+    /// Blocks row `j` between two plane coordinates x; these may be infinite; an empty or NaN interval blocks nothing.
     pub fn block_span(&mut self, j: usize, from: f32, to: f32) {
         let (from, to) = self.samples(j, from, to);
         self.block(j, &row::span(from, to));
     }
 
-    /// Blocks of row `j` what a shape covers of it on eight lines: for shapes whose edge runs along the row, which would
-    /// else enter or leave it all at once. `span` gives plane coordinates x of the shape at a height y.
+    /// Blocks the part of row `j` that a shape covers on eight lines: for shapes whose edge runs along the row and would otherwise
+    /// enter or leave the whole row at once. `span` returns the shape's plane coordinates x at a height y.
     ///
-    /// Each line has an eighth of the samples, so that two edges that pass through the same row fuse as they should.
+    /// Each line has an eighth of the samples, so that two edges that pass through the same row combine correctly.
     pub fn block_area(&mut self, j: usize, span: impl Fn(f32) -> (f32, f32)) {
         let (y, cell) = (self.row_y(j), self.cell().y);
         let mut from = [0; SUBLINES];
@@ -48,7 +48,7 @@ impl Mask {
 
     /// Blocks everything below the plane through the receiver with this normal (world space).
     ///
-    /// Exact on the rows' lines: turn the mask across the plane's edge, with [`Edges::add_plane`](crate::Edges::add_plane).
+    /// Exact on the rows' lines: turn the mask across the plane's edge with [`Edges::add_plane`](crate::Edges::add_plane).
     pub fn block_below(&mut self, normal: Vec3) {
         let n = self.square.local(normal);
         for j in 0..self.side() {
@@ -63,8 +63,7 @@ impl Mask {
         self.halves = [[0; ROWS]; 2];
     }
 
-    /// Blocks each cell for whose centre's unit direction (in world space) `test` says so: the slow way, for shapes
-    /// without spans.
+    /// Blocks each cell if `test` is true for its centre's unit direction (in world space): slow, for shapes without spans.
     pub fn block_where(&mut self, test: impl Fn(Vec3) -> bool) {
         // A cell of a coarse mask may be as small as a sample.
         let width = (self.width() >> self.depth) as u32;
@@ -79,7 +78,7 @@ impl Mask {
         }
     }
 
-    /// Blocks all samples of the eight rows from `j` on but these, 64 in each word; `j` is a multiple of eight.
+    /// Blocks all other samples of the eight rows from `j` on than `samples`, 64 in each word; `j` is a multiple of eight.
     #[inline(always)]
     pub fn keep_rows(&mut self, j: usize, samples: &[EightRows]) {
         for k in 0..EIGHT.min(self.side() - j) {
@@ -89,7 +88,7 @@ impl Mask {
         }
     }
 
-    /// Blocks samples `from[k]..to[k]` of the row `j + k`, eight rows at once: for shapes that find the ends of many rows
+    /// Blocks samples `from[k]..to[k]` of the row `j + k`, eight rows at once: for shapes that compute the ends of many rows
     /// together, with [`raster`](Self::raster). An empty interval blocks nothing; ends are at most the raster's width.
     #[doc(hidden)]
     #[inline(always)]
@@ -108,7 +107,7 @@ impl Mask {
         }
     }
 
-    /// [`block_area`](Self::block_area) with the ends of the eight lines in samples, without a shift.
+    /// As [`block_area`](Self::block_area), with the ends of the eight lines in samples, without a shift.
     #[doc(hidden)]
     #[inline(always)]
     pub fn block_lines<S: Simd>(&mut self, simd: S, j: usize, from: u32x8<S>, to: u32x8<S>) {

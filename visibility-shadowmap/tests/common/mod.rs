@@ -1,4 +1,4 @@
-//! Meshes, and what of a light they hide, from rays in f64.
+//! Meshes, and the visible fraction of a light from rays in f64.
 #![allow(dead_code, reason = "each test uses a part")]
 
 use glam::{DVec3, Vec3};
@@ -82,7 +82,7 @@ impl Mesh {
         u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 1e-6 && t < far
     }
 
-    /// Share of the light's disc above the horizon that is seen from a point, by `side²` rays in its square.
+    /// The visible fraction of the light's disc above the horizon from a point, by `side²` rays in its square.
     pub(crate) fn seen(&self, at: &Receiver, light: Sphere, side: usize) -> f64 {
         self.seen_by(at, light, side, |_| 1.0)
     }
@@ -93,7 +93,7 @@ impl Mesh {
         let square = UnitSquare::facing(&cone, Vec3::new(0.3, 0.5, -0.8));
         let (origin, normal) = (at.position.as_dvec3(), at.normal.as_dvec3());
         let (radius, center) = (f64::from(light.radius), light.center.as_dvec3() - origin);
-        // Only triangles whose bounding sphere meets the cone.
+        // Keeps only triangles whose bounding sphere meets the cone.
         let candidates: Vec<_> = self
             .triangles
             .iter()
@@ -134,7 +134,7 @@ pub(crate) fn receiver(position: Vec3, normal: Vec3) -> Receiver {
     Receiver::on_surface(position, normal, normal).on_object(0)
 }
 
-/// Share of the light's disc that the strategy leaves.
+/// The visible fraction of the light's disc by the strategy.
 pub(crate) fn share(blockers: &ShadowMapBlockers, scratch: &mut ShadowMapScratch, at: &Receiver, light: Sphere) -> f64 {
     let cone = Cone::of_sphere(at.position, light);
     let query = VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003));
@@ -145,11 +145,11 @@ pub(crate) fn share(blockers: &ShadowMapBlockers, scratch: &mut ShadowMapScratch
     mask.reset(&UnitSquare::facing(&cone, blockers.across(&query, scratch)), 5, at.normal);
     blockers.splat(&query, scratch, &mut mask);
     let (all, seen) = mask.areas();
-    // Both are rounded sums; NaN where nothing is above the horizon.
+    // Both are rounded sums; NaN if nothing is above the horizon.
     f64::from(if seen >= all { 1.0_f32.min(seen / all) } else { seen / all })
 }
 
-/// Errors over some receivers, in the light's share.
+/// Errors of the visible fraction over some receivers.
 #[derive(Debug, Default)]
 pub(crate) struct Errors {
     pub(crate) penumbra: Vec<f64>,
@@ -179,7 +179,7 @@ impl Errors {
         [mean(&self.penumbra), mean(&self.umbra), mean(&self.lit)]
     }
 
-    /// Asserts the three means in percent, and that there was something to measure.
+    /// Asserts the three means in percent, and that each class has receivers.
     #[track_caller]
     pub(crate) fn below(&self, what: &str, penumbra: f64, umbra: f64, lit: f64) {
         let [p, u, l] = self.means();

@@ -1,4 +1,4 @@
-//! Triangles that are asked one by one in f64.
+//! Triangles that are tested one by one in f64.
 
 #![allow(dead_code, reason = "not every test makes everything")]
 
@@ -72,7 +72,7 @@ impl AnyHit for Rays<'_> {
     }
 }
 
-/// A closed ball of triangles.
+/// A closed sphere of triangles.
 pub(crate) fn ball(center: Vec3, radius: f32, rings: u32) -> Soup {
     let sides = 2 * rings;
     let mut soup = Soup::default();
@@ -93,7 +93,7 @@ pub(crate) fn ball(center: Vec3, radius: f32, rings: u32) -> Soup {
     soup
 }
 
-/// Any turn.
+/// A random rotation.
 pub(crate) fn turn(random: &mut Random) -> Quat {
     Quat::from_axis_angle(random.axis().as_vec3().normalize(), random.between(0.0, 6.3) as f32)
 }

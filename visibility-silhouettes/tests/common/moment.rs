@@ -8,7 +8,7 @@ use visibility_mask::MaskVisibility;
 use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 
 pub(crate) const EXPONENTS: [f64; 6] = [1.0, 3.0, 20.0, 200.0, 2000.0, 50_000.0];
-/// A receiver at the origin, a light in the distance 10, something in between. In f64 until it is used.
+/// A receiver at the origin, a light at the distance 10, and triangles between them. Stored in f64 until it is used.
 #[derive(Clone, Debug)]
 pub(crate) struct Moment {
     pub(crate) position: DVec3,
@@ -17,7 +17,7 @@ pub(crate) struct Moment {
     pub(crate) radius: f64,
     pub(crate) soup: Soup,
     pub(crate) moved: DVec3,
-    /// Axis and exponent; exponent 1 about the normal is Lambert.
+    /// Axis and exponent; exponent 1 around the normal is Lambert.
     pub(crate) lobe: (DVec3, f64),
     pub(crate) tolerance: f32,
 }
@@ -35,7 +35,7 @@ impl Moment {
             0 => ball(center, size as f32, 4),
             1 => ball(center, size as f32, 10),
             2 => cuboid(random, center, size),
-            // Edges at right angles, across the light: one has to run along the rows or all of them lean.
+            // Edges at right angles, across the light: either one runs along the rows or all of them are slanted.
             _ => {
                 let u = random.axis().cross(axis).normalize();
                 let (u, v) = ((u * size).as_vec3(), (u.cross(axis) * size).as_vec3());
@@ -49,7 +49,7 @@ impl Moment {
         Self { position: DVec3::ZERO, normal, light, radius, soup, moved: DVec3::ZERO, lobe, tolerance }
     }
 
-    /// A part of a way on which everything moves by less than a third of what is seen of the light.
+    /// The moment at `t` of a motion in which everything moves by less than a third of the light's visible size.
     pub(crate) fn moved(&self, kind: usize, direction: DVec3, t: f64) -> Self {
         let theta = (self.radius / 10.0).asin();
         let t = 0.3 * (t - 0.5) * theta.min(3.0 / self.lobe.1.sqrt());
@@ -67,8 +67,7 @@ impl Moment {
         new
     }
 
-    /// Share of the light seen through the lobe, and how far it is to be seen: 1 from a hundredth of the lobe's possible
-    /// radiance on.
+    /// The visible fraction of the light through the lobe, and its weight: 1 from a hundredth of the lobe's possible radiance on.
     pub(crate) fn fraction(&self) -> (f64, f64) {
         let normal = self.normal.as_vec3().normalize();
         let at = Receiver::on_surface(self.position.as_vec3(), normal, normal);

@@ -23,27 +23,27 @@ pub(super) struct Setting {
     pub(super) at: Receiver,
     pub(super) cone: Cone,
     pub(super) light: Sphere,
-    pub(super) balls: Vec<Sphere>,
+    pub(super) spheres: Vec<Sphere>,
 }
 
 /// A sphere by its place and radius on the unit square, and its height.
-pub(super) fn ball(u: f32, v: f32, radius: f32, height: f32) -> Sphere {
+pub(super) fn sphere(u: f32, v: f32, radius: f32, height: f32) -> Sphere {
     let scale = height / DIST;
     Sphere { center: Vec3::new(u * scale, v * scale, height), radius: radius * scale }
 }
 
 impl Setting {
-    pub(super) fn new(dist: f32, balls: Vec<Sphere>) -> Self {
+    pub(super) fn new(dist: f32, spheres: Vec<Sphere>) -> Self {
         let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z);
         let tan = 0.5 / dist;
         let light = Sphere { center: Vec3::Z * LIGHT, radius: LIGHT * tan / (1.0 + tan * tan).sqrt() };
-        Self { cone: Cone::of_sphere(at.position, light), at, light, balls }
+        Self { cone: Cone::of_sphere(at.position, light), at, light, spheres }
     }
 
     /// The shadow nodes and lobes that it gets from a quad-tree of that depth.
     pub(super) fn seen(&self, depth: u32, tables: &Tables) -> Result<Seen, Failure> {
         let accuracy = Accuracy { tolerance: 0.005, depth };
-        let blockers = SphereBlockers::new(&self.balls, &vec![0; self.balls.len()], &[0.0]);
+        let blockers = SphereBlockers::new(&self.spheres, &vec![0; self.spheres.len()], &[0.0]);
         let strategy = PaperVisibility::new(blockers, tables);
         let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::default());
         let lambert = Lobe::new(self.at.normal, 1.0, Vec3::ONE);
@@ -55,8 +55,8 @@ impl Setting {
     }
 
     /// Whether a sphere changes the visibility.
-    pub(super) fn is_kept(&self, ball: Sphere, tables: &Tables) -> bool {
-        let strategy = PaperVisibility::new(SphereBlockers::new(&[ball], &[0], &[0.0]), tables);
+    pub(super) fn is_kept(&self, sphere: Sphere, tables: &Tables) -> bool {
+        let strategy = PaperVisibility::new(SphereBlockers::new(&[sphere], &[0], &[0.0]), tables);
         let accuracy = Accuracy { tolerance: 0.005, depth: 6 };
         let query = VisibilityQuery::new(&self.at, LightId(0), &self.cone, accuracy);
         strategy.coverage(&query, &mut strategy.scratch()) != Coverage::Lit
@@ -71,15 +71,15 @@ impl Setting {
     /// Whether a sphere blocks that direction before the light.
     pub(super) fn is_blocked(&self, p: Vec2) -> bool {
         let d = self.direction(p);
-        self.balls.iter().any(|b| {
+        self.spheres.iter().any(|b| {
             let along = b.center.dot(d);
             along > 0.0 && b.center.length() < self.light.center.length() && (b.center - along * d).length() < b.radius
         })
     }
 
     /// The outline of a sphere's shadow on the unit square.
-    pub(super) fn outline(&self, ball: &Sphere) -> Vec<Vec2> {
-        let cone = Cone::of_sphere(Vec3::ZERO, *ball);
+    pub(super) fn outline(&self, sphere: &Sphere) -> Vec<Vec2> {
+        let cone = Cone::of_sphere(Vec3::ZERO, *sphere);
         let (right, up) = cone.axis.any_orthonormal_pair();
         let tan = self.cone.tan();
         (0..=64)
@@ -144,7 +144,7 @@ pub(super) fn words<B: DrawingBackend>(root: &DrawingArea<B, Shift>, text: &str,
 
 /// The three spheres of Fig. 9 and 10.
 pub(super) fn three() -> Vec<Sphere> {
-    vec![ball(-0.26, -0.24, 0.33, 3.0), ball(0.24, 0.02, 0.34, 4.0), ball(0.10, 0.33, 0.12, 5.0)]
+    vec![sphere(-0.26, -0.24, 0.33, 3.0), sphere(0.24, 0.02, 0.34, 4.0), sphere(0.10, 0.33, 0.12, 5.0)]
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::super::canvas::{Draw, failed};
 use super::super::gallery::Page;
 use super::super::studio::Studio;
-use super::setting::{DIST, LIGHT, Panel, Setting, ball, words};
+use super::setting::{DIST, LIGHT, Panel, Setting, sphere, words};
 use crate::drawing::COLORS;
 use crate::failure::Failure;
 use cosine_lobes::lobe_core::Sphere;
@@ -14,11 +14,11 @@ use plotters::prelude::*;
 /// Three spheres that count, and three that do not: beside the light's cone, behind the light, behind the receiver.
 fn around() -> Vec<Sphere> {
     vec![
-        ball(-0.22, 0.12, 0.20, 3.0),
-        ball(0.30, 0.05, 0.26, 5.0),
-        ball(0.05, -0.42, 0.16, 2.2),
-        ball(1.05, 0.0, 0.22, 4.0),
-        ball(-0.25, 0.0, 0.18, 11.5),
+        sphere(-0.22, 0.12, 0.20, 3.0),
+        sphere(0.30, 0.05, 0.26, 5.0),
+        sphere(0.05, -0.42, 0.16, 2.2),
+        sphere(1.05, 0.0, 0.22, 4.0),
+        sphere(-0.25, 0.0, 0.18, 11.5),
         Sphere { center: Vec3::new(-0.8, 0.0, -1.0), radius: 0.6 },
     ]
 }
@@ -37,7 +37,7 @@ impl Splat<'_> {
     {
         const SCALE: f32 = 23.0;
         let place = |x: f32, z: f32| (left + 110 + (SCALE * x) as i32, 322 - (SCALE * z) as i32);
-        let Setting { cone, light, balls, .. } = self.setting;
+        let Setting { cone, light, spheres, .. } = self.setting;
         let tan = cone.tan();
         let line = |from: (i32, i32), to: (i32, i32), style: ShapeStyle| {
             root.draw(&PathElement::new(vec![from, to], style)).map_err(failed)
@@ -48,11 +48,11 @@ impl Splat<'_> {
         for side in [-1.0, 1.0] {
             line(place(0.0, 0.0), place(side * tan * 12.3, 12.3), RGBColor(200, 150, 0).stroke_width(1))?;
         }
-        for (ball, kept) in balls.iter().zip(self.kept) {
+        for (sphere, kept) in spheres.iter().zip(self.kept) {
             let color = if *kept { COLORS[0] } else { RGBColor(190, 190, 190) };
-            let at = place(ball.center.x, ball.center.z);
+            let at = place(sphere.center.x, sphere.center.z);
             if *kept || !only_kept {
-                root.draw(&Circle::new(at, radius(ball.radius), color.mix(0.75).filled())).map_err(failed)?;
+                root.draw(&Circle::new(at, radius(sphere.radius), color.mix(0.75).filled())).map_err(failed)?;
             }
         }
         // The unit square, seen from its edge.
@@ -81,8 +81,8 @@ impl Draw for Splat<'_> {
         self.side(root, 245, true)?;
         words(root, "(c) splatted onto the square", (510, 8))?;
         let panel = Panel { left: 510, top: 60, side: 230 };
-        for (ball, _) in self.setting.balls.iter().zip(self.kept).filter(|(_, kept)| **kept) {
-            let path = panel.path(&self.setting.outline(ball));
+        for (sphere, _) in self.setting.spheres.iter().zip(self.kept).filter(|(_, kept)| **kept) {
+            let path = panel.path(&self.setting.outline(sphere));
             root.draw(&Polygon::new(path.clone(), COLORS[0].mix(0.45))).map_err(failed)?;
             root.draw(&PathElement::new(path, COLORS[0].stroke_width(1))).map_err(failed)?;
         }
@@ -95,7 +95,7 @@ impl Draw for Splat<'_> {
 pub(in crate::figures) fn square(name: &str, studio: &mut Studio) -> Result<Page, Failure> {
     let tables = studio.tables()?;
     let setting = Setting::new(DIST, around());
-    let kept: Vec<bool> = setting.balls.iter().map(|b| setting.is_kept(*b, &tables)).collect();
+    let kept: Vec<bool> = setting.spheres.iter().map(|b| setting.is_kept(*b, &tables)).collect();
     let nodes = setting.seen(5, &tables)?.nodes.len();
     let left = kept.iter().filter(|k| **k).count();
     let images = Splat { setting: &setting, kept: &kept, nodes }.images(name)?;
@@ -124,7 +124,7 @@ mod tests {
     #[test]
     fn what_cannot_block_is_clipped() {
         let (setting, tables) = (Setting::new(DIST, around()), coarse());
-        let kept: Vec<bool> = setting.balls.iter().map(|b| setting.is_kept(*b, &tables)).collect();
+        let kept: Vec<bool> = setting.spheres.iter().map(|b| setting.is_kept(*b, &tables)).collect();
         assert_eq!(kept, [true, true, true, false, false, false]);
     }
 }

@@ -59,8 +59,8 @@ impl Draw for Tree<'_> {
     {
         let panel = |k: i32| Panel { left: 10 + 203 * k, top: 32, side: 190 };
         let outlines = |panel: &Panel| {
-            for ball in &self.setting.balls {
-                let path = panel.path(&self.setting.outline(ball));
+            for sphere in &self.setting.spheres {
+                let path = panel.path(&self.setting.outline(sphere));
                 root.draw(&PathElement::new(path, GREY.stroke_width(2))).map_err(failed)?;
             }
             root.draw(&panel.disc()).map_err(failed)?;

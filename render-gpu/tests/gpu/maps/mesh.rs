@@ -14,7 +14,7 @@ pub(super) struct Mesh {
     objects: Vec<u32>,
 }
 
-/// A sphere with bumps and a fence are objects 0, floors are 1.
+/// Object 0 is a bumpy sphere or a fence; floors are object 1.
 pub(super) const SOLID: u32 = 0;
 pub(super) const FLOOR: u32 = 1;
 
@@ -103,7 +103,7 @@ impl Mesh {
         ShadowMap::build(&self.positions, &self.triangles, light, &options).expect("a good mesh")
     }
 
-    /// Points on the triangles, and one in four in the air around them, that have some of the light above their horizon.
+    /// Points on the triangles, and one in four in the air around them, that see a part of the light above their horizon.
     pub(super) fn receivers(&self, random: &mut Random, light: Sphere, count: usize) -> Vec<Receiver> {
         let mut out = Vec::with_capacity(count);
         while out.len() < count {

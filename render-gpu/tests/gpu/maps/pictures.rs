@@ -1,4 +1,4 @@
-//! What points on meshes send to the eye, from CPU and GPU: small lights, thin things, a light among its blockers.
+//! Pictures of points on meshes, from CPU and GPU: small lights, thin blockers, a light among its blockers.
 
 use super::{Case, cases, tolerance_for};
 use crate::parity::assert_same;
@@ -16,11 +16,11 @@ use visibility_shadowmap::ShadowMapBlockers;
 /// Points of a picture.
 const POINTS: usize = 1024;
 
-/// Some cases with their light, one that has a map of its own and one that has none; diffuse and glossy points.
+/// Some cases, each with its light, a second light with a map of its own and a third without one; diffuse and glossy points.
 pub(super) fn agree(gpu: &Gpu) {
     let glossy = Phong { kd: Vec3::splat(0.1), ks: Vec3::new(0.6, 0.5, 0.4), exponent: 200.0 };
     let materials: [Material; 2] = [Lambert { albedo: Vec3::new(0.5, 0.6, 0.7) }.into(), glossy.into()];
-    // A small light at depth 5, thin things at 6 and, with coarse rows, at 3, a map of six faces.
+    // A small light at depth 5, thin blockers at depth 6 and, with coarse rows, at 3, and a map with six faces.
     let some = [0, 3, 4, 5];
     for case in cases().into_iter().enumerate().filter_map(|(k, case)| some.contains(&k).then_some(case)) {
         let mut random = Random::new(90);
@@ -31,7 +31,7 @@ pub(super) fn agree(gpu: &Gpu) {
         let maps = ShadowMapBlockers::new(maps.to_vec()).with_casters(vec![true]);
         let mut receivers = mesh.receivers(&mut random, light, POINTS);
         for at in &mut receivers {
-            // Half of them look at the mirrored light.
+            // Half of the points look along the light's mirror direction.
             if random.bits().is_multiple_of(2) {
                 let to = (light.center - at.position).normalize();
                 at.view = (2.0 * at.normal.dot(to) * at.normal - to).normalize();
