@@ -14,13 +14,18 @@ use core::num::NonZeroU64;
 use glam::{Mat4, Vec3};
 use lobe_core::gpu::{GPU_SHAPE, GpuLight, GpuMaterialSet, GpuMaterials};
 use lobe_core::paper::Tables;
-use lobe_core::{Accuracy, LightLobes};
+use lobe_core::{Accuracy, LightLobes, Receiver};
+use rayon::prelude::*;
 use scene::{Cancel, Frame, Shade, ShadeStats, ShadingPoints, Stopwatch};
 use visibility_mask::{Fineness, MAX_DEPTH};
 use wgpu::BufferUsages;
 
 /// Points that are culled together, as in `render-cpu`.
 const TILE: u64 = (crate::TILE * crate::TILE) as u64;
+/// Points that are packed for the device as one value.
+const PART: usize = 64;
+/// Points that a thread packs or unpacks at once, at least.
+const TASK: usize = 4096;
 /// The most points of a slice. One submission works on a slice, and buffers are sized for it.
 const SLICE: u64 = 1 << 20;
 /// The same on a software device, whose kernels do not get faster with more points.
@@ -479,6 +484,33 @@ struct Part<'a> {
 }
 
 impl GpuShader {
+    /// Packs points into the device's memory for them, on all threads.
+    fn upload(&mut self, receivers: &[Receiver], materials: &[u32]) -> Result<wgpu::Buffer, GpuError> {
+        let gpu = &self.gpu;
+        // Whole parts, so that all have a size that the compiler knows.
+        let parts = receivers.len().div_ceil(PART);
+        let size = (parts * size_of::<[GpuReceiver; PART]>()) as u64;
+        let buffer = self.points.sized(gpu, size)?.clone();
+        gpu.scoped("points", || {
+            let size = NonZeroU64::new(size)?;
+            let mut view = gpu.queue().write_buffer_with(&buffer, 0, size)?;
+            let (memory, _) = view.slice(..).into_chunks::<{ size_of::<[GpuReceiver; PART]>() }>();
+            let memory: Vec<_> = memory.into_iter().collect();
+            let points = receivers.par_chunks(PART).zip(materials.par_chunks(PART));
+            memory.into_par_iter().zip(points).with_min_len(TASK / PART).for_each(
+                |(memory, (receivers, materials))| {
+                    let mut packed = [GpuReceiver::default(); PART];
+                    for (packed, (at, material)) in packed.iter_mut().zip(receivers.iter().zip(materials)) {
+                        *packed = GpuReceiver::new(at, *material);
+                    }
+                    memory.write(bytemuck::cast(packed));
+                },
+            );
+            Some(())
+        })?;
+        Ok(buffer)
+    }
+
     /// As [`Shade::shade`], but looks before each slice of points whether a stop is requested, and returns `None` then.
     ///
     /// # Errors
@@ -499,17 +531,13 @@ impl GpuShader {
         let (kernels, stride) = self.prepare(frame)?;
         let slice = self.slice(stride) as usize;
         let gpu = self.gpu.clone();
-        let mut packed = Vec::with_capacity(slice.min(out.len()));
         let slices = points.receivers.chunks(slice).zip(points.materials.chunks(slice)).zip(out.chunks_mut(slice));
         for ((receivers, materials), out) in slices {
             if cancel.is_some_and(Cancel::is_cancelled) {
                 return Ok(None);
             }
-            packed.clear();
-            packed.extend(receivers.iter().zip(materials).map(|(at, material)| GpuReceiver::new(at, *material)));
-            self.points.hold(&gpu, bytemuck::cast_slice(&packed))?;
-            let count = packed.len() as u64;
-            let buffer = self.points.sized(&gpu, 0)?.clone();
+            let count = receivers.len() as u64;
+            let buffer = self.upload(receivers, materials)?;
             let radiance = self.radiance.sized(&gpu, 16 * count)?.clone();
             let part = Part { first: 0, count, stride, uniforms: 0, points: &buffer, radiance: &radiance };
             self.hold_uniforms(frame, &[count])?;
@@ -528,10 +556,10 @@ impl GpuShader {
             let (counts, mut cut) = (&mut stats.counts, 0);
             gpu.read(&staging, 16 * count + HEADER, |bytes| {
                 let (pixels, header) = bytes.split_at(16 * count as usize);
-                for (out, pixel) in out.iter_mut().zip(pixels.chunks_exact(16)) {
+                out.par_iter_mut().with_min_len(TASK).zip(pixels.par_chunks_exact(16)).for_each(|(out, pixel)| {
                     let [r, g, b, _]: [f32; 4] = bytemuck::pod_read_unaligned(pixel);
                     *out = Vec3::new(r, g, b);
-                }
+                });
                 let header = bytemuck::cast_slice(header);
                 *counts += kernels::counts(header);
                 cut = kernels::count(header, CUT);
