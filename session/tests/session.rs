@@ -141,7 +141,7 @@ fn a_session_ends_at_once() {
         Renderer::new(
             scene(1920, 1080),
             Animation::default(),
-            Settings { accuracy: Accuracy::new(0.001), samples: 16, ..Settings::default() },
+            Settings { accuracy: Accuracy::new(0.001), samples: 16.into(), ..Settings::default() },
         )
         .unwrap(),
     );
