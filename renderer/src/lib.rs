@@ -77,4 +77,5 @@ pub use crate::stale::{Stale, Upkeep};
 pub use crate::tables::paper_tables;
 pub use glam;
 pub use pictures::Window;
+pub use render_cpu::PixelSamples;
 pub use scene::{Cancel, set_clock};

@@ -4,7 +4,7 @@ use core::ops::ControlFlow;
 use glam::Vec3;
 use lighting::SphereLight;
 use lobe_core::{Random, Sphere};
-use renderer::{Band, Event, LayerSet, Layers, RenderError, Renderer, Settings, Window};
+use renderer::{Band, Event, LayerSet, Layers, PixelSamples, RenderError, Renderer, Settings, Window};
 use scene::{Animation, Object, Proxy, Scene, Strategy};
 use test_scenes::{floor_and_ball, globe};
 
@@ -48,7 +48,7 @@ fn parts_in_any_order_make_the_picture() {
     let mut random = Random::new(7);
     let sizes = [[8, 8], [75, 8], [16, 46], [13, 5], [1, 46], [100, 100]];
     for strategy in [None, Some(Strategy::Spheres), Some(Strategy::ShadowMap), Some(Strategy::Rays)] {
-        for samples in [1, 3] {
+        for samples in [PixelSamples::Uniform(1), PixelSamples::Uniform(3), PixelSamples::Edges(5)] {
             let settings = Settings { strategy, samples, ..Settings::default() };
             let want = renderer(settings.clone()).render().expect("a picture").radiance;
             let mut parted = renderer(settings);
@@ -62,7 +62,7 @@ fn parts_in_any_order_make_the_picture() {
                 });
                 assert!(stats.expect("a picture").points > 0);
                 assert_eq!(seen, parts);
-                assert!(picture == want, "{strategy:?}, {samples} rays, {size:?}");
+                assert!(picture == want, "{strategy:?}, {samples:?}, {size:?}");
             }
         }
     }
@@ -129,7 +129,7 @@ fn empty(layers: &Layers) -> [bool; 6] {
 
 #[test]
 fn layers_come_one_by_one() {
-    let settings = |layers| Settings { layers, samples: 2, ..Settings::default() };
+    let settings = |layers| Settings { layers, samples: 2.into(), ..Settings::default() };
     let want = renderer(settings(LayerSet::ALL)).render().expect("a picture");
     assert_eq!(empty(&want.layers), [false; 6]);
     let none = renderer(settings(LayerSet::NONE)).render().expect("a picture");
