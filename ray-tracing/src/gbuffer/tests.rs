@@ -220,8 +220,8 @@ fn edges_are_those_of_many_rays() {
     for object in 0..2 {
         let [one, many, got] = [&one, &many, &edges].map(|g| parts(g, object));
         let off = |a: &[f32]| a.iter().zip(&many).filter(|(a, b)| (**a - **b).abs() > 1e-6).count();
-        assert!(off(&one) > 100, "{}", off(&one));
-        assert!(off(&got) * 40 < off(&one), "{} of {}", off(&got), off(&one));
+        assert!(off(&one) > 40, "{}", off(&one));
+        assert!(off(&got) * 20 < off(&one), "{} of {}", off(&got), off(&one));
     }
     let mut centers = vec![None; (image[0] * image[1]) as usize];
     one.pixels.iter().zip(&one.points.receivers).for_each(|(p, at)| centers[*p as usize] = Some(*at));
@@ -249,7 +249,9 @@ fn edges_do_not_depend_on_the_window() {
         all[*pixel as usize].push((*at, *rays));
     }
     let mut borders = 0;
-    for (columns, rows) in [(0..90, 8..16), (30..47, 11..45), (44..45, 30..31), (3..3, 5..9)] {
+    // Some that end at tiles or hold nothing, and small ones all over the sphere.
+    let small = (0..36).map(|k| (36 + k % 6 * 3, 26 + k / 6 * 3)).map(|(x, y)| (x..x + 3, y..y + 3));
+    for (columns, rows) in [(0..90, 8..16), (30..47, 11..45), (3..3, 5..9)].into_iter().chain(small) {
         let part = of_edges(&world, image, 5, [columns.clone(), rows.clone()]);
         let mut got: Vec<Vec<(Receiver, u32)>> = vec![Vec::new(); columns.len() * rows.len()];
         for ((pixel, at), rays) in part.pixels.iter().zip(&part.points.receivers).zip(&part.rays) {
