@@ -67,7 +67,16 @@ fn what_maps_show_changes_with_the_light() {
         fs::write(folder.join(format!("{strategy}.toml")), format!("[animation]\nfps = 4\n{scene}")).unwrap();
         succeed(
             folder,
-            &["render", &format!("{strategy}.toml"), "--frames", "0..5", "-q", "-o", &format!("{strategy}.exr")],
+            // Along the foot of the wall, where outlines have points of their own, maps are less exact.
+            &[
+                "render",
+                &format!("{strategy}.toml"),
+                "--frames=0..5",
+                "--samples=1",
+                "-q",
+                "-o",
+                &format!("{strategy}.exr"),
+            ],
         );
     }
     for frame in 0..5 {
@@ -75,7 +84,10 @@ fn what_maps_show_changes_with_the_light() {
             apart(folder, &format!("silhouettes.{frame:04}.exr"), &format!("shadow-map.{frame:04}.exr"));
         assert!(mean < 1e-3 && largest < 0.1, "{frame}: {mean} {largest}");
         // One frame alone is as in the sequence.
-        succeed(folder, &["render", "shadow-map.toml", "--frame", &frame.to_string(), "-q", "-o", "one.exr"]);
+        succeed(
+            folder,
+            &["render", "shadow-map.toml", "--frame", &frame.to_string(), "--samples=1", "-q", "-o", "one.exr"],
+        );
         assert_eq!(apart(folder, "one.exr", &format!("shadow-map.{frame:04}.exr")), [0.0; 2]);
     }
 }
