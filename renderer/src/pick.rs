@@ -73,6 +73,28 @@ impl Renderer {
         })
     }
 
+    /// The radiance that the surface in the middle of a pixel would have of each light if nothing blocked it, in the order of the lights;
+    /// empty where the camera meets nothing there, and outside the picture.
+    ///
+    /// # Cost
+    /// One point under all lights, on the CPU.
+    #[must_use]
+    pub fn unshadowed(&mut self, x: u32, y: u32) -> Vec<Vec3> {
+        let (width, height) = (self.scene.width, self.scene.height);
+        if x >= width || y >= height {
+            return Vec::new();
+        }
+        let hierarchy = self.follow_hierarchy();
+        let world = World::with_hierarchy(&self.scene, hierarchy);
+        let found = GBuffer::window(&world, width, height, 1, x..x + 1, y..y + 1);
+        let accuracy = self.chosen.unwrap_or(self.settings.accuracy);
+        let frame = Frame { materials: &found.materials, lights: &self.scene.lights, accuracy, threshold: 0.0 };
+        let request = ShadeRequest { lights: true, ..ShadeRequest::default() };
+        let mut radiance = vec![Vec3::ZERO; found.len()];
+        let (_, layers) = CpuShader::new(Unshadowed).shade_with(&found.points, &frame, &mut radiance, &request);
+        layers.lights
+    }
+
     /// The fraction of a light that a white diffuse surface at a point sees, by the scene's own strategies and accuracy:
     ///
     /// ```text

@@ -25,6 +25,8 @@ pub struct LightPart {
     pub light: LightHandle,
     /// Radiance that comes of it.
     pub radiance: Vec3,
+    /// The same if nothing blocked it.
+    pub unshadowed: Vec3,
     /// The fraction of it that a white diffuse surface sees there.
     pub visible: Vec3,
 }
@@ -42,11 +44,13 @@ impl Probe {
         let window = Window { image: [width, height], columns: x..x + 1, rows: y..y + 1 };
         let layers = LayerSet { lights: true, ..LayerSet::NONE };
         let image = renderer.render_apart(&window, layers, 1)?;
+        let unshadowed = renderer.unshadowed(x as u32, y as u32);
         let mut parts = Vec::with_capacity(lights.len());
         for (number, light) in lights.into_iter().enumerate() {
             let visible = renderer.visible_fraction(&pick.receiver, light)?;
             let radiance = image.layers.lights.get(number).and_then(|layer| layer.first()).copied().unwrap_or_default();
-            parts.push(LightPart { light, radiance, visible });
+            let unshadowed = unshadowed.get(number).copied().unwrap_or_default();
+            parts.push(LightPart { light, radiance, unshadowed, visible });
         }
         let reference = reference_of(renderer, &window, samples);
         let radiance = image.radiance.first().copied().unwrap_or_default();
