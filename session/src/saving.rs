@@ -448,9 +448,11 @@ fn table<'d>(root: &'d mut toml_edit::Table, key: &str) -> Result<&'d mut dyn Ta
     item.as_table_like_mut().ok_or_else(|| SaveError::Text(format!("{key} is no table")))
 }
 
-/// Puts a value in the place of one; what stands around that, a comment behind it for one, stays.
+/// Puts a value in the place of one; what stands around that, a comment behind it for one, stays. One that is the same number stays as it
+/// is written.
 fn put(table: &mut dyn TableLike, key: &str, mut value: Value) {
     match table.get_mut(key).and_then(Item::as_value_mut) {
+        Some(old) if is_same(old, &value) => {}
         Some(old) => {
             *value.decor_mut() = old.decor().clone();
             *old = value;
@@ -494,6 +496,19 @@ fn place(point: Vec3, origin: DVec3) -> Value {
 /// A colour; a grey one as one number.
 fn color(c: Vec3) -> Value {
     if c.x == c.y && c.y == c.z { number(c.x) } else { vector(c) }
+}
+
+/// Whether both are read as the same numbers.
+fn is_same(a: &Value, b: &Value) -> bool {
+    match (a, b) {
+        (Value::Array(a), Value::Array(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| is_same(a, b)),
+        (Value::InlineTable(a), Value::InlineTable(b)) => {
+            a.len() == b.len() && a.iter().all(|(key, a)| b.get(key).is_some_and(|b| is_same(a, b)))
+        }
+        (Value::String(a), Value::String(b)) => a.value() == b.value(),
+        (Value::Boolean(a), Value::Boolean(b)) => a.value() == b.value(),
+        _ => value_of(a).is_some_and(|a| value_of(b) == Some(a)),
+    }
 }
 
 fn value_of(value: &Value) -> Option<f32> {

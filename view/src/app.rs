@@ -111,6 +111,9 @@ impl App {
         } else if pressed(Modifiers::COMMAND, Key::Z) {
             desk.undo();
         }
+        if pressed(Modifiers::COMMAND, Key::S) {
+            self.message = Some(desk.save());
+        }
         if pressed(Modifiers::NONE, Key::F) {
             desk.frame_all();
         }

@@ -6,7 +6,7 @@ use cosine_lobes::glam::{Mat4, Vec2, Vec3};
 use cosine_lobes::lighting::Light;
 use cosine_lobes::renderer::{LightHandle, ObjectHandle, RenderError};
 use cosine_lobes::scene::{Camera, Strategy};
-use cosine_lobes::session::{Drag, Dragged, Editor, Probe, Projection, framed, lamp};
+use cosine_lobes::session::{Drag, Dragged, Editor, Probe, Projection, Snapshot, framed, lamp, save};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::mpsc::Receiver;
@@ -41,6 +41,8 @@ pub(crate) struct Desk {
     pub(crate) path: Option<PathBuf>,
     /// Of the scene as it was opened.
     pub(crate) metered: f32,
+    /// The scene as its file has it.
+    saved: Option<Snapshot>,
     /// The size of its picture.
     pub(crate) first_size: [u32; 2],
     /// Half the diagonal of its box, floors and walls left out.
@@ -68,6 +70,7 @@ impl Desk {
             editor: Editor::new(opened.session),
             path: opened.path,
             metered: opened.exposure,
+            saved: None,
             first_size: [0; 2],
             extent: 1.0,
             look,
@@ -92,6 +95,7 @@ impl Desk {
         self.editor.follow();
         if self.first_size == [0; 2] && !self.editor.picture().radiance.is_empty() {
             self.first_size = self.editor.scene().size;
+            self.saved = Some(self.editor.scene().clone());
             self.extent = self.editor.scene().bounds().radius().max(1e-6);
         }
         let samples = if self.look.wants_reference() { SAMPLES } else { 0 };
@@ -172,6 +176,31 @@ impl Desk {
     /// Seconds of the animation that pass between two pictures, at least: as many as the last one took.
     pub(crate) fn pace(&self) -> f32 {
         (self.editor.picture().latency as f32).clamp(0.0, 0.5)
+    }
+
+    /// Writes the changes into the scene file; a line for the user.
+    pub(crate) fn save(&mut self) -> String {
+        let Some(path) = self.path.clone() else {
+            return "not saved: the built-in scene has no file".to_owned();
+        };
+        if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("toml")) {
+            return format!(
+                "not saved: {} is a model; a scene file (.toml) that names it can be saved",
+                name_of(&path)
+            );
+        }
+        if !self.editor.is_finished() {
+            return "not saved yet: the picture with all changes comes first".to_owned();
+        }
+        let Some(before) = &self.saved else { return "not saved: there is no picture yet".to_owned() };
+        let now = self.editor.scene().clone();
+        match save(&path, before, &now) {
+            Ok(()) => {
+                self.saved = Some(now);
+                format!("saved to {}", path.display())
+            }
+            Err(error) => error.to_string(),
+        }
     }
 
     /// Looks at the whole scene, from where the camera looks.

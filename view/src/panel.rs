@@ -45,6 +45,9 @@ fn tools(ui: &mut Ui, desk: &mut Desk, message: &mut Option<String>) {
         if button("Redo", "Ctrl+Shift+Z", redo > 0) {
             desk.redo();
         }
+        if button("Save", "Ctrl+S: writes the changes into the scene file; its comments stay", desk.path.is_some()) {
+            *message = Some(desk.save());
+        }
         if button("Frame all", "F", true) {
             desk.frame_all();
         }
