@@ -2,7 +2,7 @@ use core::sync::atomic::AtomicBool;
 use glam::Vec3;
 use ray_tracing::GBuffer;
 use reference::{Geometry, Reference, ReferenceJob};
-use renderer::{LayerSet, LightHandle, Pick, RenderError, Renderer, Window};
+use renderer::{LayerSet, LightHandle, LightMask, Pick, RenderError, Renderer, Window};
 use scene::BlockerSet;
 
 /// One pixel taken apart.
@@ -19,7 +19,7 @@ pub struct Probe {
 }
 
 /// The part of a light in a pixel.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct LightPart {
     /// The light.
     pub light: LightHandle,
@@ -29,6 +29,8 @@ pub struct LightPart {
     pub unshadowed: Vec3,
     /// The fraction of it that a white diffuse surface sees there.
     pub visible: Vec3,
+    /// The light as the point sees it, and what hides it.
+    pub mask: LightMask,
 }
 
 impl Probe {
@@ -50,7 +52,8 @@ impl Probe {
             let visible = renderer.visible_fraction(&pick.receiver, light)?;
             let radiance = image.layers.lights.get(number).and_then(|layer| layer.first()).copied().unwrap_or_default();
             let unshadowed = unshadowed.get(number).copied().unwrap_or_default();
-            parts.push(LightPart { light, radiance, unshadowed, visible });
+            let mask = renderer.light_mask(&pick.receiver, light)?;
+            parts.push(LightPart { light, radiance, unshadowed, visible, mask });
         }
         let reference = reference_of(renderer, &window, samples);
         let radiance = image.radiance.first().copied().unwrap_or_default();

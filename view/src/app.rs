@@ -1,6 +1,7 @@
 use crate::args::Args;
 use crate::darkroom::{Darkroom, Order, Print};
 use crate::desk::Desk;
+use crate::inspector::Inspector;
 use crate::opening::{Opened, Opening, name_of};
 use crate::smoke::Smoke;
 use crate::stage::Stage;
@@ -34,6 +35,7 @@ pub(crate) struct App {
     darkroom: Darkroom,
     print: Option<Print>,
     stage: Stage,
+    inspector: Inspector,
     title: String,
     smoke: Option<Smoke>,
 }
@@ -48,6 +50,7 @@ impl App {
             darkroom: Darkroom::new(context),
             print: None,
             stage: Stage::default(),
+            inspector: Inspector::default(),
             title: String::new(),
             smoke,
         }
@@ -86,6 +89,7 @@ impl App {
         self.desk = Some(desk);
         self.print = None;
         self.stage = Stage::default();
+        self.inspector = Inspector::default();
     }
 
     fn open(&mut self, path: PathBuf, context: &Context) {
@@ -169,6 +173,9 @@ impl eframe::App for App {
             }
             Self::hint_of_drop(&context, ui);
         });
+        if let Some(desk) = &mut self.desk {
+            self.inspector.show(&context, desk);
+        }
         if let Some(smoke) = &mut self.smoke {
             smoke.watch(&context, self.desk.as_ref(), self.message.as_deref(), self.print.is_some());
         }

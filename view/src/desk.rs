@@ -52,6 +52,8 @@ pub(crate) struct Desk {
     pub(crate) motion: Option<Motion>,
     /// The pixel that is looked into, and what was found.
     pub(crate) probed: Option<([u32; 2], Probe)>,
+    /// How many were found.
+    pub(crate) probes: u64,
     asked: Option<([u32; 2], Receiver<Result<Option<Probe>, RenderError>>)>,
     /// Lights that are switched off, as they were.
     off: HashMap<LightHandle, Vec3>,
@@ -77,6 +79,7 @@ impl Desk {
             selected: None,
             motion: None,
             probed: None,
+            probes: 0,
             asked: None,
             off: HashMap::new(),
             hidden: HashMap::new(),
@@ -117,6 +120,7 @@ impl Desk {
                         self.selected = Some(probe.pick.light.map_or(Thing::Object(probe.pick.object), Thing::Light));
                     }
                     self.probed = Some((*pixel, probe));
+                    self.probes += 1;
                 }
                 Ok(None) => self.probed = None,
                 Err(fault) => error = Some(fault.to_string()),

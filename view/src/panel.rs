@@ -3,7 +3,7 @@
 use crate::darkroom::Figures;
 use crate::desk::{Desk, Thing};
 use crate::look::View;
-use crate::{inspector, shot};
+use crate::shot;
 use cosine_lobes::glam::{Mat4, Quat, Vec3};
 use cosine_lobes::lighting::Light;
 use cosine_lobes::lobe_core::Accuracy;
@@ -23,7 +23,6 @@ pub(crate) fn show(ui: &mut Ui, desk: &mut Desk, figures: Option<&Figures>, mess
         section(ui, "Speed and accuracy", true, |ui| settings(ui, desk));
         section(ui, "Lights", true, |ui| lights(ui, desk));
         section(ui, "Objects", true, |ui| objects(ui, desk));
-        section(ui, "Pixel", true, |ui| inspector::show(ui, desk));
         section(ui, "Times", false, |ui| times(ui, desk));
     });
 }
