@@ -6,6 +6,7 @@
 //! - [`Edit`]: one change of a scene, with its inverse: [`Session::undo`], [`Session::redo`].
 //! - [`Probe`]: one pixel taken apart by lights, beside the Monte Carlo reference; [`Truth`]: the reference of the whole picture, which
 //!   grows while nothing else is to be done.
+//! - [`Trade`]: error against time of a scene, measured beside the session.
 //! - [`Snapshot`]: the scene that a picture shows, as lists; [`Editor`]: the same with all changes so far, for handles and sliders.
 //! - [`orbited`], [`panned`], [`zoomed`], [`framed`]: cameras that follow a pointer; [`Projection`]: from points to pixels and back;
 //!   [`Handles`]: where lights and objects are taken hold of, and what drags do; [`lamp`]: the same light elsewhere, larger, brighter; [`gloss`]: the
@@ -42,6 +43,7 @@ mod projection;
 mod saving;
 mod session;
 mod snapshot;
+mod trade;
 mod truth;
 mod worker;
 
@@ -56,5 +58,6 @@ pub use crate::projection::Projection;
 pub use crate::saving::{SaveError, changed_text, save};
 pub use crate::session::Session;
 pub use crate::snapshot::{LightItem, MaterialItem, ObjectItem, Snapshot};
+pub use crate::trade::{Trade, TradePoint};
 pub use crate::truth::Truth;
 pub use glam;

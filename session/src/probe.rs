@@ -5,6 +5,9 @@ use reference::{Geometry, Reference, ReferenceJob};
 use renderer::{LayerSet, LightHandle, LightMask, Pick, RenderError, Renderer, Window};
 use scene::BlockerSet;
 
+/// Lights whose masks are drawn: an environment has hundreds.
+const MASKS: usize = 16;
+
 /// One pixel taken apart.
 #[derive(Clone, Debug)]
 pub struct Probe {
@@ -29,8 +32,8 @@ pub struct LightPart {
     pub unshadowed: Vec3,
     /// The fraction of it that a white diffuse surface sees there.
     pub visible: Vec3,
-    /// The light as the point sees it, and what hides it.
-    pub mask: LightMask,
+    /// The light as the point sees it, dark where a blocker hides it; of the sixteen lights that are brightest there without blockers.
+    pub mask: Option<LightMask>,
 }
 
 impl Probe {
@@ -46,13 +49,14 @@ impl Probe {
         let window = Window { image: [width, height], columns: x..x + 1, rows: y..y + 1 };
         let layers = LayerSet { lights: true, ..LayerSet::NONE };
         let image = renderer.render_apart(&window, layers, 1)?;
-        let unshadowed = renderer.unshadowed(x as u32, y as u32);
+        let whole = renderer.unshadowed(x as u32, y as u32);
         let mut parts = Vec::with_capacity(lights.len());
         for (number, light) in lights.into_iter().enumerate() {
             let visible = renderer.visible_fraction(&pick.receiver, light)?;
             let radiance = image.layers.lights.get(number).and_then(|layer| layer.first()).copied().unwrap_or_default();
-            let unshadowed = unshadowed.get(number).copied().unwrap_or_default();
-            let mask = renderer.light_mask(&pick.receiver, light)?;
+            let unshadowed = whole.get(number).copied().unwrap_or_default();
+            let brighter = whole.iter().filter(|other| other.element_sum() > unshadowed.element_sum()).count();
+            let mask = (brighter < MASKS).then(|| renderer.light_mask(&pick.receiver, light)).transpose()?;
             parts.push(LightPart { light, radiance, unshadowed, visible, mask });
         }
         let reference = reference_of(renderer, &window, samples);

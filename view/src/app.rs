@@ -66,7 +66,7 @@ impl App {
             }
         }
         if let Some(desk) = &mut self.desk {
-            if let Some(line) = desk.follow() {
+            if let Some(line) = desk.follow(context) {
                 self.message = Some(line);
             }
             let editor = &desk.editor;

@@ -4,9 +4,10 @@ use crate::look::{Look, View};
 use crate::opening::{Opened, name_of};
 use cosine_lobes::glam::{Mat4, Vec2, Vec3};
 use cosine_lobes::lighting::Light;
-use cosine_lobes::renderer::{LightHandle, ObjectHandle, RenderError};
-use cosine_lobes::scene::{Camera, Strategy};
-use cosine_lobes::session::{Drag, Dragged, Editor, Probe, Projection, Snapshot, framed, lamp, save};
+use cosine_lobes::renderer::{LightHandle, ObjectHandle, RenderError, Renderer, Settings};
+use cosine_lobes::scene::{Animation, Camera, Scene, Strategy};
+use cosine_lobes::session::{Drag, Dragged, Editor, Probe, Projection, Snapshot, Trade, framed, lamp, save};
+use eframe::egui::Context;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::mpsc::Receiver;
@@ -63,7 +64,15 @@ pub(crate) struct Desk {
     /// The layers and samples that were requested of the session.
     requested: Option<(View, u32)>,
     metering: Option<Receiver<f32>>,
+    /// Error against time, once it was requested.
+    pub(crate) trade: Option<Trade>,
+    pub(crate) is_measuring: bool,
+    /// The scene that is to be measured, on its way from the session.
+    sent: Option<Receiver<Measured>>,
 }
+
+/// A scene as settings draw it.
+type Measured = (Scene, Animation, Settings);
 
 impl Desk {
     pub(crate) fn new(opened: Opened) -> Self {
@@ -86,6 +95,9 @@ impl Desk {
             is_playing: false,
             requested: None,
             metering: None,
+            trade: None,
+            is_measuring: false,
+            sent: None,
         }
     }
 
@@ -94,8 +106,9 @@ impl Desk {
     }
 
     /// Takes what the session has done. An error is a line for the user.
-    pub(crate) fn follow(&mut self) -> Option<String> {
+    pub(crate) fn follow(&mut self, context: &Context) -> Option<String> {
         self.editor.follow();
+        self.begin_to_measure(context);
         if self.first_size == [0; 2] && !self.editor.picture().radiance.is_empty() {
             self.first_size = self.editor.scene().size;
             self.saved = Some(self.editor.scene().clone());
@@ -111,6 +124,9 @@ impl Desk {
             (self.look.exposure, self.metered, self.metering) = (exposure, exposure, None);
         }
         let mut error = self.editor.take_errors().pop().map(|error| error.to_string());
+        if let Some(Err(fault)) = self.trade.as_ref().and_then(Trade::end).inspect(|_| self.is_measuring = false) {
+            error = Some(fault.to_string());
+        }
         if let Some((pixel, received)) = &self.asked
             && let Ok(answer) = received.try_recv()
         {
@@ -146,6 +162,25 @@ impl Desk {
     fn ask(&mut self, pixel: [u32; 2]) {
         let [x, y] = pixel;
         self.asked = Some((pixel, self.editor.session().probe(x, y, PROBE_SAMPLES)));
+    }
+
+    /// Begins to measure error against time.
+    pub(crate) fn measure(&mut self, context: &Context) {
+        let copy =
+            |renderer: &Renderer| (renderer.scene().clone(), renderer.animation().clone(), renderer.settings().clone());
+        self.sent = Some(self.editor.session().query(copy));
+        (self.trade, self.is_measuring) = (None, true);
+        context.request_repaint();
+    }
+
+    /// Hands the scene on to be measured, once it is there.
+    fn begin_to_measure(&mut self, context: &Context) {
+        let Some((scene, animation, settings)) = self.sent.as_ref().and_then(|sent| sent.try_recv().ok()) else {
+            return;
+        };
+        self.sent = None;
+        let waker = context.clone();
+        self.trade = Some(Trade::new(scene, animation, settings, move || waker.request_repaint()));
     }
 
     /// Meters the exposure anew.

@@ -29,25 +29,27 @@ impl Inspector {
         if self.probe != desk.probes {
             self.probe = desk.probes;
             let draw = |(number, part): &(usize, &LightPart)| {
+                let mask = part.mask.as_ref()?;
                 let hue = scene.lights.get(*number).map_or(Vec3::ONE, |item| item.light.full_radiance());
-                context.load_texture("mask", picture(&part.mask, hue), TextureOptions::NEAREST)
+                Some(context.load_texture("mask", picture(mask, hue), TextureOptions::NEAREST))
             };
-            self.masks = parts.iter().take(MASKS).map(draw).collect();
+            self.masks = parts.iter().take(MASKS).map_while(draw).collect();
         }
         let mut is_open = true;
-        Window::new("Pixel").open(&mut is_open).default_pos(pos2(12.0, 12.0)).resizable(false).show(context, |ui| {
+        Window::new("Pixel").open(&mut is_open).default_pos(pos2(34.0, 34.0)).resizable(false).show(context, |ui| {
             surface(ui, scene, *pixel, probe);
             ui.separator();
             lights(ui, scene, &parts);
             ui.separator();
             ui.label(RichText::new("the lights as this point sees them; dark: hidden").weak());
             ui.horizontal(|ui| {
-                for ((number, part), mask) in parts.iter().zip(&self.masks) {
+                for ((number, part), texture) in parts.iter().zip(&self.masks) {
+                    let Some(mask) = &part.mask else { continue };
                     ui.vertical(|ui| {
-                        let sides = part.mask.sides / part.mask.sides.max_element().max(f32::MIN_POSITIVE);
+                        let sides = mask.sides / mask.sides.max_element().max(f32::MIN_POSITIVE);
                         let size = vec2(SIDE * sides.x.max(0.05), SIDE * sides.y.max(0.05));
-                        ui.add(Image::new((mask.id(), size)));
-                        ui.label(format!("{number}: {:.1} % lit", 100.0 * part.mask.lit()));
+                        ui.add(Image::new((texture.id(), size)));
+                        ui.label(format!("{number}: {:.1} % lit", 100.0 * mask.lit()));
                     });
                 }
             });

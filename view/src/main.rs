@@ -14,6 +14,7 @@ mod shot;
 mod smoke;
 mod stage;
 mod status;
+mod trade;
 
 use std::process::ExitCode;
 

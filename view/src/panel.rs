@@ -3,7 +3,7 @@
 use crate::darkroom::Figures;
 use crate::desk::{Desk, Thing};
 use crate::look::View;
-use crate::shot;
+use crate::{shot, trade};
 use cosine_lobes::glam::{Mat4, Quat, Vec3};
 use cosine_lobes::lighting::Light;
 use cosine_lobes::lobe_core::Accuracy;
@@ -23,6 +23,7 @@ pub(crate) fn show(ui: &mut Ui, desk: &mut Desk, figures: Option<&Figures>, mess
         section(ui, "Speed and accuracy", true, |ui| settings(ui, desk));
         section(ui, "Lights", true, |ui| lights(ui, desk));
         section(ui, "Objects", true, |ui| objects(ui, desk));
+        section(ui, "Error against time", false, |ui| trade::show(ui, desk));
         section(ui, "Times", false, |ui| times(ui, desk));
     });
 }
@@ -94,12 +95,20 @@ fn view(ui: &mut Ui, desk: &mut Desk, figures: Option<&Figures>) {
     }
 }
 
+/// With fewer samples the noise of the reference hides all else.
+const ENOUGH: u32 = 64;
+
 fn show_figures(ui: &mut Ui, desk: &Desk, figures: Option<&Figures>) {
     let Some(Figures { samples, all, shadows }) = figures else {
         let is_ready = desk.editor.is_finished();
         ui.label(RichText::new(if is_ready { "The reference comes …" } else { "The picture comes first …" }).weak());
         return;
     };
+    if *samples < ENOUGH {
+        let text = format!("The reference has {samples} samples; figures come from {ENOUGH} on.");
+        ui.label(RichText::new(text).weak());
+        return;
+    }
     let percent = |value: f64| format!("{:.3} %", 100.0 * value);
     Grid::new("figures").num_columns(4).striped(true).show(ui, |ui| {
         for name in ["error", "mean", "p99", "largest"] {

@@ -274,7 +274,7 @@ impl Hands {
             self.draw_light(painter, &item.light, is_chosen);
         }
         if let Some(Thing::Object(handle)) = desk.selected
-            && let Some(item) = desk.editor.object(handle)
+            && let Some(item) = desk.editor.object(handle).filter(|item| !item.is_backdrop)
         {
             self.draw_box(painter, item.bounds);
         }
