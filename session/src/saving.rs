@@ -549,9 +549,8 @@ fn check(path: &Path, text: &str, now: &Snapshot) -> Result<(), SaveError> {
     if [scene.width, scene.height] != now.size || scene.lights.len() != now.lights.len() {
         return wrong("picture, or other lights");
     }
-    if !animation.moves_camera()
-        && !(is_near(scene.camera.eye, now.camera.eye) && is_near(scene.camera.target, now.camera.target))
-    {
+    let is_same_camera = is_near(scene.camera.eye, now.camera.eye) && is_near(scene.camera.target, now.camera.target);
+    if !is_same_camera && !animation.moves_camera() {
         return wrong("camera");
     }
     for (light, item) in scene.lights.iter().zip(&now.lights).filter(|(_, item)| !item.is_animated) {

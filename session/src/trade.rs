@@ -5,7 +5,7 @@ use ray_tracing::GBuffer;
 use reference::{Geometry, Reference, ReferenceJob};
 use renderer::{LayerSet, RenderError, Renderer, Settings};
 use scene::{Animation, BlockerSet, Scene};
-use std::sync::mpsc::{self, Receiver, TryRecvError};
+use std::sync::mpsc::{self, Receiver};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 
@@ -71,10 +71,7 @@ impl Trade {
     /// # Errors
     /// Those of pictures.
     pub fn end(&self) -> Option<Result<(), RenderError>> {
-        match self.ended.try_recv() {
-            Ok(done) => Some(done),
-            Err(TryRecvError::Empty | TryRecvError::Disconnected) => None,
-        }
+        self.ended.try_recv().ok()
     }
 }
 

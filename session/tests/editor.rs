@@ -83,7 +83,7 @@ fn layers_come_with_pictures_and_are_no_step() {
         editor.follow();
     }
     let (layers, steps) = (&editor.picture().layers, editor.scene().steps);
-    assert_eq!((layers.normals.len() > 0, layers.unshadowed.len() > 0, steps), (true, true, [0, 0]));
+    assert!(!layers.normals.is_empty() && !layers.unshadowed.is_empty() && steps == [0, 0]);
     // Settings that change keep them.
     editor.set_settings(Settings { layers: LayerSet::NONE, ..editor.scene().settings.clone() });
     settle(&mut editor);

@@ -30,7 +30,7 @@ pub(crate) enum Motion {
     Orbit(Camera),
     Pan(Camera),
     /// A light by a handle: as it was.
-    Light(LightHandle, Light, Drag),
+    Light(LightHandle, Box<Light>, Drag),
     /// An object by a handle: where it was.
     Object(ObjectHandle, Mat4, Drag),
     Split,
@@ -55,7 +55,7 @@ pub(crate) struct Desk {
     pub(crate) probed: Option<([u32; 2], Probe)>,
     /// How many were found.
     pub(crate) probes: u64,
-    asked: Option<([u32; 2], Receiver<Result<Option<Probe>, RenderError>>)>,
+    asked: Option<([u32; 2], Receiver<Answer>)>,
     /// Lights that are switched off, as they were.
     off: HashMap<LightHandle, Vec3>,
     /// The strategies of objects that are hidden.
@@ -70,6 +70,9 @@ pub(crate) struct Desk {
     /// The scene that is to be measured, on its way from the session.
     sent: Option<Receiver<Measured>>,
 }
+
+/// A pixel taken apart; none where it shows no surface.
+type Answer = Result<Option<Probe>, RenderError>;
 
 /// A scene as settings draw it.
 type Measured = (Scene, Animation, Settings);
@@ -258,7 +261,7 @@ impl Desk {
                 let light = match dragged {
                     Dragged::Shift(by) => lamp::shifted(before, by),
                     Dragged::Scale(by) => {
-                        lamp::size(before).map_or(before.clone(), |size| lamp::resized(before, size * by))
+                        lamp::size(before).map_or_else(|| (**before).clone(), |size| lamp::resized(before, size * by))
                     }
                     Dragged::Toward(direction) => lamp::aimed(before, direction),
                 };

@@ -194,7 +194,11 @@ impl Hands {
                 Some(thing) => {
                     desk.selected = Some(thing);
                     match self.handles(desk) {
-                        Some(handles) => self.take(desk, thing, handles, (Grip::Middle, from)),
+                        // One whose mark is at the edge comes under the pointer.
+                        Some(handles) => {
+                            let middle = handles.middle().filter(|middle| middle.distance(from) > MARK);
+                            self.take(desk, thing, handles, (Grip::Middle, middle.unwrap_or(from)))
+                        }
                         None => Motion::Orbit(camera),
                     }
                 }
@@ -207,7 +211,7 @@ impl Hands {
         let drag = handles.drag(grip, from);
         let before = match thing {
             Thing::Light(handle) => {
-                desk.editor.light(handle).map(|item| Motion::Light(handle, item.light.clone(), drag))
+                desk.editor.light(handle).map(|item| Motion::Light(handle, Box::new(item.light.clone()), drag))
             }
             Thing::Object(handle) => {
                 desk.editor.object(handle).map(|item| Motion::Object(handle, item.transform, drag))

@@ -97,7 +97,7 @@ fn a_missing_file_is_one_line() -> Result<(), Failed> {
     Ok(())
 }
 
-/// What needs no window.
+/// The options, which need no window.
 fn the_command_line() -> Result<(), Failed> {
     let run = |arguments: &[&str]| Command::new(PROGRAM).args(arguments).output();
     let help = run(&["--help"])?;
