@@ -1,7 +1,7 @@
 //! The bar of the animation: play, and any moment.
 
 use crate::desk::Desk;
-use eframe::egui::{Slider, Ui};
+use eframe::egui::{Slider, SliderClamping, Ui};
 
 pub(crate) fn show(ui: &mut Ui, desk: &mut Desk) {
     let (duration, mut time) = (desk.editor.scene().duration, desk.editor.scene().time);
@@ -19,7 +19,8 @@ pub(crate) fn show(ui: &mut Ui, desk: &mut Desk) {
             desk.is_playing = !desk.is_playing;
         }
         ui.spacing_mut().slider_width = (ui.available_width() - 90.0).max(80.0);
-        let slider = Slider::new(&mut time, 0.0..=duration).suffix(" s").fixed_decimals(2);
+        let slider =
+            Slider::new(&mut time, 0.0..=duration).suffix(" s").fixed_decimals(2).clamping(SliderClamping::Edits);
         let response = ui.add(slider);
         if response.changed() {
             desk.is_playing = false;

@@ -4,12 +4,14 @@ use crate::darkroom::Figures;
 use crate::desk::{Desk, Thing};
 use crate::look::View;
 use crate::{shot, trade};
+use core::ops::RangeInclusive;
 use cosine_lobes::glam::{Mat4, Quat, Vec3};
 use cosine_lobes::lighting::Light;
 use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::renderer::{Device, LightHandle, Method, Settings};
 use cosine_lobes::scene::Strategy;
 use cosine_lobes::session::{LightItem, ObjectItem, gloss, lamp};
+use eframe::egui::emath::Numeric;
 use eframe::egui::{
     Button, CollapsingHeader, Color32, ComboBox, Grid, Response, RichText, ScrollArea, Slider, SliderClamping, Ui,
 };
@@ -57,6 +59,11 @@ fn tools(ui: &mut Ui, desk: &mut Desk, message: &mut Option<String>) {
     });
 }
 
+/// A slider that leaves its value as it is until it is moved: by itself it would round it, and bring it into its range.
+fn slider<N: Numeric>(value: &mut N, range: RangeInclusive<N>) -> Slider<'_> {
+    Slider::new(value, range).clamping(SliderClamping::Edits)
+}
+
 /// Closes the step once a slider rests.
 fn rests(response: &Response, desk: &mut Desk) {
     if response.drag_stopped() || response.changed() && !response.dragged() {
@@ -85,7 +92,7 @@ fn view(ui: &mut Ui, desk: &mut Desk, figures: Option<&Figures>) {
     }
     ui.horizontal(|ui| {
         let range = desk.metered - 8.0..=desk.metered + 8.0;
-        ui.add(Slider::new(&mut desk.look.exposure, range).step_by(0.1).text("exposure"));
+        ui.add(slider(&mut desk.look.exposure, range).step_by(0.1).text("exposure"));
         if ui.small_button("meter").clicked() {
             desk.meter();
         }
@@ -132,8 +139,8 @@ fn settings(ui: &mut Ui, desk: &mut Desk) {
     let before = desk.editor.scene().settings.clone();
     let mut now = before.clone();
     let mut percent = 100.0 * now.accuracy.tolerance;
-    let slider = Slider::new(&mut percent, 0.05..=5.0).logarithmic(true).suffix(" %").text("tolerance");
-    let response = ui.add(slider).on_hover_text("the error that shadows may have; more is faster");
+    let tolerance = slider(&mut percent, 0.05..=5.0).logarithmic(true).suffix(" %").text("tolerance");
+    let response = ui.add(tolerance).on_hover_text("the error that shadows may have; more is faster");
     if response.changed() {
         now.accuracy = Accuracy::new(percent / 100.0);
     }
@@ -141,7 +148,7 @@ fn settings(ui: &mut Ui, desk: &mut Desk) {
     strategy(ui, "shadows by", "all", &mut now.strategy, "as each object says");
     device(ui, desk, &mut now);
     let mut samples = now.samples;
-    let rays = ui.add(Slider::new(&mut samples, 1..=16).logarithmic(true).text("rays a pixel"));
+    let rays = ui.add(slider(&mut samples, 1..=16).logarithmic(true).text("rays a pixel"));
     now.samples = samples;
     let is_changed = now.accuracy != before.accuracy
         || now.method != before.method
@@ -255,7 +262,7 @@ fn light(ui: &mut Ui, desk: &mut Desk, handle: LightHandle, before: &Light, is_a
             Light::Sun(_) => (0.001..=0.8, "half-angle"),
             _ => (1e-3 * desk.extent..=desk.extent, "size"),
         };
-        let slider = Slider::new(&mut size, range).logarithmic(true).clamping(SliderClamping::Never).text(name);
+        let slider = slider(&mut size, range).logarithmic(true).text(name);
         let response = ui.add(slider).on_hover_text("its power stays the same");
         if response.changed() {
             desk.editor.set_light(handle, lamp::resized(before, size));
@@ -265,8 +272,7 @@ fn light(ui: &mut Ui, desk: &mut Desk, handle: LightHandle, before: &Light, is_a
     let radiance = before.full_radiance();
     let mut most = radiance.max_element();
     if most > 0.0 && lamp::has_radiance(before) {
-        let slider =
-            Slider::new(&mut most, 1e-2..=1e5).logarithmic(true).clamping(SliderClamping::Never).text("radiance");
+        let slider = slider(&mut most, 1e-2..=1e5).logarithmic(true).text("radiance");
         let response = ui.add(slider);
         if response.changed() {
             desk.editor.set_light(handle, lamp::with_radiance(before, radiance * (most / radiance.max_element())));
@@ -294,8 +300,8 @@ fn light(ui: &mut Ui, desk: &mut Desk, handle: LightHandle, before: &Light, is_a
 fn aim(ui: &mut Ui, desk: &mut Desk, handle: LightHandle, before: &Light, direction: Vec3) {
     let mut lift = direction.y.clamp(-1.0, 1.0).asin().to_degrees();
     let mut turn = direction.x.atan2(direction.z).to_degrees();
-    let around = ui.add(Slider::new(&mut turn, -180.0..=180.0).suffix("°").fixed_decimals(0).text("around"));
-    let upward = ui.add(Slider::new(&mut lift, -89.0..=89.0).suffix("°").fixed_decimals(0).text("upward"));
+    let around = ui.add(slider(&mut turn, -180.0..=180.0).suffix("°").fixed_decimals(0).text("around"));
+    let upward = ui.add(slider(&mut lift, -89.0..=89.0).suffix("°").fixed_decimals(0).text("upward"));
     if around.changed() || upward.changed() {
         let (lift, turn) = (lift.to_radians(), turn.to_radians());
         let toward = Vec3::new(lift.cos() * turn.sin(), lift.sin(), lift.cos() * turn.cos());
@@ -365,7 +371,7 @@ fn material(ui: &mut Ui, desk: &mut Desk, item: &ObjectItem) {
         Some(gloss::Gloss::Roughness(roughness)) => (roughness, 0.02..=1.0, false, "roughness"),
         None => return,
     };
-    let response = ui.add(Slider::new(&mut number, range).logarithmic(is_logarithmic).text(name));
+    let response = ui.add(slider(&mut number, range).logarithmic(is_logarithmic).text(name));
     if response.changed() {
         desk.editor.set_material(handle, gloss::with(material, number));
     }
