@@ -25,7 +25,7 @@ pub struct TradePoint {
     pub tolerance: f32,
     /// Seconds of shading the whole picture, in proportion to its pixels.
     pub seconds: f64,
-    /// Mean error over all channels, as a part of the mean of the reference.
+    /// Mean error of pixels in penumbra, as a part of their unshadowed radiance.
     pub error: f64,
 }
 
@@ -101,7 +101,7 @@ fn measure(
         ..settings
     };
     let mut renderer = Renderer::new(scene, animation, settings)?;
-    let reference = truth(&mut renderer, stop);
+    let truth = truth(&mut renderer, stop);
     for tolerance in TOLERANCES {
         if stop.load(Ordering::Relaxed) {
             break;
@@ -109,7 +109,7 @@ fn measure(
         renderer.set_accuracy(Accuracy::new(tolerance))?;
         let image = renderer.render()?;
         let seconds = image.stats.shading.iter().map(|stats| stats.seconds).fold(f64::INFINITY, f64::min);
-        found(TradePoint { tolerance, seconds: more * seconds, error: error_of(&image.radiance, &reference) });
+        found(TradePoint { tolerance, seconds: more * seconds, error: error_of(&image.radiance, &truth) });
     }
     Ok(())
 }
@@ -119,8 +119,8 @@ fn small(scene: &Scene, scale: f32) -> (u32, u32) {
     (side(scene.width), side(scene.height))
 }
 
-/// The picture by shadow rays on the true surfaces.
-fn truth(renderer: &mut Renderer, stop: &AtomicBool) -> Vec<Vec3> {
+/// The picture by shadow rays on the true surfaces, with blockers and without.
+fn truth(renderer: &mut Renderer, stop: &AtomicBool) -> [Vec<Vec3>; 2] {
     let (width, height, background) = {
         let scene = renderer.scene();
         (scene.width, scene.height, scene.background)
@@ -131,18 +131,23 @@ fn truth(renderer: &mut Renderer, stop: &AtomicBool) -> Vec<Vec3> {
         let job = ReferenceJob { world, gbuffer: &gbuffer, blockers: &blockers, geometry: Geometry::Mesh, seed: 7 };
         let mut reference = Reference::new(job);
         reference.advance(SAMPLES, stop, &|_| {});
-        let mut radiance = reference.estimate().radiance;
-        gbuffer.add_emission(&mut radiance);
-        gbuffer.picture(&radiance, background)
+        let estimate = reference.estimate();
+        [estimate.radiance, estimate.unshadowed].map(|mut radiance| {
+            gbuffer.add_emission(&mut radiance);
+            gbuffer.picture(&radiance, background)
+        })
     })
 }
 
-/// `mean |A − B| / mean B`.
-fn error_of(picture: &[Vec3], reference: &[Vec3]) -> f64 {
-    let sum = |values: &mut dyn Iterator<Item = Vec3>| values.map(|v| v.as_dvec3().element_sum()).sum::<f64>();
-    let off = sum(&mut picture.iter().zip(reference).map(|(a, b)| (*a - *b).abs()));
-    let all = sum(&mut reference.iter().copied());
-    if all > 0.0 { off / all } else { 0.0 }
+/// `mean |A − B|/U` over the pixels in penumbra, those with `B/U` between 1 % and 99 %: the picture A, the reference B, the same without
+/// blockers U, each summed over its channels. 0 where there is no penumbra.
+fn error_of(picture: &[Vec3], [reference, unshadowed]: &[Vec<Vec3>; 2]) -> f64 {
+    let sum = |v: &Vec3| f64::from(v.element_sum());
+    let pixels = picture.iter().zip(reference).zip(unshadowed).map(|((a, b), u)| (sum(a), sum(b), sum(u)));
+    let penumbra = pixels.filter(|(_, b, u)| *u > 0.0 && (0.01..0.99).contains(&(b / u)));
+    let (total, count) =
+        penumbra.fold((0.0, 0_u32), |(total, count), (a, b, u)| (total + (a - b).abs() / u, count + 1));
+    total / f64::from(count.max(1))
 }
 
 #[cfg(test)]
@@ -169,7 +174,9 @@ mod tests {
     #[test]
     fn errors_by_hand() {
         let of = |values: [f32; 2]| values.map(Vec3::splat).to_vec();
-        assert_eq!(error_of(&of([1.5, 2.0]), &of([1.0, 3.0])), 0.375);
-        assert_eq!(error_of(&of([1.0, 1.0]), &of([0.0, 0.0])), 0.0);
+        // Half of the first pixel's light is hidden, none of the second one's.
+        let truth = [of([1.0, 3.0]), of([2.0, 3.0])];
+        assert_eq!(error_of(&of([1.5, 2.0]), &truth), 0.25);
+        assert_eq!(error_of(&of([1.0, 1.0]), &[of([0.0, 1.0]), of([0.0, 1.0])]), 0.0);
     }
 }

@@ -52,7 +52,11 @@ fn plot(ui: &mut Ui, points: &[TradePoint], tolerance: f32) -> Option<f32> {
     for (value, y) in [(errors[0], rect.bottom()), (errors[1], rect.top())] {
         text(pos2(rect.left() - 4.0, y), Align2::RIGHT_CENTER, format!("{:.2} %", 100.0 * value));
     }
-    text(pos2(rect.center().x, rect.bottom() + 18.0), Align2::CENTER_TOP, "shading · mean error upward".to_owned());
+    text(
+        pos2(rect.center().x, rect.bottom() + 18.0),
+        Align2::CENTER_TOP,
+        "time of shading, to the right; mean error in penumbra, upward".to_owned(),
+    );
     for pair in points.windows(2) {
         painter.line_segment([place(&pair[0]), place(&pair[1])], Stroke::new(1.0, POINT.gamma_multiply(0.5)));
     }
