@@ -98,6 +98,29 @@ impl MetallicRoughness {
         Ok(Self { coat: [f0, Vec3::splat(f90)], rows: RowTable::own(), ..self })
     }
 
+    /// The same coat on another base: colour, metalness and roughness, all in [0, 1].
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_base(self, base: Vec3, metallic: f32, roughness: f32) -> Result<Self, MaterialError> {
+        Ok(Self { coat: self.coat, ..Self::new(base, metallic, roughness)? })
+    }
+
+    /// Base colour, metalness and roughness.
+    ///
+    /// ```
+    /// # use brdf::MetallicRoughness;
+    /// # use glam::Vec3;
+    /// let metal = MetallicRoughness::new(Vec3::ONE, 1.0, 0.3)?;
+    /// let (base, metallic, roughness) = metal.base();
+    /// assert_eq!(metal.clone().with_base(base, metallic, roughness)?, metal);
+    /// # Ok::<(), brdf::MaterialError>(())
+    /// ```
+    #[must_use]
+    pub const fn base(&self) -> (Vec3, f32, f32) {
+        (self.base, self.metallic, self.roughness)
+    }
+
     pub(crate) fn rows(&self) -> &Rows {
         self.rows.get(self.roughness, self.reflectances()[0].element_sum() / 3.0)
     }

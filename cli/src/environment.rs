@@ -14,11 +14,16 @@ pub(crate) fn prepare(command: &Command) {
         _ => false,
     };
     if wants_gpu {
-        let lacking = lacking(|name| std::env::var_os(name), has_avx512());
+        let lacking = of_gpu();
         if !lacking.is_empty() {
             start_anew(&lacking);
         }
     }
+}
+
+/// The variables that a program with a GPU lacks.
+pub(crate) fn of_gpu() -> Vec<(&'static str, &'static str)> {
+    lacking(|name| std::env::var_os(name), has_avx512())
 }
 
 /// The variables to set, in an environment that `get` reads.

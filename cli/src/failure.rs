@@ -15,6 +15,11 @@ impl Failure {
         Self { message: message.to_string(), code: 2 }
     }
 
+    /// The failure of another program, which has told it.
+    pub(crate) const fn said(code: u8) -> Self {
+        Self { message: String::new(), code }
+    }
+
     /// Ctrl-C, after everything was put away; no message where nothing is left of the work.
     pub(crate) fn interrupted(message: impl Display) -> Self {
         Self { message: message.to_string(), code: 130 }
@@ -31,6 +36,7 @@ impl Failure {
         match self.code {
             130 if line.is_empty() => console::note(console::INTERRUPTED),
             130 => console::note(format_args!("lobes: interrupted: {line}")),
+            _ if line.is_empty() => {}
             _ => console::note(format_args!("lobes: error: {line}")),
         }
         ExitCode::from(self.code)

@@ -16,6 +16,7 @@ mod fingerprint;
 mod input;
 mod merge;
 mod moment;
+mod open;
 mod prices;
 mod quality;
 mod reference;
@@ -37,6 +38,7 @@ fn run() -> Result<(), Failure> {
     console::catch_interrupts()?;
     match command {
         Command::Render(args) => render::run(&args),
+        Command::View(args) => open::run(&args),
         Command::Reference(args) => reference::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Check(args) => check::run(&args),

@@ -150,6 +150,27 @@ impl FlatLight {
         Self { radiance: flux / (PI * self.area * sides), ..self }
     }
 
+    /// The same at another size about its middle, with the same radiance: its lengths times a factor above 0.
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use lighting::FlatLight;
+    /// let panel = FlatLight::rectangle(Vec3::Y, Vec3::X, Vec3::Z, Vec3::ONE)?;
+    /// assert_eq!(panel.scaled(0.5), FlatLight::rectangle(Vec3::Y, Vec3::X * 0.5, Vec3::Z * 0.5, Vec3::ONE)?);
+    /// # Ok::<(), lighting::FlatLightError>(())
+    /// ```
+    #[must_use]
+    pub fn scaled(self, factor: f32) -> Self {
+        let center = self.bounds.center;
+        Self {
+            corners: self.corners.map(|p| center + factor * (p - center)),
+            disc: self.disc.map(|radius| factor * radius),
+            bounds: Sphere { radius: factor * self.bounds.radius, ..self.bounds },
+            area: factor * factor * self.area,
+            ..self
+        }
+    }
+
     /// The same light showing an image, whose mean is its radiance, of a rectangle with right angles. From the lit side, `u` to
     /// the right and `v` upward, the image is as it is; from behind it is mirrored. None for other shapes.
     #[must_use]

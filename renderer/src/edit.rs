@@ -334,6 +334,11 @@ impl Renderer {
         Ok(self.mark(Stale::SHADING | Stale::POINTS))
     }
 
+    /// Leaves the camera where it is, and the animation moves it no more: [`set_camera`](Self::set_camera) does.
+    pub fn release_camera(&mut self) {
+        self.animation.release_camera();
+    }
+
     /// Sets the size of the picture.
     ///
     /// # Errors

@@ -1,10 +1,10 @@
 use crate::on_objects::OnObjects;
 use crate::{Backend, CustomStrategy, Method, Plan, RenderError, Settings, Shader};
 use lobe_core::paper::{PaperIntegrator, Tables};
-use lobe_core::{Accuracy, LightId, LobeIntegrator, Unshadowed};
+use lobe_core::{Accuracy, Coverage, LightId, LobeIntegrator, Unshadowed, VisibilityQuery};
 use render_cpu::{CpuShader, SceneSilhouettes, SurfaceHits, World};
 use scene::{Object, Shape, Strategy};
-use visibility_mask::{Blockers, DynMixture, MaskVisibility, Mixture, PaperVisibility};
+use visibility_mask::{Blockers, DynMixture, Mask, MaskVisibility, Mixture, PaperVisibility};
 use visibility_rays::RayBlockers;
 use visibility_shadowmap::{ShadowMap, ShadowMapBlockers};
 use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
@@ -132,6 +132,14 @@ impl<'a> FrameBlockers<'a> {
             cut.push(triangles);
         }
         Some(GpuSilhouettes::new(self.meshes.iter().copied()).with_clipped(&cut))
+    }
+
+    /// The mask of a light in which all of these blockers are drawn.
+    pub(crate) fn mask(self, query: &VisibilityQuery<'_>) -> (Coverage, Mask) {
+        let maps = self.maps.map(|maps| Mixture::new(maps, self.drawn));
+        let custom = DynMixture(self.custom.iter().map(|own| own.blockers()).collect());
+        let triangles = Mixture::new(self.silhouettes, Mixture::new(maps, self.rays));
+        MaskVisibility::new(Mixture::new(custom, Mixture::new(self.spheres, triangles))).mask(query)
     }
 
     /// Runs `work` with a shader for these blockers. The shader has no code for strategies that are absent; mixtures of any kinds

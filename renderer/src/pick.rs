@@ -3,17 +3,17 @@
 use crate::bands::Bands;
 use crate::kept_maps::MapRequest;
 use crate::{
-    Backend, EditError, FrameBlockers, LightHandle, MaterialHandle, Method, ObjectHandle, RenderError, Renderer,
-    Shader, ShaderTask,
+    Backend, EditError, FrameBlockers, LightHandle, LightMask, MaterialHandle, Method, ObjectHandle, RenderError,
+    Renderer, Shader, ShaderTask,
 };
 use brdf::Material;
 use core::ops::ControlFlow;
 use glam::Vec3;
 use lighting::Light;
-use lobe_core::{LightLobes, Receiver, Unshadowed};
+use lobe_core::{Accuracy, LightId, LightLobes, Receiver, Unshadowed};
 use pictures::Window;
 use render_cpu::{CpuShader, GBuffer, ShadeRequest, World};
-use scene::{Frame, Shade, ShadingPoints};
+use scene::{Frame, Scene, Shade, ShadingPoints};
 use visibility_shadowmap::ReceiverBounds;
 
 /// The surface that a pixel shows.
@@ -73,6 +73,28 @@ impl Renderer {
         })
     }
 
+    /// The radiance that the surface in the middle of a pixel would have of each light if nothing blocked it, in the order of the lights;
+    /// empty where the camera meets nothing there, and outside the picture.
+    ///
+    /// # Cost
+    /// One point under all lights, on the CPU.
+    #[must_use]
+    pub fn unshadowed(&mut self, x: u32, y: u32) -> Vec<Vec3> {
+        let (width, height) = (self.scene.width, self.scene.height);
+        if x >= width || y >= height {
+            return Vec::new();
+        }
+        let hierarchy = self.follow_hierarchy();
+        let world = World::with_hierarchy(&self.scene, hierarchy);
+        let found = GBuffer::window(&world, width, height, 1, x..x + 1, y..y + 1);
+        let accuracy = self.chosen.unwrap_or(self.settings.accuracy);
+        let frame = Frame { materials: &found.materials, lights: &self.scene.lights, accuracy, threshold: 0.0 };
+        let request = ShadeRequest { lights: true, ..ShadeRequest::default() };
+        let mut radiance = vec![Vec3::ZERO; found.len()];
+        let (_, layers) = CpuShader::new(Unshadowed).shade_with(&found.points, &frame, &mut radiance, &request);
+        layers.lights
+    }
+
     /// The visible fraction of a light for a white diffuse surface at a point, by the scene's own strategies and accuracy:
     ///
     /// ```text
@@ -89,6 +111,35 @@ impl Renderer {
     /// [`RenderError::Edit`] if the light is not in the scene; those of [`render`](Self::render).
     pub fn visible_fraction(&mut self, at: &Receiver, light: LightHandle) -> Result<Vec3, RenderError> {
         let light = self.light_handles.place(light.0).ok_or(EditError::NoLight(light))?;
+        self.blockers_at(at.position, |blockers, scene, accuracy| {
+            let materials = &[Material::lambert(Vec3::ONE)];
+            let frame = Frame { materials, lights: &scene.lights, accuracy, threshold: 0.0 };
+            blockers.shade(&mut Backend::Cpu, Method::Moments, None, Fraction { at, light, frame })
+        })
+    }
+
+    /// The mask of a light as a point sees it, by the scene's own strategies: one fine mask of the whole light, of the depth that the
+    /// accuracy takes.
+    ///
+    /// # Cost
+    /// As [`visible_fraction`](Self::visible_fraction).
+    ///
+    /// # Errors
+    /// As [`visible_fraction`](Self::visible_fraction).
+    pub fn light_mask(&mut self, at: &Receiver, light: LightHandle) -> Result<LightMask, RenderError> {
+        let light = self.light_handles.place(light.0).ok_or(EditError::NoLight(light))?;
+        self.blockers_at(at.position, |blockers, scene, accuracy| {
+            let light = (LightId(light as u32), &scene.lights[light]);
+            Ok(LightMask::new(blockers, at, light, accuracy))
+        })
+    }
+
+    /// Does something with all that blocks light before a point.
+    fn blockers_at<R>(
+        &mut self,
+        at: Vec3,
+        work: impl FnOnce(FrameBlockers<'_>, &Scene, Accuracy) -> Result<R, RenderError>,
+    ) -> Result<R, RenderError> {
         self.prepare(&mut |_| ControlFlow::Continue(()))?;
         let hierarchy = self.follow(&mut crate::FrameClocks::default())?;
         let world = World::with_hierarchy(&self.scene, hierarchy);
@@ -98,7 +149,7 @@ impl Renderer {
             let parts = if self.settings.keep_points { &whole[..] } else { &[] };
             let seen = Bands::new(&world, &self.settings, parts, &mut self.kept.points, &self.cancel).bounds()?;
             let (resolution, room) = (self.settings.map_resolution, self.backend.room_for_maps());
-            let around = bounds_with(seen, at.position);
+            let around = bounds_with(seen, at);
             maps = if seen == Some(around) {
                 let request = MapRequest { receivers: around, resolution, room };
                 self.kept.maps.update(&self.plan, &self.scene, request, &self.cancel)?.0
@@ -109,10 +160,7 @@ impl Renderer {
         let accuracy = self.chosen.unwrap_or(self.settings.accuracy);
         let (plan, spheres) = (&self.plan, self.spheres.get());
         let blockers = FrameBlockers::new(plan, &world, spheres, maps, &self.silhouettes, accuracy);
-        let blockers = blockers.with(&self.custom.0, &self.settings);
-        let materials = &[Material::lambert(Vec3::ONE)];
-        let frame = Frame { materials, lights: &self.scene.lights, accuracy, threshold: 0.0 };
-        blockers.shade(&mut Backend::Cpu, Method::Moments, None, Fraction { at, light, frame })
+        work(blockers.with(&self.custom.0, &self.settings), &self.scene, accuracy)
     }
 }
 

@@ -209,3 +209,36 @@ fn renderers_go_to_other_threads() {
     let image = std::thread::spawn(move || edited.render().expect("a picture")).join().expect("a thread");
     assert_eq!(image.size, [96, 54]);
 }
+
+/// The lit part of a mask is about the visible fraction, and without blockers the parts of the lights are those of the picture.
+#[test]
+fn masks_show_the_visible_fraction() {
+    let mut renderer = Renderer::new(scene::builtin(), Animation::default(), Settings::default()).expect("a scene");
+    let lights: Vec<LightHandle> = renderer.lights().map(|(handle, _)| handle).collect();
+    let (mut partial, mut worst) = (0, 0.0_f32);
+    for (x, y) in [(695, 371), (300, 470), (250, 490), (640, 360), (700, 380), (400, 500), (480, 430), (760, 395)] {
+        let pick = renderer.pick(x, y).expect("a surface");
+        let unshadowed = renderer.unshadowed(x, y);
+        assert_eq!(unshadowed.len(), lights.len());
+        for (light, whole) in lights.iter().zip(&unshadowed) {
+            let fraction = renderer.visible_fraction(&pick.receiver, *light).expect("a fraction").x;
+            let mask = renderer.light_mask(&pick.receiver, *light).expect("a mask");
+            assert_eq!(mask.samples.len(), mask.size[0] * mask.size[1]);
+            if *whole == Vec3::ZERO {
+                continue;
+            }
+            match fraction {
+                0.0 => assert!(mask.lit() < 0.01, "{x} {y}: {}", mask.lit()),
+                1.0 => assert!(mask.lit() > 0.99, "{x} {y}: {}", mask.lit()),
+                // One by area, the other by the cosine at the surface.
+                _ => {
+                    partial += 1;
+                    worst = worst.max((mask.lit() - fraction).abs());
+                }
+            }
+        }
+    }
+    println!("{partial} in penumbra, {worst} apart at most");
+    assert!(partial >= 3 && worst < 0.05, "{partial}, {worst}");
+    assert!(renderer.unshadowed(5000, 3).is_empty());
+}

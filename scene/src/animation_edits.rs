@@ -172,6 +172,11 @@ impl Animation {
         self.camera.is_some()
     }
 
+    /// Lets the camera stand still from now on, to be moved by others.
+    pub fn release_camera(&mut self) {
+        self.camera = None;
+    }
+
     /// Forgets an object that is [taken out](Scene::remove_object) of the scene: those behind it have numbers that are one less.
     pub fn remove_object(&mut self, object: usize) {
         if object < self.movers.len() {

@@ -25,10 +25,12 @@ pub enum Edit {
     Camera(Camera),
     /// Width and height of the picture.
     Size(u32, u32),
-    /// Accuracy, strategy, method, device and all else.
+    /// Accuracy, strategy, method, device and all else but the [layers](crate::Session::set_layers).
     Settings(Box<Settings>),
     /// The moment of the animation, in seconds.
     Seek(f32),
+    /// Several, one after the other, as one step: all of them or none.
+    All(Vec<Edit>),
 }
 
 impl Edit {
@@ -87,13 +89,27 @@ impl Edit {
             }
             Self::Settings(settings) => {
                 let before = renderer.settings().clone();
-                renderer.set_settings(*settings)?;
+                renderer.set_settings(Settings { layers: before.layers, ..*settings })?;
                 Ok(Self::Settings(Box::new(before)))
             }
             Self::Seek(time) => {
                 let before = renderer.time();
                 renderer.seek(time);
                 Ok(Self::Seek(before))
+            }
+            Self::All(edits) => {
+                let mut inverses = Vec::with_capacity(edits.len());
+                for edit in edits {
+                    match edit.apply(renderer) {
+                        Ok(inverse) => inverses.push(inverse),
+                        Err(error) => {
+                            inverses.into_iter().rev().try_for_each(|inverse| inverse.apply(renderer).map(drop))?;
+                            return Err(error);
+                        }
+                    }
+                }
+                inverses.reverse();
+                Ok(Self::All(inverses))
             }
         }
     }

@@ -45,6 +45,11 @@ impl History {
         Ok(true)
     }
 
+    /// Numbers of steps that can be taken back, and made again.
+    pub(crate) fn steps(&self) -> [usize; 2] {
+        [self.done.len(), self.undone.len()]
+    }
+
     /// Forgets all steps: handles may be others now.
     pub(crate) fn clear(&mut self) {
         *self = Self::default();

@@ -4,7 +4,13 @@
 //!   first where the whole one would take too long; the whole one follows when nothing changes any more, with the same bits as
 //!   [`Renderer::render`](renderer::Renderer::render).
 //! - [`Edit`]: one change of a scene, with its inverse: [`Session::undo`], [`Session::redo`].
-//! - [`Probe`]: one pixel taken apart by lights, beside the Monte Carlo reference.
+//! - [`Probe`]: one pixel taken apart by lights, beside the Monte Carlo reference; [`Truth`]: the reference of the whole picture, which
+//!   grows while nothing else is to be done.
+//! - [`Trade`]: error against time of a scene, measured beside the session.
+//! - [`Snapshot`]: the scene that a picture shows, as lists; [`Editor`]: the same with all changes so far, for handles and sliders.
+//! - [`orbited`], [`panned`], [`zoomed`], [`framed`]: cameras that follow a pointer; [`Projection`]: from points to pixels and back;
+//!   [`Handles`]: where lights and objects are taken hold of, and what drags do; [`lamp`]: the same light elsewhere, larger, brighter; [`gloss`]: the
+//!   same material sharper or duller.
 //!
 //! No window, no input, no drawing here.
 //!
@@ -24,14 +30,34 @@
 //! ```
 
 mod edit;
+mod editor;
+pub mod gloss;
+mod handles;
 mod history;
+pub mod lamp;
+mod navigation;
 mod picture;
 mod probe;
+mod projection;
+#[cfg(feature = "files")]
+mod saving;
 mod session;
+mod snapshot;
+mod trade;
+mod truth;
 mod worker;
 
 pub use crate::edit::Edit;
+pub use crate::editor::Editor;
+pub use crate::handles::{Drag, Dragged, Grip, Handles};
+pub use crate::navigation::{framed, orbited, panned, zoomed};
 pub use crate::picture::Picture;
 pub use crate::probe::{LightPart, Probe};
+pub use crate::projection::Projection;
+#[cfg(feature = "files")]
+pub use crate::saving::{SaveError, changed_text, save};
 pub use crate::session::Session;
+pub use crate::snapshot::{LightItem, MaterialItem, ObjectItem, Snapshot};
+pub use crate::trade::{Trade, TradePoint};
+pub use crate::truth::Truth;
 pub use glam;

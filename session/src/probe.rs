@@ -2,8 +2,11 @@ use core::sync::atomic::AtomicBool;
 use glam::Vec3;
 use ray_tracing::GBuffer;
 use reference::{Geometry, Reference, ReferenceJob};
-use renderer::{LayerSet, LightHandle, Pick, RenderError, Renderer, Window};
+use renderer::{LayerSet, LightHandle, LightMask, Pick, RenderError, Renderer, Window};
 use scene::BlockerSet;
+
+/// Lights whose masks are drawn: an environment has hundreds.
+const MASKS: usize = 16;
 
 /// One pixel taken apart.
 #[derive(Clone, Debug)]
@@ -19,14 +22,18 @@ pub struct Probe {
 }
 
 /// The part of a light in a pixel.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct LightPart {
     /// The light.
     pub light: LightHandle,
     /// Radiance that comes of it.
     pub radiance: Vec3,
+    /// The same if nothing blocked it.
+    pub unshadowed: Vec3,
     /// The fraction of it that a white diffuse surface sees there.
     pub visible: Vec3,
+    /// The light as the point sees it, dark where a blocker hides it; of the sixteen lights that are brightest there without blockers.
+    pub mask: Option<LightMask>,
 }
 
 impl Probe {
@@ -42,11 +49,15 @@ impl Probe {
         let window = Window { image: [width, height], columns: x..x + 1, rows: y..y + 1 };
         let layers = LayerSet { lights: true, ..LayerSet::NONE };
         let image = renderer.render_apart(&window, layers, 1)?;
+        let whole = renderer.unshadowed(x as u32, y as u32);
         let mut parts = Vec::with_capacity(lights.len());
         for (number, light) in lights.into_iter().enumerate() {
             let visible = renderer.visible_fraction(&pick.receiver, light)?;
             let radiance = image.layers.lights.get(number).and_then(|layer| layer.first()).copied().unwrap_or_default();
-            parts.push(LightPart { light, radiance, visible });
+            let unshadowed = whole.get(number).copied().unwrap_or_default();
+            let brighter = whole.iter().filter(|other| other.element_sum() > unshadowed.element_sum()).count();
+            let mask = (brighter < MASKS).then(|| renderer.light_mask(&pick.receiver, light)).transpose()?;
+            parts.push(LightPart { light, radiance, unshadowed, visible, mask });
         }
         let reference = reference_of(renderer, &window, samples);
         let radiance = image.radiance.first().copied().unwrap_or_default();

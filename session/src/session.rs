@@ -1,6 +1,7 @@
 use crate::worker::{Command, Worker};
-use crate::{Edit, Picture, Probe};
-use renderer::{RenderError, Renderer};
+use crate::{Edit, Picture, Probe, Truth};
+use core::fmt;
+use renderer::{LayerSet, RenderError, Renderer};
 use scene::{Cancel, Stopwatch};
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -35,14 +36,28 @@ pub(crate) enum Control {
 pub(crate) struct Shared {
     state: Mutex<State>,
     is_newer: Condvar,
+    listener: Mutex<Listener>,
+}
+
+/// Called after each news.
+#[derive(Default)]
+struct Listener(Option<Box<dyn Fn() + Send>>);
+
+impl fmt::Debug for Listener {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Listener").field(&self.0.is_some()).finish()
+    }
 }
 
 #[derive(Debug, Default)]
 struct State {
     picture: Arc<Picture>,
+    truth: Arc<Truth>,
     errors: Vec<RenderError>,
     running: Option<(Control, Cancel)>,
     is_over: bool,
+    /// Commands that were sent.
+    sent: u64,
     /// Changes that were made.
     edits: u64,
     /// How many were made when a picture failed.
@@ -54,11 +69,12 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The token of the work that begins.
-    pub(crate) fn begin(&self, control: Control) -> Cancel {
+    /// The token of the work that begins after so many commands were taken. A refinement ends at once where more are there: they came
+    /// when nothing could be interrupted.
+    pub(crate) fn begin(&self, control: Control, taken: u64) -> Cancel {
         let mut state = self.lock();
         let cancel = Cancel::new();
-        if state.is_over {
+        if state.is_over || control == Control::Refining && state.sent > taken {
             cancel.cancel();
         }
         state.running = Some((control, cancel.clone()));
@@ -72,6 +88,19 @@ impl Shared {
     pub(crate) fn show(&self, picture: Picture) {
         self.lock().picture = Arc::new(picture);
         self.is_newer.notify_all();
+        self.tell();
+    }
+
+    pub(crate) fn show_truth(&self, truth: Truth) {
+        self.lock().truth = Arc::new(truth);
+        self.tell();
+    }
+
+    /// Tells that there is something new.
+    pub(crate) fn tell(&self) {
+        if let Some(listener) = &self.listener.lock().unwrap_or_else(PoisonError::into_inner).0 {
+            listener();
+        }
     }
 
     /// Keeps an error; of a picture with the number of changes so far.
@@ -81,6 +110,7 @@ impl Shared {
         state.failed = edits.or(state.failed);
         drop(state);
         self.is_newer.notify_all();
+        self.tell();
     }
 }
 
@@ -98,6 +128,36 @@ impl Session {
     /// Seconds in which the first picture after an edit is to be there: a thirtieth, unless set.
     pub fn set_budget(&self, seconds: f64) {
         self.send(Command::Budget(seconds));
+    }
+
+    /// Calls `listener`, on the session's thread, after each new picture, growth of the reference, error and answer. It must not wait for
+    /// this session.
+    pub fn set_listener(&self, listener: impl Fn() + Send + 'static) {
+        self.shared.listener.lock().unwrap_or_else(PoisonError::into_inner).0 = Some(Box::new(listener));
+    }
+
+    /// The layers that pictures come with from now on. No step of the history: settings that are taken back keep these.
+    pub fn set_layers(&self, layers: LayerSet) {
+        self.send(Command::Layers(layers));
+        self.interrupt();
+    }
+
+    /// Lets a reference of the picture grow while there is nothing else to do, up to so many samples of each light; 0: none.
+    pub fn set_reference(&self, samples: u32) {
+        self.send(Command::Reference(samples));
+        self.interrupt();
+    }
+
+    /// The reference as far as it has come: one without pixels before the first samples, and an older one until edits are followed.
+    #[must_use]
+    pub fn reference(&self) -> Arc<Truth> {
+        Arc::clone(&self.shared.lock().truth)
+    }
+
+    /// The number of changes so far, with which the picture that shows them all comes as [`Picture::edits`].
+    #[must_use]
+    pub fn edits(&self) -> u64 {
+        self.shared.lock().edits
     }
 
     /// Makes a change. A refused one is among the [errors](Self::take_errors), and changes nothing.
@@ -156,6 +216,11 @@ impl Session {
         self.ask(true, change)
     }
 
+    /// The [exposure](Renderer::exposure) that shows the scene well.
+    pub fn meter(&self) -> Receiver<f32> {
+        self.ask(false, Renderer::exposure)
+    }
+
     /// Takes a pixel apart, beside a reference of so many samples; `None` where it shows no surface.
     pub fn probe(&self, x: u32, y: u32, samples: u32) -> Receiver<Result<Option<Probe>, RenderError>> {
         self.ask(false, move |renderer| Probe::new(renderer, x, y, samples))
@@ -186,6 +251,7 @@ impl Session {
     }
 
     fn send(&self, command: Command) {
+        self.shared.lock().sent += 1;
         // The thread ends with the session alone.
         let _ = self.commands.send(command);
     }

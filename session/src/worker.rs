@@ -1,9 +1,10 @@
 use crate::history::History;
 use crate::session::{Control, Shared};
-use crate::{Edit, Picture};
+use crate::truth::Growth;
+use crate::{Edit, Picture, Snapshot};
 use core::ops::ControlFlow;
-use renderer::{RenderError, Renderer, Stale};
-use scene::Stopwatch;
+use renderer::{LayerSet, RenderError, Renderer, Settings, Stale};
+use scene::{Bounds, Stopwatch};
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 
@@ -19,6 +20,9 @@ pub(crate) enum Command {
     /// Whether it may change the scene.
     Query(Question, bool),
     Budget(f64),
+    Layers(LayerSet),
+    /// Samples of the reference.
+    Reference(u32),
     Quit,
 }
 
@@ -35,6 +39,8 @@ pub(crate) struct Worker {
     commands: Receiver<Command>,
     shared: Arc<Shared>,
     history: History,
+    /// Commands that were taken.
+    taken: u64,
     edits: u64,
     /// The first edit that no picture shows.
     waiting: Option<Stopwatch>,
@@ -42,6 +48,15 @@ pub(crate) struct Worker {
     budget: f64,
     /// Seconds of the last whole picture: with visible points that were there, and with new ones.
     whole: [Option<f64>; 2],
+    /// Boxes around the objects; none where they may have moved.
+    bounds: Option<Vec<Bounds>>,
+    /// The scene of the last picture, with the number of changes that it shows.
+    snapshot: Option<(u64, Arc<Snapshot>)>,
+    /// Samples that the reference is to have.
+    samples: u32,
+    growth: Option<Growth>,
+    /// The last change that the reference shows differently.
+    seen: u64,
 }
 
 /// The coarsest picture has a pixel for so many by so many.
@@ -49,14 +64,28 @@ const COARSEST: u32 = 8;
 
 impl Worker {
     pub(crate) fn new(renderer: Renderer, commands: Receiver<Command>, shared: Arc<Shared>) -> Self {
-        let history = History::default();
-        Self { renderer, commands, shared, history, edits: 0, waiting: None, budget: BUDGET, whole: [None; 2] }
+        Self {
+            renderer,
+            commands,
+            shared,
+            history: History::default(),
+            taken: 0,
+            edits: 0,
+            waiting: None,
+            budget: BUDGET,
+            whole: [None; 2],
+            bounds: None,
+            snapshot: None,
+            samples: 0,
+            growth: None,
+            seen: 0,
+        }
     }
 
     pub(crate) fn run(mut self) {
         let mut is_pending = true;
         loop {
-            let first = match is_pending {
+            let first = match is_pending || self.wants_growth() {
                 true => None,
                 false => match self.commands.recv() {
                     Ok(command) => Some(command),
@@ -64,7 +93,7 @@ impl Worker {
                 },
             };
             // From here on the first picture is not interrupted by edits: they would leave nothing to look at.
-            let cancel = self.shared.begin(Control::First);
+            let cancel = self.shared.begin(Control::First, self.taken);
             self.renderer.set_cancel(cancel);
             let mut next = first.or_else(|| self.commands.try_recv().ok());
             while let Some(command) = next {
@@ -76,6 +105,8 @@ impl Worker {
             }
             if is_pending {
                 is_pending = !self.refine();
+            } else if self.wants_growth() {
+                self.grow();
             }
             if self.shared.is_over() {
                 return;
@@ -85,8 +116,14 @@ impl Worker {
 
     /// Does what is requested; whether there is something new to see.
     fn take(&mut self, command: Command) -> bool {
+        self.taken += 1;
         let shown = self.edits;
         self.edits += u64::from(command.is_change());
+        if command.is_change()
+            && !matches!(&command, Command::Edit(Edit::Settings(settings), _) if self.has_same_rays(settings))
+        {
+            self.seen = self.edits;
+        }
         let (done, since) = match command {
             Command::Edit(edit, since) => (self.history.apply(edit, &mut self.renderer).map(|()| true), Some(since)),
             Command::Undo(since) => (self.history.undo(&mut self.renderer), Some(since)),
@@ -99,15 +136,25 @@ impl Worker {
                 self.budget = seconds;
                 (Ok(false), None)
             }
+            Command::Layers(layers) => (self.set_layers(layers), None),
+            Command::Reference(samples) => {
+                self.samples = samples;
+                (Ok(false), None)
+            }
             Command::Query(question, is_edit) => {
                 question(&mut self.renderer);
                 if is_edit {
                     self.history.clear();
+                    self.bounds = None;
                 }
+                self.shared.tell();
                 (Ok(is_edit), None)
             }
             Command::Quit => (Ok(false), None),
         };
+        if self.renderer.stale().has(Stale::HIERARCHY) {
+            self.bounds = None;
+        }
         match done {
             // A picture follows all the same: who counts changes waits for it.
             Err(error) => {
@@ -136,7 +183,7 @@ impl Worker {
                 Shown::Failed => return true,
                 Shown::Interrupted => return false,
             }
-            let cancel = self.shared.begin(Control::Refining);
+            let cancel = self.shared.begin(Control::Refining, self.taken);
             self.renderer.set_cancel(cancel);
         }
         self.show(1, is_new) != Shown::Interrupted
@@ -158,10 +205,69 @@ impl Worker {
             self.whole[is_new] = Some(watch.seconds());
         }
         let latency = self.waiting.take().map_or(0.0, |since| since.seconds());
-        let (size, radiance, stats) = (image.size, image.radiance, image.stats);
-        let (edits, upkeep) = (self.edits, self.renderer.upkeep());
-        self.shared.show(Picture { size, radiance, divisor, edits, latency, stats, upkeep });
+        let (size, radiance, layers, stats) = (image.size, image.radiance, image.layers, image.stats);
+        let (edits, seen, upkeep, seconds) = (self.edits, self.seen, self.renderer.upkeep(), watch.seconds());
+        let scene = self.snapshot();
+        self.shared.show(Picture {
+            size,
+            radiance,
+            layers,
+            divisor,
+            edits,
+            seen,
+            latency,
+            seconds,
+            stats,
+            upkeep,
+            scene,
+        });
         Shown::Yes
+    }
+
+    /// The scene as it is now.
+    fn snapshot(&mut self) -> Arc<Snapshot> {
+        if let Some((_, known)) = self.snapshot.as_ref().filter(|(edits, _)| *edits == self.edits) {
+            return Arc::clone(known);
+        }
+        let renderer = &self.renderer;
+        let measure = || renderer.scene().objects.iter().map(|object| object.shape.bounds()).collect();
+        let bounds = self.bounds.get_or_insert_with(measure);
+        let snapshot = Arc::new(Snapshot::new(renderer, bounds, self.history.steps()));
+        self.snapshot = Some((self.edits, Arc::clone(&snapshot)));
+        snapshot
+    }
+
+    fn set_layers(&mut self, layers: LayerSet) -> Result<bool, RenderError> {
+        let settings = self.renderer.settings();
+        if settings.layers == layers {
+            return Ok(false);
+        }
+        self.renderer.set_settings(Settings { layers, ..settings.clone() })?;
+        self.snapshot = None;
+        Ok(true)
+    }
+
+    /// Whether other settings leave the reference as it is.
+    fn has_same_rays(&self, settings: &Settings) -> bool {
+        settings.samples == self.renderer.settings().samples
+    }
+
+    /// Whether the reference is to grow.
+    fn wants_growth(&self) -> bool {
+        let samples = self.growth.as_ref().filter(|growth| growth.edits() >= self.seen).map_or(0, Growth::samples);
+        samples < self.samples
+    }
+
+    /// Lets the reference grow by a step, unless something interrupts it.
+    fn grow(&mut self) {
+        let cancel = self.shared.begin(Control::Refining, self.taken);
+        if self.growth.as_ref().is_none_or(|growth| growth.edits() < self.seen) {
+            self.growth = Some(Growth::new(&mut self.renderer, self.edits));
+        }
+        let growth = self.growth.as_mut();
+        if let Some(truth) = growth.and_then(|growth| growth.advance(&mut self.renderer, &cancel)) {
+            self.shared.show_truth(truth);
+        }
     }
 }
 

@@ -296,6 +296,22 @@ impl<B: Blockers> MaskVisibility<B> {
         });
     }
 
+    /// One fine mask of the whole light, of the depth that the query requests, and how much of the light it shows: to be looked at, and
+    /// not on the way of shading, which divides it or draws it coarser as the tolerance allows.
+    pub fn mask(&self, query: &VisibilityQuery<'_>) -> (Coverage, Mask) {
+        let mut scratch = self.blockers.scratch();
+        let coverage = self.blockers.select(query, &mut scratch);
+        let square = Self::whole(query, self.across(query, &scratch));
+        let mut mask = Mask::default();
+        mask.reset_to(&square, depth(query.accuracy), query.at.normal, query.outline);
+        match coverage {
+            Coverage::Lit => {}
+            Coverage::Dark => (0..mask.side()).for_each(|row| mask.block_span(row, f32::NEG_INFINITY, f32::INFINITY)),
+            Coverage::Partial => self.blockers.splat(query, &mut scratch, &mut mask),
+        }
+        (coverage, mask)
+    }
+
     /// Returns the blockers.
     #[must_use]
     pub fn into_blockers(self) -> B {

@@ -4,6 +4,7 @@ mod check;
 mod compare;
 mod figures;
 mod merge;
+mod open;
 mod reference;
 mod render;
 mod spheres;
@@ -15,6 +16,7 @@ pub(crate) use self::check::CheckArgs;
 pub(crate) use self::compare::CompareArgs;
 pub(crate) use self::figures::{Figure, FiguresArgs};
 pub(crate) use self::merge::MergeArgs;
+pub(crate) use self::open::OpenArgs;
 pub(crate) use self::reference::{Geometry, ReferenceArgs};
 pub(crate) use self::render::{Device, Method, RenderArgs, Visibility};
 pub(crate) use self::spheres::SpheresArgs;
@@ -40,12 +42,14 @@ struct Cli {
 const EXAMPLES: &str = "Examples:
   lobes render                                         the built-in scene, to lobes.png
   lobes render scene.toml -o picture.png -o linear.exr
+  lobes view scene.toml                                a window: drag lights, see their shadows follow
   lobes reference scene.toml -o ref.exr --spp 4096     the same by Monte Carlo
   lobes compare linear.exr ref.exr                     how far the one is from the other";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Render(RenderArgs),
+    View(OpenArgs),
     Reference(ReferenceArgs),
     Compare(CompareArgs),
     Check(CheckArgs),

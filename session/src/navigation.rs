@@ -1,0 +1,148 @@
+//! Cameras that follow a pointer.
+
+use crate::Projection;
+use core::f32::consts::PI;
+use glam::{Quat, Vec2, Vec3};
+use scene::{Bounds, Camera};
+
+/// The view comes no nearer to the camera's `up` than this, in radians.
+const POLE: f32 = 0.05;
+
+/// The camera turned about its target: to the left by `turn.x` and upward by `turn.y`, in radians. It keeps its distance and stops
+/// before it looks straight up or down.
+///
+/// ```
+/// use glam::Vec2;
+/// let before = scene::Camera::default();
+/// let after = session::orbited(before, Vec2::new(0.3, 0.1));
+/// assert!((after.eye.distance(after.target) - before.eye.distance(before.target)).abs() < 1e-5);
+/// ```
+#[must_use]
+pub fn orbited(camera: Camera, turn: Vec2) -> Camera {
+    let up = camera.up.normalize_or(Vec3::Y);
+    let offset = camera.eye - camera.target;
+    let distance = offset.length();
+    let toward = offset / distance;
+    let right = up.cross(toward).normalize_or(Vec3::X);
+    // The angle between the direction of the eye and `up`.
+    let polar = toward.dot(up).clamp(-1.0, 1.0).acos();
+    let (low, high) = (POLE.min(polar), (PI - POLE).max(polar));
+    let lift = polar - (polar - turn.y).clamp(low, high);
+    let toward = Quat::from_axis_angle(up, -turn.x) * (Quat::from_axis_angle(right, -lift) * toward);
+    Camera { eye: camera.target + distance * toward.normalize_or(Vec3::Z), ..camera }
+}
+
+/// The camera shifted in its image plane so that what is at its target follows a pointer that moves by so many pixels of a picture.
+#[must_use]
+pub fn panned(camera: Camera, size: Vec2, pixels: Vec2) -> Camera {
+    let projection = Projection::new(camera, size);
+    let [right, up, _] = projection.axes();
+    let shift = projection.pixel_size(camera.target) * (pixels.y * up - pixels.x * right);
+    Camera { eye: camera.eye + shift, target: camera.target + shift, ..camera }
+}
+
+/// The camera at another distance from its target: times a factor.
+#[must_use]
+pub fn zoomed(camera: Camera, factor: f32) -> Camera {
+    let offset = (camera.eye - camera.target) * factor;
+    // Nearer the direction would be lost in rounding; farther coordinates would.
+    let nearest = 1e-4 * (1.0 + camera.target.length());
+    let length = offset.length();
+    if !(nearest..=1e8).contains(&length) {
+        return camera;
+    }
+    Camera { eye: camera.target + offset, ..camera }
+}
+
+/// The camera moved back or forward, and aimed, so that a box fills the picture; it keeps its direction.
+#[must_use]
+pub fn framed(camera: Camera, bounds: Bounds, size: Vec2) -> Camera {
+    let [right, up, forward] = Projection::new(camera, size).axes();
+    let tan_y = (0.5 * camera.vertical_fov).tan();
+    let tan_x = tan_y * size.x / size.y.max(1.0);
+    let (center, half) = (bounds.center(), 0.5 * bounds.size());
+    let corner = |i: u32| half * Vec3::from_array([0, 1, 2].map(|k| if i >> k & 1 == 0 { -1.0 } else { 1.0 }));
+    let needed = |q: Vec3| (q.dot(right).abs() / tan_x).max(q.dot(up).abs() / tan_y) - q.dot(forward);
+    let distance = (0..8).map(corner).map(needed).fold(0.0, f32::max);
+    let usual = camera.eye.distance(camera.target);
+    let distance = if distance > 0.0 { 1.05 * distance } else { usual };
+    Camera { eye: center - distance * forward, target: center, ..camera }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: Vec2 = Vec2::new(640.0, 360.0);
+
+    fn camera() -> Camera {
+        Camera { eye: Vec3::new(1.0, 2.0, 5.0), target: Vec3::new(0.2, 0.5, 0.0), up: Vec3::Y, vertical_fov: 0.7 }
+    }
+
+    #[test]
+    fn an_orbit_keeps_its_distance_and_its_horizon() {
+        let before = camera();
+        let after = orbited(before, Vec2::new(0.4, -0.2));
+        let of = |c: Camera| c.eye - c.target;
+        assert!((of(after).length() - of(before).length()).abs() < 1e-5);
+        assert_eq!(after.target, before.target);
+        let elevation = |c: Camera| (of(c).y / of(c).length()).asin();
+        assert!((elevation(after) - elevation(before) + 0.2).abs() < 1e-5);
+        // The eye turns to the left as it is seen from the target, so that the scene turns to the right.
+        let flat = |c: Camera| Vec2::new(of(c).x, of(c).z);
+        assert!((flat(before).angle_to(flat(after)).abs() - 0.4).abs() < 1e-5);
+        let [right, ..] = Projection::new(before, SIZE).axes();
+        assert!((after.eye - before.eye).dot(right) < 0.0);
+    }
+
+    #[test]
+    fn an_orbit_stops_before_the_poles() {
+        for lift in [10.0, -10.0] {
+            let after = orbited(camera(), Vec2::new(0.0, lift));
+            after.validate().unwrap();
+            let toward = (after.eye - after.target).normalize();
+            assert!((toward.y.abs() - POLE.cos()).abs() < 1e-4, "{toward}");
+            assert_eq!(toward.y > 0.0, lift > 0.0);
+        }
+    }
+
+    #[test]
+    fn the_target_follows_a_pan() {
+        let before = camera();
+        let pixels = Vec2::new(40.0, -25.0);
+        let after = Projection::new(panned(before, SIZE, pixels), SIZE);
+        let moved = after.pixel(before.target).unwrap() - 0.5 * SIZE;
+        assert!(moved.distance(pixels) < 0.05, "{moved}");
+    }
+
+    #[test]
+    fn zoom_has_ends() {
+        let before = camera();
+        let near = zoomed(before, 0.5);
+        assert!((near.eye.distance(near.target) * 2.0 - before.eye.distance(before.target)).abs() < 1e-5);
+        let mut camera = before;
+        (0..2000).for_each(|_| camera = zoomed(camera, 0.9));
+        camera.validate().unwrap();
+        (0..4000).for_each(|_| camera = zoomed(camera, 1.1));
+        camera.validate().unwrap();
+    }
+
+    #[test]
+    fn a_framed_box_fills_the_picture() {
+        let bounds = Bounds { min: Vec3::new(-3.0, 0.0, -1.0), max: Vec3::new(1.0, 2.0, 2.0) };
+        let after = framed(camera(), bounds, SIZE);
+        after.validate().unwrap();
+        let projection = Projection::new(after, SIZE);
+        let mut most = 0.0_f32;
+        for i in 0..8 {
+            let side = |k: usize| if i >> k & 1 == 0 { bounds.min[k] } else { bounds.max[k] };
+            let pixel = projection.pixel(Vec3::new(side(0), side(1), side(2))).unwrap();
+            let from_middle = (pixel - 0.5 * SIZE).abs() / (0.5 * SIZE);
+            most = most.max(from_middle.max_element());
+        }
+        assert!(most > 0.8 && most <= 1.0, "{most}");
+        // One without an extent is looked at from as far as before.
+        let point = framed(camera(), Bounds::EMPTY.with_point(Vec3::ONE), SIZE);
+        assert!((point.eye.distance(point.target) - camera().eye.distance(camera().target)).abs() < 1e-5);
+    }
+}

@@ -1,0 +1,185 @@
+use glam::{Vec2, Vec3};
+use scene::Camera;
+
+/// A camera and the size of its picture, on a screen of any fineness: from points to pixels and back.
+///
+/// Pixels are as in [`Camera::direction`]: row 0 at the top, the centre of the first pixel at (0.5, 0.5).
+///
+/// ```
+/// use glam::{Vec2, Vec3};
+/// let projection = session::Projection::new(scene::Camera::default(), Vec2::new(640.0, 360.0));
+/// let pixel = projection.pixel(Vec3::ZERO).expect("before the eye");
+/// assert!(pixel.distance(Vec2::new(320.0, 180.0)) < 1e-3);
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Projection {
+    camera: Camera,
+    size: Vec2,
+    forward: Vec3,
+    right: Vec3,
+    up: Vec3,
+    /// Pixels a unit at distance 1.
+    focal: f32,
+}
+
+impl Projection {
+    /// The projection of a [valid](Camera::validate) camera.
+    #[must_use]
+    pub fn new(camera: Camera, size: Vec2) -> Self {
+        let forward = (camera.target - camera.eye).normalize_or(Vec3::NEG_Z);
+        let right = forward.cross(camera.up).normalize_or(Vec3::X);
+        let up = right.cross(forward);
+        let focal = 0.5 * size.y / (0.5 * camera.vertical_fov).tan();
+        Self { camera, size, forward, right, up, focal }
+    }
+
+    /// The camera.
+    #[must_use]
+    pub const fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// Unit vectors to the right, upward and forward.
+    #[must_use]
+    pub const fn axes(&self) -> [Vec3; 3] {
+        [self.right, self.up, self.forward]
+    }
+
+    /// Width and height of the picture.
+    #[must_use]
+    pub const fn size(&self) -> Vec2 {
+        self.size
+    }
+
+    /// The place of a point in the picture, which may be outside of it; none for points behind the eye.
+    #[must_use]
+    pub fn pixel(&self, point: Vec3) -> Option<Vec2> {
+        let v = point - self.camera.eye;
+        let depth = v.dot(self.forward);
+        let place = Vec2::new(v.dot(self.right), -v.dot(self.up)) * (self.focal / depth) + 0.5 * self.size;
+        (depth > 0.0 && place.is_finite()).then_some(place)
+    }
+
+    /// Unit direction from the eye through a pixel.
+    #[must_use]
+    pub fn direction(&self, pixel: Vec2) -> Vec3 {
+        let v = (pixel - 0.5 * self.size) / self.focal;
+        (self.forward + v.x * self.right - v.y * self.up).normalize()
+    }
+
+    /// The length that a pixel has at a point; at the target for points behind the eye.
+    #[must_use]
+    pub fn pixel_size(&self, point: Vec3) -> f32 {
+        let depth = (point - self.camera.eye).dot(self.forward);
+        let usual = self.camera.eye.distance(self.camera.target);
+        (if depth > 1e-6 * usual { depth } else { usual }) / self.focal
+    }
+
+    /// The point under a pixel in the plane through `anchor` that faces the camera.
+    #[must_use]
+    pub fn in_view_plane(&self, pixel: Vec2, anchor: Vec3) -> Option<Vec3> {
+        self.in_plane(pixel, anchor, self.forward)
+    }
+
+    /// The point under a pixel in a plane; none where it is seen edge-on or lies behind the eye.
+    #[must_use]
+    pub fn in_plane(&self, pixel: Vec2, anchor: Vec3, normal: Vec3) -> Option<Vec3> {
+        let ray = self.direction(pixel);
+        let t = (anchor - self.camera.eye).dot(normal) / ray.dot(normal);
+        (t > 0.0 && t.is_finite()).then(|| self.camera.eye + t * ray)
+    }
+
+    /// How far along an axis through `anchor` (a unit vector) the point is that is nearest to the ray through a pixel; none where the
+    /// axis points at the eye.
+    #[must_use]
+    pub fn along(&self, pixel: Vec2, anchor: Vec3, axis: Vec3) -> Option<f32> {
+        let ray = self.direction(pixel);
+        let (w, b) = (anchor - self.camera.eye, axis.dot(ray));
+        let denominator = 1.0 - b * b;
+        // |w + t·axis − s·ray|² is least in t and s.
+        let t = (b * w.dot(ray) - w.dot(axis)) / denominator;
+        (denominator > 1e-4 && t.is_finite()).then_some(t)
+    }
+
+    /// The point of a sphere that is nearest to the eye on the ray through a pixel; of a ray that misses it the sphere's nearest one.
+    #[must_use]
+    pub fn on_sphere(&self, pixel: Vec2, center: Vec3, radius: f32) -> Vec3 {
+        let ray = self.direction(pixel);
+        let w = self.camera.eye - center;
+        let b = w.dot(ray);
+        let root = b * b - (w.length_squared() - radius * radius);
+        let nearest = w - b * ray;
+        if root <= 0.0 {
+            return center + radius * nearest.normalize_or(self.up);
+        }
+        center + (w + (-b - root.sqrt()) * ray)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn projection() -> Projection {
+        let camera =
+            Camera { eye: Vec3::new(1.0, 2.0, 5.0), target: Vec3::new(0.2, 0.5, 0.0), up: Vec3::Y, vertical_fov: 0.7 };
+        Projection::new(camera, Vec2::new(640.0, 360.0))
+    }
+
+    #[test]
+    fn pixels_are_those_of_the_camera() {
+        let p = projection();
+        for pixel in [Vec2::new(3.5, 7.5), Vec2::new(320.0, 180.0), Vec2::new(600.0, 20.0)] {
+            let direction = p.camera.direction(pixel.x, pixel.y, 640, 360);
+            assert!((p.direction(pixel) - direction).length() < 1e-6);
+            let back = p.pixel(p.camera.eye + 7.0 * direction).unwrap();
+            assert!(back.distance(pixel) < 1e-2, "{back} {pixel}");
+        }
+        assert_eq!(p.pixel(2.0 * p.camera.eye - p.camera.target), None);
+    }
+
+    #[test]
+    fn a_pixel_has_its_size() {
+        let p = projection();
+        let point = Vec3::new(-0.3, 0.8, 0.4);
+        let size = p.pixel_size(point);
+        let [right, ..] = p.axes();
+        let moved = p.pixel(point + 10.0 * size * right).unwrap() - p.pixel(point).unwrap();
+        assert!((moved.length() - 10.0).abs() < 1e-2, "{moved}");
+    }
+
+    #[test]
+    fn points_under_pixels_are_in_their_planes() {
+        let p = projection();
+        let (anchor, pixel) = (Vec3::new(0.1, 0.3, 0.4), Vec2::new(400.0, 100.0));
+        for normal in [p.axes()[2], Vec3::Y, Vec3::Z] {
+            let Some(point) = p.in_plane(pixel, anchor, normal) else { continue };
+            assert!((point - anchor).dot(normal).abs() < 1e-4);
+            assert!(p.pixel(point).unwrap().distance(pixel) < 1e-2);
+        }
+        assert!(p.in_view_plane(pixel, anchor).is_some());
+        // The plane of the horizon is above this pixel's ray.
+        assert_eq!(p.in_plane(Vec2::new(320.0, 350.0), Vec3::Y * 10.0, Vec3::Y), None);
+    }
+
+    #[test]
+    fn the_nearest_point_of_an_axis() {
+        let p = projection();
+        let (anchor, axis) = (Vec3::new(0.3, 0.1, 0.2), Vec3::X);
+        for want in [-1.5_f32, 0.0, 0.7] {
+            let pixel = p.pixel(anchor + want * axis).unwrap();
+            assert!((p.along(pixel, anchor, axis).unwrap() - want).abs() < 1e-3);
+        }
+        assert_eq!(p.along(Vec2::new(320.0, 180.0), p.camera.target, p.axes()[2]), None);
+    }
+
+    #[test]
+    fn points_of_a_sphere() {
+        let p = projection();
+        let center = p.camera.target;
+        let seen = p.on_sphere(Vec2::new(320.0, 180.0), center, 0.5);
+        assert!((seen - (center - 0.5 * p.axes()[2])).length() < 1e-3);
+        let beside = p.on_sphere(Vec2::new(640.0, 180.0), center, 0.5);
+        assert!((beside.distance(center) - 0.5).abs() < 1e-4);
+    }
+}

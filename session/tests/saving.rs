@@ -1,0 +1,214 @@
+//! Changes of a session written back into the scene file: the file gives the new scene, and keeps all that is not changed.
+
+#![cfg(feature = "files")]
+#![allow(clippy::unwrap_used, reason = "in tests")]
+
+use glam::{Mat4, Quat, Vec3};
+use lighting::Light;
+use renderer::{Renderer, Settings};
+use scene::{Camera, Strategy};
+use session::{Editor, SaveError, Session, Snapshot, gloss, lamp, save};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const TEXT: &str = r#"# A still life.
+
+[image]
+width = 64 # columns
+height = 36
+
+[camera]
+eye = [0.0, 2.0, 6.0]       # the eye
+target = [0.00, 0.50, 0.00]
+fov = 35
+
+# Materials
+
+[materials.gloss]
+model = "modified-phong"
+kd = [0.30, 0.20, 0.10]
+ks = 0.20
+exponent = 40 # sharp
+
+[materials.clay]
+model = "lambert"
+albedo = 0.50
+
+# Objects
+
+[[objects]]
+name = "floor"
+plane = { point = [0, 0, 0], normal = [0, 1, 0], size = 20 }
+material = "clay"
+
+[[objects]] # the box
+name = "box"
+box = { center = [0.0, 0.5, 0.0], size = [1, 1, 1] }
+material = "gloss"
+translate = [0.5, 0.0, 0.0] # to the right
+
+[[objects]]
+name = "ball"
+sphere = { center = [-1.0, 0.5, 0.3], radius = 0.5 }
+
+# Lights
+
+[[lights]]
+kind = "sphere"
+center = [1.0, 4.0, 2.0] # above
+radius = 0.5
+flux = 300 # watts
+
+[[lights]]
+kind = "rectangle"
+center = [-2.0, 3.0, 0.0]
+u = [0.5, 0.0, 0.0]
+v = [0.0, 0.0, -0.3]
+radiance = [4.0, 5.0, 6.0]
+
+[[lights]]
+kind = "spheres"
+spheres = [[0.0, 3.0, 1.0, 0.1], [0.5, 3.0, 1.0, 0.1]]
+radiance = 20
+
+[[lights]]
+kind = "sun"
+direction = [0.3, -1.0, -0.2]
+angle = 2.0
+irradiance = 1.5
+"#;
+
+struct Opened {
+    editor: Editor,
+    before: Snapshot,
+}
+
+fn open(path: &Path) -> Opened {
+    let (scene, animation, warnings) = scene::load_animated(path).unwrap();
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let session = Session::new(Renderer::new(scene, animation, Settings::default()).unwrap());
+    drop(session.finished());
+    let mut editor = Editor::new(session);
+    editor.follow();
+    Opened { before: editor.scene().clone(), editor }
+}
+
+/// Waits until pictures show all changes; none was refused.
+fn settle(editor: &mut Editor) {
+    drop(editor.session().finished());
+    editor.follow();
+    assert!(editor.is_finished());
+    let errors = editor.take_errors();
+    assert!(errors.is_empty(), "{errors:?}");
+}
+
+fn file(folder: &tempfile::TempDir, text: &str) -> PathBuf {
+    let path = folder.path().join("scene.toml");
+    fs::write(&path, text).unwrap();
+    path
+}
+
+fn light(editor: &Editor, number: usize) -> (renderer::LightHandle, Light) {
+    let item = &editor.scene().lights[number];
+    (item.handle, item.light.clone())
+}
+
+#[test]
+fn nothing_changed_leaves_the_file_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, TEXT);
+    let Opened { editor, before } = open(&path);
+    save(&path, &before, editor.scene()).unwrap();
+    assert_eq!(fs::read_to_string(&path).unwrap(), TEXT);
+}
+
+#[test]
+fn every_change_is_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, TEXT);
+    let Opened { mut editor, before } = open(&path);
+    for number in 0..5 {
+        let (handle, before) = light(&editor, number);
+        let moved = lamp::shifted(&before, Vec3::new(0.25, 0.5, -0.125));
+        let moved =
+            if number == 2 || number == 3 { moved } else { lamp::resized(&moved, 1.5 * lamp::size(&before).unwrap()) };
+        editor.set_light(handle, lamp::aimed(&moved, Vec3::new(0.1, -1.0, 0.3).normalize()));
+    }
+    let objects: Vec<_> = editor.scene().objects.iter().map(|item| (item.handle, item.bounds.center())).collect();
+    editor.set_transform(objects[1].0, Mat4::from_translation(Vec3::new(0.0, 0.25, -0.5)));
+    let (ball, middle) = objects[2];
+    let turn = Mat4::from_scale_rotation_translation(Vec3::splat(0.5), Quat::from_rotation_y(0.4), Vec3::X);
+    editor.set_transform(ball, Mat4::from_translation(middle) * turn * Mat4::from_translation(-middle));
+    editor.set_strategy(objects[1].0, Some(Strategy::Rays));
+    let materials = editor.scene().materials.clone();
+    editor.set_material(materials[0].handle, gloss::with(&materials[0].material, 200.0));
+    editor.set_material(materials[1].handle, gloss::with_color(&materials[1].material, Vec3::new(0.1, 0.2, 0.3)));
+    editor.set_camera(Camera { eye: Vec3::new(1.0, 2.5, 5.0), ..editor.scene().camera });
+    settle(&mut editor);
+    save(&path, &before, editor.scene()).unwrap();
+
+    let text = fs::read_to_string(&path).unwrap();
+    println!("{text}");
+    for kept in [
+        "# A still life.",
+        "width = 64 # columns",
+        "# the eye",
+        "target = [0.00, 0.50, 0.00]",
+        "# Materials",
+        "# sharp",
+    ] {
+        assert!(text.contains(kept), "{kept}");
+    }
+    for kept in ["[[objects]] # the box", "# to the right", "# above", "flux = 300 # watts", "kd = [0.30, 0.20, 0.10]"]
+    {
+        assert!(text.contains(kept), "{kept}");
+    }
+    let again = open(&path);
+    let (want, got) = (editor.picture(), again.editor.picture());
+    let most = want.radiance.iter().map(|pixel| pixel.max_element()).fold(0.0, f32::max);
+    // To rounding, but for pixels at edges.
+    let off = want.radiance.iter().zip(&got.radiance).filter(|(a, b)| (**a - **b).abs().max_element() > 1e-3 * most);
+    assert!(off.count() <= 3);
+    // Saved once more, it stays.
+    save(&path, &again.before, again.editor.scene()).unwrap();
+    assert_eq!(fs::read_to_string(&path).unwrap(), text);
+}
+
+#[test]
+fn hidden_objects_and_dark_lights_come_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, TEXT);
+    let Opened { mut editor, before } = open(&path);
+    let (handle, lamp) = light(&editor, 1);
+    editor.set_light(handle, lamp::with_radiance(&lamp, Vec3::ZERO));
+    let ball = editor.scene().objects[2].handle;
+    editor.show(ball, false, Some(Strategy::None));
+    settle(&mut editor);
+    let hidden = editor.scene().clone();
+    save(&path, &before, &hidden).unwrap();
+    let text = fs::read_to_string(&path).unwrap();
+    assert!(text.contains("visible = false\nvisibility = \"none\""), "{text}");
+    editor.undo();
+    editor.undo();
+    settle(&mut editor);
+    save(&path, &hidden, editor.scene()).unwrap();
+    assert_eq!(fs::read_to_string(&path).unwrap(), TEXT);
+}
+
+#[test]
+fn a_file_that_cannot_hold_a_change_stays_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, TEXT);
+    let Opened { mut editor, before } = open(&path);
+    // One of a list, which has one radiance.
+    let (handle, lamp) = light(&editor, 3);
+    editor.set_light(handle, lamp::with_radiance(&lamp, Vec3::splat(5.0)));
+    settle(&mut editor);
+    let error = save(&path, &before, editor.scene()).unwrap_err();
+    assert!(matches!(error, SaveError::Change(_)), "{error}");
+    assert_eq!(fs::read_to_string(&path).unwrap(), TEXT);
+    // One that was changed meanwhile.
+    fs::write(&path, TEXT.replace("[[lights]]\nkind = \"sun\"", "[[lights]]\nkind = \"ambient\"")).unwrap();
+    assert!(save(&path, &before, editor.scene()).is_err());
+    assert!(!folder.path().join("scene.toml.new").exists());
+}

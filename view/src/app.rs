@@ -1,0 +1,201 @@
+use crate::args::Args;
+use crate::darkroom::{Darkroom, Order, Print};
+use crate::desk::Desk;
+use crate::inspector::Inspector;
+use crate::opening::{Opened, Opening, name_of};
+use crate::smoke::Smoke;
+use crate::stage::Stage;
+use crate::{animation, panel, shot, status};
+use eframe::egui::{
+    self, CentralPanel, Context, Frame, Key, KeyboardShortcut, Modifiers, Panel, Ui, ViewportBuilder, ViewportCommand,
+};
+use std::path::PathBuf;
+
+/// Opens the window, and stays until it is closed. An error is a line for the user.
+pub(crate) fn run(args: Args) -> Result<(), String> {
+    let viewport = ViewportBuilder::default()
+        .with_title("lobes")
+        .with_app_id("lobes-view")
+        .with_inner_size([1320.0, 780.0])
+        .with_drag_and_drop(true);
+    let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
+    let smoke = args.smoke.map(Smoke::new);
+    let failed = smoke.as_ref().map(Smoke::outcome);
+    let start = move |context: &Context| App::new(context, args.file, smoke);
+    eframe::run_native("lobes", options, Box::new(move |creation| Ok(Box::new(start(&creation.egui_ctx)))))
+        .map_err(|error| format!("no window: {error}"))?;
+    failed.map_or(Ok(()), |outcome| outcome.result())
+}
+
+pub(crate) struct App {
+    desk: Option<Desk>,
+    opening: Option<Opening>,
+    /// A line for the user.
+    message: Option<String>,
+    darkroom: Darkroom,
+    print: Option<Print>,
+    stage: Stage,
+    inspector: Inspector,
+    title: String,
+    smoke: Option<Smoke>,
+}
+
+impl App {
+    fn new(context: &Context, file: Option<PathBuf>, smoke: Option<Smoke>) -> Self {
+        context.set_theme(egui::Theme::Dark);
+        Self {
+            desk: None,
+            opening: Some(Opening::new(file, context)),
+            message: None,
+            darkroom: Darkroom::new(context),
+            print: None,
+            stage: Stage::default(),
+            inspector: Inspector::default(),
+            title: String::new(),
+            smoke,
+        }
+    }
+
+    /// Takes what other threads have done.
+    fn follow(&mut self, context: &Context) {
+        if let Some(opened) = self.opening.as_ref().and_then(Opening::take) {
+            self.opening = None;
+            match opened {
+                Ok(opened) => self.show(opened, context),
+                Err(line) => self.message = Some(line),
+            }
+        }
+        if let Some(desk) = &mut self.desk {
+            if let Some(line) = desk.follow(context) {
+                self.message = Some(line);
+            }
+            let editor = &desk.editor;
+            if !editor.picture().radiance.is_empty() {
+                let truth = editor.session().reference();
+                self.darkroom.order(Order { picture: editor.picture().clone(), truth, look: desk.look });
+            }
+        }
+        if let Some(print) = self.darkroom.take() {
+            self.stage.take(context, &print);
+            self.print = Some(print);
+        }
+    }
+
+    fn show(&mut self, opened: Opened, context: &Context) {
+        self.message = opened.warning.clone();
+        let desk = Desk::new(opened);
+        self.title = format!("{} – lobes", desk.title());
+        context.send_viewport_cmd(ViewportCommand::Title(self.title.clone()));
+        self.desk = Some(desk);
+        self.print = None;
+        self.stage = Stage::default();
+        self.inspector = Inspector::default();
+    }
+
+    fn open(&mut self, path: PathBuf, context: &Context) {
+        self.message = None;
+        self.opening = Some(Opening::new(Some(path), context));
+    }
+
+    /// Files that were dropped, and keys.
+    fn listen(&mut self, context: &Context) {
+        let dropped = context.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
+        if let Some(path) = dropped {
+            self.open(path, context);
+        }
+        let Some(desk) = &mut self.desk else { return };
+        if context.egui_wants_keyboard_input() {
+            return;
+        }
+        let pressed =
+            |modifiers, key| context.input_mut(|i| i.consume_shortcut(&KeyboardShortcut::new(modifiers, key)));
+        let redo = Modifiers::COMMAND | Modifiers::SHIFT;
+        if pressed(redo, Key::Z) || pressed(Modifiers::COMMAND, Key::Y) {
+            desk.redo();
+        } else if pressed(Modifiers::COMMAND, Key::Z) {
+            desk.undo();
+        }
+        if pressed(Modifiers::COMMAND, Key::S) {
+            self.message = Some(desk.save());
+        }
+        if pressed(Modifiers::NONE, Key::F) {
+            desk.frame_all();
+        }
+        if pressed(Modifiers::NONE, Key::Delete) {
+            desk.delete();
+        }
+        if pressed(Modifiers::NONE, Key::Escape) {
+            (desk.selected, desk.probed) = (None, None);
+        }
+        if pressed(Modifiers::NONE, Key::R) {
+            desk.look.split = if desk.look.split.is_some() { None } else { Some(0.5) };
+        }
+        if pressed(Modifiers::NONE, Key::Space) {
+            desk.is_playing = !desk.is_playing && desk.editor.scene().duration > 0.0;
+        }
+        if pressed(Modifiers::NONE, Key::F12) {
+            self.message = Some(shot::take(context, desk.path.as_deref()));
+        }
+    }
+
+    fn hint_of_drop(context: &Context, ui: &Ui) {
+        let hovered = context.input(|input| !input.raw.hovered_files.is_empty());
+        if hovered {
+            let (rect, painter) = (ui.max_rect(), ui.painter());
+            painter.rect_filled(rect, 0.0, egui::Color32::from_black_alpha(160));
+            let font = egui::FontId::proportional(24.0);
+            painter.text(rect.center(), egui::Align2::CENTER_CENTER, "Drop to open", font, egui::Color32::WHITE);
+        }
+    }
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        let context = ui.ctx().clone();
+        self.follow(&context);
+        self.listen(&context);
+        Panel::bottom("status").show(ui, |ui| {
+            status::show(ui, self.desk.as_ref(), self.opening.as_ref(), &mut self.message);
+        });
+        if let Some(desk) = self.desk.as_mut().filter(|desk| desk.editor.scene().duration > 0.0) {
+            Panel::bottom("animation").show(ui, |ui| animation::show(ui, desk));
+        }
+        if let Some(desk) = &mut self.desk {
+            let figures = self.print.as_ref().and_then(|print| print.figures);
+            let panel = Panel::right("panel").default_size(330.0).min_size(260.0);
+            panel.show(ui, |ui| panel::show(ui, desk, figures.as_ref(), &mut self.message));
+        }
+        let frame = Frame::new().fill(egui::Color32::from_gray(24));
+        CentralPanel::default().frame(frame).show(ui, |ui| {
+            match &mut self.desk {
+                Some(desk) => self.stage.show(ui, desk),
+                None => Self::wait(ui, self.opening.as_ref()),
+            }
+            Self::hint_of_drop(&context, ui);
+        });
+        if let Some(desk) = &mut self.desk {
+            self.inspector.show(&context, desk);
+        }
+        if let Some(smoke) = &mut self.smoke {
+            smoke.watch(&context, self.desk.as_ref(), self.message.as_deref(), self.print.is_some());
+        }
+    }
+}
+
+impl App {
+    fn wait(ui: &mut Ui, opening: Option<&Opening>) {
+        ui.centered_and_justified(|ui| match opening {
+            Some(opening) => ui.label(format!("Opening {} …", opening.name())),
+            None => ui.label("Drop a scene (.toml) or a model (.gltf, .glb, .obj, .ply) here"),
+        });
+    }
+}
+
+/// A name beside a scene's file, or in the present folder.
+pub(crate) fn beside(path: Option<&std::path::Path>, ending: &str) -> PathBuf {
+    let stem = path.map_or_else(|| PathBuf::from("lobes"), |path| path.with_extension(""));
+    (1..)
+        .map(|number| stem.with_file_name(format!("{}-{number}.{ending}", name_of(&stem))))
+        .find(|path| !path.exists())
+        .unwrap_or_else(|| stem.with_extension(ending))
+}

@@ -1,0 +1,40 @@
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+pub(crate) const HELP: &str = "The window of lobes: drag a light, see its shadow follow, and see why
+
+Usage: lobes-view [FILE]
+
+  FILE          scene (.toml) or model (.gltf, .glb, .obj, .ply); the built-in scene when left out
+  --smoke PNG   opens, draws one picture, saves the window to PNG, and ends
+  --help        this";
+
+/// The command line.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub(crate) struct Args {
+    pub(crate) file: Option<PathBuf>,
+    /// Where the window is saved, by a run that ends by itself.
+    pub(crate) smoke: Option<PathBuf>,
+}
+
+/// None where the help is requested.
+pub(crate) fn parse(words: impl Iterator<Item = OsString>) -> Result<Option<Args>, String> {
+    let mut args = Args::default();
+    let mut words = words.peekable();
+    let mut only_files = false;
+    while let Some(word) = words.next() {
+        match word.to_str() {
+            Some("--") if !only_files => only_files = true,
+            Some("--help" | "-h") if !only_files => return Ok(None),
+            Some("--smoke") if !only_files => {
+                args.smoke = Some(words.next().ok_or("--smoke needs the name of a PNG file")?.into());
+            }
+            Some(option) if option.starts_with('-') && !only_files => {
+                return Err(format!("there is no option {option}; see lobes-view --help"));
+            }
+            _ if args.file.is_some() => return Err("expected one FILE; see lobes-view --help".to_owned()),
+            _ => args.file = Some(word.into()),
+        }
+    }
+    Ok(Some(args))
+}

@@ -1,0 +1,206 @@
+//! Turns pictures into colours for the screen, on a thread of its own.
+
+use crate::false_color;
+use crate::look::{Look, View};
+use cosine_lobes::session::{Picture, Truth};
+use cosine_lobes::{
+    Comparison, Picture as Pixels, ShadowErrors, glam::Vec3, luminance, signed_difference, srgb_bytes_into,
+};
+use eframe::egui::{ColorImage, Context};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+
+/// The difference has its full colour at this part of white.
+const FULL_DIFFERENCE: f64 = 0.05;
+
+/// A request for a print.
+#[derive(Clone, Debug)]
+pub(crate) struct Order {
+    pub(crate) picture: Arc<Picture>,
+    pub(crate) truth: Arc<Truth>,
+    pub(crate) look: Look,
+}
+
+impl Order {
+    fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.picture, &other.picture) && Arc::ptr_eq(&self.truth, &other.truth) && self.look == other.look
+    }
+}
+
+/// A picture for the screen.
+#[derive(Clone, Debug)]
+pub(crate) struct Print {
+    pub(crate) image: Arc<ColorImage>,
+    /// The reference beside it, where that is to be seen and is there.
+    pub(crate) reference: Option<Arc<ColorImage>>,
+    pub(crate) figures: Option<Figures>,
+}
+
+/// How far the picture is from the reference.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Figures {
+    pub(crate) samples: u32,
+    pub(crate) all: Comparison,
+    pub(crate) shadows: ShadowErrors,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    order: Option<Order>,
+    print: Option<Print>,
+    is_over: bool,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    state: Mutex<State>,
+    is_newer: Condvar,
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The thread.
+#[derive(Debug)]
+pub(crate) struct Darkroom {
+    shared: Arc<Shared>,
+    last: Option<Order>,
+}
+
+impl Darkroom {
+    pub(crate) fn new(context: &Context) -> Self {
+        let shared = Arc::new(Shared::default());
+        let (theirs, context) = (Arc::clone(&shared), context.clone());
+        thread::spawn(move || {
+            // A thread of its own: those of the renderer may be busy with a long picture.
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+            while let Some(order) = next(&theirs) {
+                let print = match &pool {
+                    Ok(pool) => pool.install(|| develop(&order)),
+                    Err(_) => develop(&order),
+                };
+                theirs.lock().print = Some(print);
+                context.request_repaint();
+            }
+        });
+        Self { shared, last: None }
+    }
+
+    /// Orders a print, unless it is the one that was ordered last; an older order that was not begun is dropped.
+    pub(crate) fn order(&mut self, order: Order) {
+        if self.last.as_ref().is_none_or(|last| !last.is(&order)) {
+            self.last = Some(order.clone());
+            self.shared.lock().order = Some(order);
+            self.shared.is_newer.notify_one();
+        }
+    }
+
+    /// The newest print, once.
+    pub(crate) fn take(&self) -> Option<Print> {
+        self.shared.lock().print.take()
+    }
+}
+
+impl Drop for Darkroom {
+    fn drop(&mut self) {
+        self.shared.lock().is_over = true;
+        self.shared.is_newer.notify_one();
+    }
+}
+
+fn next(shared: &Shared) -> Option<Order> {
+    let mut state = shared.lock();
+    loop {
+        if state.is_over {
+            return None;
+        }
+        if let Some(order) = state.order.take() {
+            return Some(order);
+        }
+        state = shared.is_newer.wait(state).unwrap_or_else(PoisonError::into_inner);
+    }
+}
+
+fn develop(order: &Order) -> Print {
+    let Order { picture, truth, look } = order;
+    // One that shows an older scene, or other pixels, is none of this picture.
+    let truth = (truth.edits >= picture.seen && truth.size == picture.size && truth.samples > 0).then_some(truth);
+    let reference =
+        truth.filter(|_| look.split.is_some()).map(|truth| photo(truth.size, &truth.radiance, look.exposure));
+    let figures = truth.filter(|_| look.wants_reference()).and_then(|truth| figures(picture, truth));
+    let image = image(picture, truth.map(|truth| &**truth), look);
+    Print { image, reference, figures }
+}
+
+fn image(picture: &Picture, truth: Option<&Truth>, look: &Look) -> Arc<ColorImage> {
+    let layers = &picture.layers;
+    let whole = picture.size[0] * picture.size[1];
+    let colors = match look.view {
+        View::Reference => match truth {
+            Some(truth) => return photo(truth.size, &truth.radiance, look.exposure),
+            None => Vec::new(),
+        },
+        View::Difference => return difference(picture, truth, look.exposure),
+        View::Unshadowed if layers.unshadowed.len() == whole => {
+            return photo(picture.size, &layers.unshadowed, look.exposure);
+        }
+        View::Light(number) => match layers.lights.get(number).filter(|light| light.len() == whole) {
+            Some(light) => return photo(picture.size, light, look.exposure),
+            None => Vec::new(),
+        },
+        View::Classes => false_color::classes(&picture.radiance, &layers.unshadowed),
+        View::Normals => false_color::normals(&layers.normals),
+        View::Depth => false_color::depths(&layers.depths),
+        View::Objects => false_color::objects(&layers.objects),
+        View::Work => false_color::counts(&layers.products),
+        View::Picture | View::Unshadowed => Vec::new(),
+    };
+    // Layers come with the next picture.
+    if colors.len() != whole {
+        return photo(picture.size, &picture.radiance, look.exposure);
+    }
+    Arc::new(ColorImage::from_rgb(picture.size, colors.as_flattened()))
+}
+
+/// As PNG files show it.
+fn photo(size: [usize; 2], radiance: &[Vec3], exposure: f32) -> Arc<ColorImage> {
+    let mut bytes = vec![0; 3 * radiance.len()];
+    srgb_bytes_into(radiance, exposure, &mut bytes);
+    Arc::new(ColorImage::from_rgb(size, &bytes))
+}
+
+fn difference(picture: &Picture, truth: Option<&Truth>, exposure: f32) -> Arc<ColorImage> {
+    let white = f64::from(-exposure).exp2();
+    let colors = truth.and_then(|truth| {
+        signed_difference(
+            &pixels(picture.size, &picture.radiance),
+            &pixels(truth.size, &truth.radiance),
+            FULL_DIFFERENCE * white,
+        )
+        .ok()
+    });
+    match colors {
+        Some(colors) => Arc::new(ColorImage::from_rgb(picture.size, &colors)),
+        None => {
+            // Paler than the picture, so that it is not taken for it.
+            let pale = |p: &Vec3| Vec3::splat((0.3 * luminance(*p)) as f32);
+            let grey: Vec<Vec3> = picture.radiance.iter().map(pale).collect();
+            photo(picture.size, &grey, exposure)
+        }
+    }
+}
+
+fn figures(picture: &Picture, truth: &Truth) -> Option<Figures> {
+    let test = pixels(picture.size, &picture.radiance);
+    let (reference, unshadowed) = (pixels(truth.size, &truth.radiance), pixels(truth.size, &truth.unshadowed));
+    let all = Comparison::of(&test, &reference).ok()?;
+    let shadows = ShadowErrors::of(&test, &reference, &unshadowed).ok()?;
+    Some(Figures { samples: truth.samples, all, shadows })
+}
+
+fn pixels(size: [usize; 2], radiance: &[Vec3]) -> Pixels {
+    Pixels::new(size[0], size[1], radiance.to_vec())
+}

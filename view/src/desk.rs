@@ -1,0 +1,322 @@
+//! The scene that is open, and what is done with it.
+
+use crate::look::{Look, View};
+use crate::opening::{Opened, name_of};
+use cosine_lobes::glam::{Mat4, Vec2, Vec3};
+use cosine_lobes::lighting::Light;
+use cosine_lobes::renderer::{LightHandle, ObjectHandle, RenderError, Renderer, Settings};
+use cosine_lobes::scene::{Animation, Camera, Scene, Strategy};
+use cosine_lobes::session::{Drag, Dragged, Editor, Probe, Projection, Snapshot, Trade, framed, lamp, save};
+use eframe::egui::Context;
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::mpsc::Receiver;
+
+/// Samples of the reference, at most.
+const SAMPLES: u32 = 4096;
+/// Samples of the reference of one pixel.
+const PROBE_SAMPLES: u32 = 4096;
+
+/// A light or an object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Thing {
+    Light(LightHandle),
+    Object(ObjectHandle),
+}
+
+/// The effect of a drag of the pointer.
+#[derive(Debug)]
+pub(crate) enum Motion {
+    Orbit(Camera),
+    Pan(Camera),
+    /// A light by a handle: as it was.
+    Light(LightHandle, Box<Light>, Drag),
+    /// An object by a handle: where it was.
+    Object(ObjectHandle, Mat4, Drag),
+    Split,
+}
+
+#[derive(Debug)]
+pub(crate) struct Desk {
+    pub(crate) editor: Editor,
+    pub(crate) path: Option<PathBuf>,
+    /// Of the scene as it was opened.
+    pub(crate) metered: f32,
+    /// The scene as its file has it.
+    saved: Option<Snapshot>,
+    /// The size of its picture.
+    pub(crate) first_size: [u32; 2],
+    /// Half the diagonal of its box, floors and walls left out.
+    pub(crate) extent: f32,
+    pub(crate) look: Look,
+    pub(crate) selected: Option<Thing>,
+    pub(crate) motion: Option<Motion>,
+    /// The pixel that is looked into, and what was found.
+    pub(crate) probed: Option<([u32; 2], Probe)>,
+    /// How many were found.
+    pub(crate) probes: u64,
+    asked: Option<([u32; 2], Receiver<Answer>)>,
+    /// Lights that are switched off, as they were.
+    off: HashMap<LightHandle, Vec3>,
+    /// The strategies of objects that are hidden.
+    hidden: HashMap<ObjectHandle, Option<Strategy>>,
+    pub(crate) is_playing: bool,
+    /// The layers and samples that were requested of the session.
+    requested: Option<(View, u32)>,
+    metering: Option<Receiver<f32>>,
+    /// Error against time, once it was requested.
+    pub(crate) trade: Option<Trade>,
+    pub(crate) is_measuring: bool,
+    /// The scene that is to be measured, on its way from the session.
+    sent: Option<Receiver<Measured>>,
+}
+
+/// A pixel taken apart; none where it shows no surface.
+type Answer = Result<Option<Probe>, RenderError>;
+
+/// A scene as settings draw it.
+type Measured = (Scene, Animation, Settings);
+
+impl Desk {
+    pub(crate) fn new(opened: Opened) -> Self {
+        let look = Look { view: View::Picture, exposure: opened.exposure, split: None };
+        Self {
+            editor: Editor::new(opened.session),
+            path: opened.path,
+            metered: opened.exposure,
+            saved: None,
+            first_size: [0; 2],
+            extent: 1.0,
+            look,
+            selected: None,
+            motion: None,
+            probed: None,
+            probes: 0,
+            asked: None,
+            off: HashMap::new(),
+            hidden: HashMap::new(),
+            is_playing: false,
+            requested: None,
+            metering: None,
+            trade: None,
+            is_measuring: false,
+            sent: None,
+        }
+    }
+
+    pub(crate) fn title(&self) -> String {
+        self.path.as_deref().map_or_else(|| "built-in scene".to_owned(), name_of)
+    }
+
+    /// Takes what the session has done. An error is a line for the user.
+    pub(crate) fn follow(&mut self, context: &Context) -> Option<String> {
+        self.editor.follow();
+        self.begin_to_measure(context);
+        if self.first_size == [0; 2] && !self.editor.picture().radiance.is_empty() {
+            self.first_size = self.editor.scene().size;
+            self.saved = Some(self.editor.scene().clone());
+            self.extent = self.editor.scene().bounds().radius().max(1e-6);
+        }
+        let samples = if self.look.wants_reference() { SAMPLES } else { 0 };
+        if self.requested != Some((self.look.view, samples)) {
+            self.requested = Some((self.look.view, samples));
+            self.editor.session().set_layers(self.look.view.layers());
+            self.editor.session().set_reference(samples);
+        }
+        if let Some(exposure) = self.metering.as_ref().and_then(|metered| metered.try_recv().ok()) {
+            (self.look.exposure, self.metered, self.metering) = (exposure, exposure, None);
+        }
+        let mut error = self.editor.take_errors().pop().map(|error| error.to_string());
+        if let Some(Err(fault)) = self.trade.as_ref().and_then(Trade::end).inspect(|_| self.is_measuring = false) {
+            error = Some(fault.to_string());
+        }
+        if let Some((pixel, received)) = &self.asked
+            && let Ok(answer) = received.try_recv()
+        {
+            match answer {
+                Ok(Some(probe)) => {
+                    if self.selected.is_none() {
+                        self.selected = Some(probe.pick.light.map_or(Thing::Object(probe.pick.object), Thing::Light));
+                    }
+                    self.probed = Some((*pixel, probe));
+                    self.probes += 1;
+                }
+                Ok(None) => self.probed = None,
+                Err(fault) => error = Some(fault.to_string()),
+            }
+            self.asked = None;
+        }
+        error
+    }
+
+    /// Takes a pixel apart, and selects what it shows.
+    pub(crate) fn look_into(&mut self, pixel: [u32; 2]) {
+        self.selected = None;
+        self.ask(pixel);
+    }
+
+    /// Takes the same pixel apart again: the scene has changed.
+    pub(crate) fn look_again(&mut self) {
+        if let Some((pixel, _)) = self.probed {
+            self.ask(pixel);
+        }
+    }
+
+    fn ask(&mut self, pixel: [u32; 2]) {
+        let [x, y] = pixel;
+        self.asked = Some((pixel, self.editor.session().probe(x, y, PROBE_SAMPLES)));
+    }
+
+    /// Begins to measure error against time.
+    pub(crate) fn measure(&mut self, context: &Context) {
+        let copy =
+            |renderer: &Renderer| (renderer.scene().clone(), renderer.animation().clone(), renderer.settings().clone());
+        self.sent = Some(self.editor.session().query(copy));
+        (self.trade, self.is_measuring) = (None, true);
+        context.request_repaint();
+    }
+
+    /// Hands the scene on to be measured, once it is there.
+    fn begin_to_measure(&mut self, context: &Context) {
+        let Some((scene, animation, settings)) = self.sent.as_ref().and_then(|sent| sent.try_recv().ok()) else {
+            return;
+        };
+        self.sent = None;
+        let waker = context.clone();
+        self.trade = Some(Trade::new(scene, animation, settings, move || waker.request_repaint()));
+    }
+
+    /// Meters the exposure anew.
+    pub(crate) fn meter(&mut self) {
+        self.metering = Some(self.editor.session().meter());
+    }
+
+    /// Ends a drag, or the move of a slider.
+    pub(crate) fn close_step(&mut self) {
+        self.editor.close_step();
+        self.look_again();
+    }
+
+    pub(crate) fn undo(&mut self) {
+        self.editor.undo();
+        self.look_again();
+    }
+
+    pub(crate) fn redo(&mut self) {
+        self.editor.redo();
+        self.look_again();
+    }
+
+    /// The camera, where nothing else moves it. From now on it is the user's.
+    pub(crate) fn set_camera(&mut self, camera: Camera) {
+        if self.editor.scene().is_camera_animated {
+            self.editor.release_camera();
+        }
+        self.editor.set_camera(camera);
+    }
+
+    /// Seconds of the animation that pass between two pictures, at least: as many as the last one took.
+    pub(crate) fn pace(&self) -> f32 {
+        (self.editor.picture().latency as f32).clamp(0.0, 0.5)
+    }
+
+    /// Writes the changes into the scene file; a line for the user.
+    pub(crate) fn save(&mut self) -> String {
+        let Some(path) = self.path.clone() else {
+            return "not saved: the built-in scene has no file".to_owned();
+        };
+        if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("toml")) {
+            return format!(
+                "not saved: {} is a model; a scene file (.toml) that names it can be saved",
+                name_of(&path)
+            );
+        }
+        if !self.editor.is_finished() {
+            return "not saved yet: the picture with all changes comes first".to_owned();
+        }
+        let Some(before) = &self.saved else { return "not saved: there is no picture yet".to_owned() };
+        let now = self.editor.scene().clone();
+        match save(&path, before, &now) {
+            Ok(()) => {
+                self.saved = Some(now);
+                format!("saved to {}", path.display())
+            }
+            Err(error) => error.to_string(),
+        }
+    }
+
+    /// Looks at the whole scene, from where the camera looks.
+    pub(crate) fn frame_all(&mut self) {
+        let scene = self.editor.scene();
+        let size = Vec2::new(scene.size[0] as f32, scene.size[1] as f32);
+        self.set_camera(framed(scene.camera, scene.bounds(), size));
+        self.close_step();
+    }
+
+    /// Drags a handle further.
+    pub(crate) fn drag_to(&mut self, pointer: Vec2) {
+        match &self.motion {
+            Some(Motion::Light(handle, before, drag)) => {
+                let Some(dragged) = drag.to(pointer) else { return };
+                let light = match dragged {
+                    Dragged::Shift(by) => lamp::shifted(before, by),
+                    Dragged::Scale(by) => {
+                        lamp::size(before).map_or_else(|| (**before).clone(), |size| lamp::resized(before, size * by))
+                    }
+                    Dragged::Toward(direction) => lamp::aimed(before, direction),
+                };
+                self.editor.set_light(*handle, light);
+            }
+            Some(Motion::Object(handle, before, drag)) => {
+                if let Some(Dragged::Shift(by)) = drag.to(pointer) {
+                    let transform = Mat4::from_translation(by) * *before;
+                    self.editor.set_transform(*handle, transform);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Switches a light off or on.
+    pub(crate) fn switch(&mut self, handle: LightHandle) {
+        let Some(light) = self.editor.light(handle).map(|item| item.light.clone()) else { return };
+        let radiance = light.full_radiance();
+        let new = match radiance == Vec3::ZERO {
+            true => self.off.remove(&handle).unwrap_or(Vec3::ONE),
+            false => {
+                self.off.insert(handle, radiance);
+                Vec3::ZERO
+            }
+        };
+        self.editor.set_light(handle, lamp::with_radiance(&light, new));
+        self.close_step();
+    }
+
+    /// Shows an object, or hides it: it is neither seen nor does it block light then.
+    pub(crate) fn show(&mut self, handle: ObjectHandle, visible: bool) {
+        let Some(before) = self.editor.object(handle).map(|item| item.strategy) else { return };
+        let strategy = match visible {
+            true => self.hidden.remove(&handle).unwrap_or(before.filter(|strategy| *strategy != Strategy::None)),
+            false => {
+                self.hidden.insert(handle, before);
+                Some(Strategy::None)
+            }
+        };
+        self.editor.show(handle, visible, strategy);
+        self.close_step();
+    }
+
+    /// Switches the selected light off, or hides the selected object.
+    pub(crate) fn delete(&mut self) {
+        match self.selected.take() {
+            Some(Thing::Light(handle)) => self.switch(handle),
+            Some(Thing::Object(handle)) => self.show(handle, false),
+            None => {}
+        }
+    }
+
+    /// The camera of the picture that is seen, on a screen of some size.
+    pub(crate) fn projection(&self, size: Vec2) -> Projection {
+        Projection::new(self.editor.picture().scene.camera, size)
+    }
+}

@@ -1,0 +1,106 @@
+use cosine_lobes::renderer::LayerSet;
+
+/// The part of a picture that is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum View {
+    /// The picture.
+    #[default]
+    Picture,
+    /// The reference, as far as it has come.
+    Reference,
+    /// Their difference.
+    Difference,
+    /// Without blockers.
+    Unshadowed,
+    /// The visible fraction in three classes: lit, penumbra, dark.
+    Classes,
+    /// One light alone, by its number.
+    Light(usize),
+    Normals,
+    Depth,
+    Objects,
+    /// Lobe integrals evaluated for each pixel.
+    Work,
+}
+
+impl View {
+    /// Those that every scene has.
+    pub(crate) const ALL: [Self; 9] = [
+        Self::Picture,
+        Self::Reference,
+        Self::Difference,
+        Self::Unshadowed,
+        Self::Classes,
+        Self::Normals,
+        Self::Depth,
+        Self::Objects,
+        Self::Work,
+    ];
+
+    pub(crate) fn name(self) -> String {
+        let name = match self {
+            Self::Picture => "picture",
+            Self::Reference => "reference (Monte Carlo)",
+            Self::Difference => "difference from the reference",
+            Self::Unshadowed => "without shadows",
+            Self::Classes => "lit, penumbra, dark",
+            Self::Light(number) => return format!("light {number} alone"),
+            Self::Normals => "normals",
+            Self::Depth => "depth",
+            Self::Objects => "objects",
+            Self::Work => "work (lobe integrals)",
+        };
+        name.to_owned()
+    }
+
+    /// How to read its colours.
+    pub(crate) const fn legend(self) -> &'static str {
+        match self {
+            Self::Picture | Self::Light(_) => "",
+            Self::Reference => "grows while nothing else is computed",
+            Self::Difference => "red: too bright; blue: too dark; full colour at 5 % of white",
+            Self::Unshadowed => "as if nothing blocked light",
+            Self::Classes => "white: fully lit; orange: in a penumbra; black: no light; grey: nothing to light",
+            Self::Normals => "red, green, blue: along x, y, z",
+            Self::Depth => "bright: near; dark: far",
+            Self::Objects => "a colour for each object",
+            Self::Work => "black: none; bright: many",
+        }
+    }
+
+    /// The layers that it is made of.
+    pub(crate) const fn layers(self) -> LayerSet {
+        let none = LayerSet::NONE;
+        match self {
+            Self::Picture | Self::Reference | Self::Difference => none,
+            Self::Unshadowed | Self::Classes => LayerSet { unshadowed: true, ..none },
+            Self::Light(_) => LayerSet { lights: true, ..none },
+            Self::Normals => LayerSet { normals: true, ..none },
+            Self::Depth => LayerSet { depths: true, ..none },
+            Self::Objects => LayerSet { objects: true, ..none },
+            Self::Work => LayerSet { counts: true, ..none },
+        }
+    }
+
+    /// Whether it shows the reference.
+    pub(crate) const fn wants_reference(self) -> bool {
+        matches!(self, Self::Reference | Self::Difference)
+    }
+}
+
+/// How the picture is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Look {
+    pub(crate) view: View,
+    /// Stops.
+    pub(crate) exposure: f32,
+    /// The part of the width left of which the reference is shown.
+    pub(crate) split: Option<f32>,
+}
+
+impl Look {
+    /// Whether the reference is to be computed.
+    pub(crate) fn wants_reference(&self) -> bool {
+        self.view.wants_reference() || self.split.is_some()
+    }
+}

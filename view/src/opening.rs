@@ -1,0 +1,78 @@
+use cosine_lobes::renderer::{Renderer, Settings};
+use cosine_lobes::scene::{self, Animation};
+use cosine_lobes::session::Session;
+use eframe::egui::Context;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{self, Receiver, TryRecvError};
+use std::thread;
+
+/// A scene that is open.
+#[derive(Debug)]
+pub(crate) struct Opened {
+    pub(crate) session: Session,
+    /// None: the built-in scene.
+    pub(crate) path: Option<PathBuf>,
+    /// The exposure, in stops, that shows it well.
+    pub(crate) exposure: f32,
+    /// The first warning, and how many there are.
+    pub(crate) warning: Option<String>,
+}
+
+/// A file that is being opened on a thread of its own.
+#[derive(Debug)]
+pub(crate) struct Opening {
+    name: String,
+    received: Receiver<Result<Opened, String>>,
+}
+
+impl Opening {
+    /// Begins to open a file, or the built-in scene.
+    pub(crate) fn new(path: Option<PathBuf>, context: &Context) -> Self {
+        let name = path.as_deref().map_or_else(|| "the built-in scene".to_owned(), name_of);
+        let (send, received) = mpsc::channel();
+        let context = context.clone();
+        thread::spawn(move || {
+            // Who no longer waits needs no scene.
+            let _ = send.send(open(path, &context));
+            context.request_repaint();
+        });
+        Self { name, received }
+    }
+
+    /// Its name, for people.
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The scene, once it is there.
+    pub(crate) fn take(&self) -> Option<Result<Opened, String>> {
+        match self.received.try_recv() {
+            Ok(opened) => Some(opened),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => Some(Err(format!("{}: reading it failed", self.name))),
+        }
+    }
+}
+
+/// The name of a file without its folder.
+pub(crate) fn name_of(path: &Path) -> String {
+    path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+}
+
+fn open(path: Option<PathBuf>, context: &Context) -> Result<Opened, String> {
+    let (scene, animation, warnings) = match &path {
+        None => (scene::builtin(), Animation::default(), Vec::new()),
+        Some(path) => scene::load_animated(path).map_err(|error| error.to_string())?,
+    };
+    let cache = dirs::cache_dir().map(|folder| folder.join("cosine-lobes"));
+    let settings = Settings { cache, ..Settings::default() };
+    let mut renderer = Renderer::new(scene, animation, settings).map_err(|error| error.to_string())?;
+    let exposure = renderer.exposure();
+    let session = Session::new(renderer);
+    let waker = context.clone();
+    session.set_listener(move || waker.request_repaint());
+    let more = warnings.len().saturating_sub(1);
+    let warning = warnings.into_iter().next();
+    let warning = warning.map(|line| if more > 0 { format!("{line} (and {more} more)") } else { line });
+    Ok(Opened { session, path, exposure, warning })
+}

@@ -1,0 +1,74 @@
+//! A run that ends by itself: the window opens, shows one picture, is saved, and closes.
+
+use crate::desk::Desk;
+use crate::shot;
+use eframe::egui::{Context, ViewportCommand};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Longer than any machine takes.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+#[derive(Clone, Debug)]
+pub(crate) struct Outcome(Arc<Mutex<Option<Result<(), String>>>>);
+
+impl Outcome {
+    fn set(&self, outcome: Result<(), String>) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(outcome);
+    }
+
+    fn is_set(&self) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+    }
+
+    pub(crate) fn result(&self) -> Result<(), String> {
+        let outcome = self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
+        outcome.unwrap_or_else(|| Err("the window was closed before its picture was saved".to_owned()))
+    }
+}
+
+pub(crate) struct Smoke {
+    path: PathBuf,
+    start: Instant,
+    first: Option<Duration>,
+    is_saving: bool,
+    outcome: Outcome,
+}
+
+impl Smoke {
+    pub(crate) fn new(path: PathBuf) -> Self {
+        let outcome = Outcome(Arc::new(Mutex::new(None)));
+        Self { path, start: Instant::now(), first: None, is_saving: false, outcome }
+    }
+
+    pub(crate) fn outcome(&self) -> Outcome {
+        self.outcome.clone()
+    }
+
+    /// Called for each frame of the window.
+    pub(crate) fn watch(&mut self, context: &Context, desk: Option<&Desk>, message: Option<&str>, is_seen: bool) {
+        if desk.is_none()
+            && let Some(line) = message
+        {
+            self.outcome.set(Err(line.to_owned()));
+        }
+        if self.start.elapsed() > PATIENCE {
+            self.outcome.set(Err(format!("no picture within {} s", PATIENCE.as_secs())));
+        }
+        if is_seen && self.first.is_none() {
+            self.first = Some(self.start.elapsed());
+        }
+        if is_seen && !self.is_saving && desk.is_some_and(|desk| desk.editor.is_finished()) {
+            self.is_saving = true;
+            let (first, whole) = (self.first.unwrap_or_default().as_secs_f64(), self.start.elapsed().as_secs_f64());
+            println!("first picture after {first:.2} s, whole picture after {whole:.2} s");
+            let outcome = self.outcome.clone();
+            shot::save(context, self.path.clone(), move |saved| outcome.set(saved));
+        }
+        if self.outcome.is_set() {
+            context.send_viewport_cmd(ViewportCommand::Close);
+        }
+        context.request_repaint();
+    }
+}

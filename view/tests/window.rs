@@ -1,0 +1,128 @@
+//! The window under a display of its own: shown as ignored where there is no Xvfb, or no Vulkan driver.
+#![allow(clippy::unwrap_used, reason = "in a test")]
+
+use cosine_lobes::renderer::{Backend, Device};
+use libtest_mimic::{Arguments, Failed, Trial};
+use std::collections::HashSet;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_lobes-view");
+
+/// An X server in memory.
+struct Display {
+    server: Child,
+    number: String,
+}
+
+impl Display {
+    /// None where there is no Xvfb.
+    fn open() -> Option<Self> {
+        // It chooses a number, and writes it once it listens.
+        let mut server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", "1400x860x24", "-nolisten", "tcp"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .ok()?;
+        let mut number = String::new();
+        let read = server.stdout.take().map(|out| BufReader::new(out).read_line(&mut number));
+        let display = Self { server, number: number.trim().to_owned() };
+        (matches!(read, Some(Ok(_))) && !display.number.is_empty()).then_some(display)
+    }
+
+    /// The program, which draws a picture, saves its window, and ends.
+    fn smoke(&self, folder: &Path, file: &Path, arguments: &[&str]) -> Command {
+        let mut command = Command::new(PROGRAM);
+        command
+            .arg("--smoke")
+            .arg(file)
+            .args(arguments)
+            .env("DISPLAY", format!(":{}", self.number))
+            .env("XDG_RUNTIME_DIR", folder)
+            .env_remove("WAYLAND_DISPLAY")
+            .env_remove("WAYLAND_SOCKET");
+        if std::env::var_os("LP_NATIVE_VECTOR_WIDTH").is_none() {
+            command.env("LP_NATIVE_VECTOR_WIDTH", "256");
+        }
+        command
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+/// The window shows the built-in scene: the picture in it has many colours, the panel beside it few.
+fn shows_a_picture() -> Result<(), Failed> {
+    let display = Display::open().ok_or("there is no Xvfb")?;
+    let folder = tempfile::tempdir()?;
+    let file = folder.path().join("window.png");
+    let output = display.smoke(folder.path(), &file, &[]).output()?;
+    let said = [&output.stdout[..], &output.stderr[..]].map(String::from_utf8_lossy).concat();
+    if !output.status.success() {
+        return Err(said.into());
+    }
+    println!("{said}");
+    let decoder = png::Decoder::new(BufReader::new(std::fs::File::open(&file)?));
+    let mut reader = decoder.read_info()?;
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels)?;
+    let (width, height) = (info.width as usize, info.height as usize);
+    let colors = |columns: core::ops::Range<usize>| {
+        let row = |y: usize| pixels[3 * (y * width + columns.start)..3 * (y * width + columns.end)].as_chunks::<3>().0;
+        (0..height).flat_map(row).copied().collect::<HashSet<[u8; 3]>>().len()
+    };
+    let (picture, panel) = (colors(0..width / 2), colors(width - 250..width));
+    println!("{width} × {height}: {picture} colours in the left half, {panel} in the panel");
+    assert!(width > 1000 && height > 600, "{width} × {height}");
+    assert!(picture > 2000 && panel < 1000, "{picture} and {panel} colours");
+    Ok(())
+}
+
+/// A file that is no scene is one line, and no window stays.
+fn a_missing_file_is_one_line() -> Result<(), Failed> {
+    let display = Display::open().ok_or("there is no Xvfb")?;
+    let folder = tempfile::tempdir()?;
+    let file = folder.path().join("window.png");
+    let output = display.smoke(folder.path(), &file, &["nowhere.toml"]).output()?;
+    let line = String::from_utf8_lossy(&output.stderr);
+    assert_eq!((output.status.code(), line.lines().count()), (Some(2), 1), "{line}");
+    assert!(line.starts_with("lobes-view: error: nowhere.toml"), "{line}");
+    assert!(!file.exists());
+    Ok(())
+}
+
+/// The options, which need no window.
+fn the_command_line() -> Result<(), Failed> {
+    let run = |arguments: &[&str]| Command::new(PROGRAM).args(arguments).output();
+    let help = run(&["--help"])?;
+    assert!(help.status.success() && String::from_utf8_lossy(&help.stdout).contains("Usage: lobes-view [FILE]"));
+    for wrong in [&["--colour"][..], &["a.toml", "b.toml"], &["--smoke"]] {
+        let output = run(wrong)?;
+        let line = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), line.lines().count()), (Some(2), 1), "{line}");
+    }
+    Ok(())
+}
+
+fn main() {
+    let arguments = Arguments::from_args();
+    let display = Display::open();
+    let can_show = display.is_some() && Backend::open(Device::Gpu).is_ok();
+    if !can_show {
+        let lacking = if display.is_some() { "a Vulkan driver" } else { "Xvfb" };
+        eprintln!("tests of the window are ignored: they want {lacking}");
+    }
+    drop(display);
+    let trials = vec![
+        Trial::test("shows_a_picture", shows_a_picture).with_ignored_flag(!can_show),
+        Trial::test("a_missing_file_is_one_line", a_missing_file_is_one_line).with_ignored_flag(!can_show),
+        Trial::test("the_command_line", the_command_line),
+    ];
+    libtest_mimic::run(&arguments, trials).exit();
+}
