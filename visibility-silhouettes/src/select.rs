@@ -142,7 +142,7 @@ fn beside<S: Simd>(simd: S, cone: &Cone, a: Vec3x8<S>, b: Vec3x8<S>) -> mask32x8
 
 /// On which side of eight planes a point lies, and where f32 does not tell.
 #[inline(always)]
-fn side<S: Simd>(
+pub(crate) fn side<S: Simd>(
     simd: S,
     edges: &EdgeList,
     column: usize,
