@@ -83,7 +83,8 @@ impl<K: SkyLighting> SkyLighting for Option<K> {
 /// An environment through one buffer a receiver, instead of a mask for each patch.
 ///
 /// For each tile blockers search once; for each receiver they draw once, one ray says what the fewest surfaces are, and each reflectance
-/// lobe is summed over a table of the sky's light ([`visibility_mask::sky`]). Lobes that the table's samples do not resolve stay.
+/// lobe is summed over a table of the sky's light ([`visibility_mask::sky`]). Lobes that the table's samples do not resolve stay,
+/// and all those of receivers that see less than a 64th of the sky.
 #[derive(Clone, Debug)]
 pub struct SkyShader<'a, B> {
     table: &'a SkyTable,
@@ -153,8 +154,7 @@ impl<B: SkyBlockers> SkyLighting for SkyShader<'_, B> {
             observer.coverage(view.coverage());
             observer.end(Stage::Mask);
             let mut sum = Contribution::default();
-            for (row, lobe) in &resolved {
-                lobes.remove(*row);
+            for (_, lobe) in &resolved {
                 let [seen, all] = view.integrals(self.table, at, lobe).map(|integral| lobe.flux() * integral);
                 sum.unshadowed += all;
                 if all.max_element() > threshold {
@@ -163,6 +163,11 @@ impl<B: SkyBlockers> SkyLighting for SkyShader<'_, B> {
                     observer.prune();
                 }
             }
+            if view.is_little(sum.radiance, sum.unshadowed) {
+                is_left = true;
+                continue;
+            }
+            resolved.iter().for_each(|(row, _)| lobes.remove(*row));
             observer.count(0, resolved.len());
             observer.end(Stage::Integration);
             out.put(number, &sum, resolved.len());

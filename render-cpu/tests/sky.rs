@@ -271,3 +271,50 @@ fn corners_at_the_pole_are_no_traps() {
     println!("{error:?}");
     assert!(error.mean < 0.12 && error.largest < 0.5);
 }
+
+/// A window that is hardly wider than samples lights a room: through the finer masks of patches.
+#[test]
+fn small_windows_light_rooms() {
+    let wall = |x: [f32; 2], y: [f32; 2]| {
+        let half = Vec3::new(x[1] - x[0], y[1] - y[0], 0.0) * 0.5;
+        Mesh::quad(Vec3::new(x[0] + half.x, y[0] + half.y, -4.0), Vec3::X * half.x, Vec3::Y * half.y)
+    };
+    let mut room = Mesh::default();
+    let quads = [
+        Mesh::quad(Vec3::new(0.0, 4.0, 0.0), Vec3::X * 4.0, Vec3::Z * 6.0),
+        Mesh::quad(Vec3::new(0.0, 2.0, 6.0), Vec3::X * 4.0, Vec3::Y * 2.0),
+        Mesh::quad(Vec3::new(-4.0, 2.0, 1.0), Vec3::Z * 5.0, Vec3::Y * 2.0),
+        Mesh::quad(Vec3::new(4.0, 2.0, 1.0), Vec3::Z * 5.0, Vec3::Y * 2.0),
+        // Around a window of 0.5 × 0.4.
+        wall([-4.0, -0.3], [0.0, 4.0]),
+        wall([0.2, 4.0], [0.0, 4.0]),
+        wall([-0.3, 0.2], [0.0, 1.8]),
+        wall([-0.3, 0.2], [2.2, 4.0]),
+    ];
+    for quad in quads {
+        let first = room.positions.len() as u32;
+        room.positions.extend(quad.positions);
+        room.triangles.extend(quad.triangles.into_iter().map(|t| t.map(|i| i + first)));
+    }
+    let mut scene = scene(vec![room], Material::lambert(Vec3::ONE));
+    scene.camera.eye = Vec3::new(0.0, 2.5, 5.5);
+    let environment = environment(|_| Vec3::ONE, UVec2::new(8, 4));
+    let mut points = points(&scene);
+    let on_floor: Vec<_> =
+        points.receivers.iter().copied().filter(|at| at.object == 0 && at.position.z > -3.5).collect();
+    points = ShadingPoints { materials: vec![0; on_floor.len()], receivers: on_floor };
+    let got = shade(&scene, &environment, &points, Accuracy::default());
+    let world = World::new(&scene);
+    let silhouettes = SceneSilhouettes::new(&scene, |o| o > 0);
+    let blockers = SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |o| o > 0));
+    let mut by_patches = vec![Vec3::ZERO; points.receivers.len()];
+    let frame: Frame<'_> = Frame::new(&scene.materials, environment.lights(), Accuracy::default());
+    CpuShader::new(MaskVisibility::new(&blockers)).shade(&points, &frame, &mut by_patches).expect("shaded");
+    // All see less than a 64th.
+    assert!(points.receivers.len() > 50 && by_patches.iter().filter(|l| l.x > 0.0).count() > 40);
+    for (k, at) in points.receivers.iter().enumerate() {
+        // A window between two rows is not noticed.
+        let is_missed = got[k] == Vec3::ZERO && by_patches[k].x < 2e-3;
+        assert!(got[k] == by_patches[k] || is_missed, "{}: {}, {}", at.position, got[k], by_patches[k]);
+    }
+}

@@ -11,6 +11,8 @@ use lobe_core::{BrdfLobe, Coverage, Lobe, MicrofacetsAt, Receiver, Schlick, is_l
 
 /// The widest step between samples that a lobe's sum is good for: this part of the lobe's standard deviation.
 const STEPS: f32 = 1.5;
+/// Less than this part of a sky is seen through few samples.
+const LITTLE: f32 = 1.0 / 64.0;
 /// Of a lobe what is below this part of its peak is left out.
 const NOTHING: f32 = 1e-5;
 /// Below this cosine to the pole a normal's horizon may cross meridians near their beginning.
@@ -23,7 +25,7 @@ const STEEP: f32 = 0.05;
 /// ```
 ///
 /// # Method
-/// A receiver [begins](Self::begin), draws outlines into its [buffer](Self::buffer_mut), and [settles](Self::settle) with one ray; then it
+/// All receivers of a view are to use one table. A receiver [begins](Self::begin), draws outlines into its [buffer](Self::buffer_mut), and [settles](Self::settle) with one ray; then it
 /// asks for the [integrals](Self::integrals) of its reflectance lobes, with and without blockers.
 ///
 /// # Accuracy
@@ -47,11 +49,6 @@ impl SkyView {
         self.horizon = Some(horizon);
         self.is_dark = false;
         self.edge = None;
-    }
-
-    /// Forgets what is known of a table: before another one is used.
-    pub fn forget(&mut self) {
-        self.known = None;
     }
 
     /// Where outlines are drawn.
@@ -86,6 +83,14 @@ impl SkyView {
         } else {
             Coverage::Partial
         }
+    }
+
+    /// Whether what is seen is so little of a whole that samples are too coarse for it: finer masks are to be asked. Not where all is dark for
+    /// certain.
+    #[must_use]
+    pub fn is_little(&self, seen: Vec3, whole: Vec3) -> bool {
+        let is_dark = self.is_dark && !self.buffer.may_open();
+        !is_dark && seen.max_element() < LITTLE * whole.max_element()
     }
 
     /// Whether sums over the samples resolve a lobe. Others need finer masks.
