@@ -22,21 +22,44 @@ enum Region {
 }
 
 impl Region {
-    /// Which of eight convex things are wholly outside, by the least and the most that they reach along a direction.
+    /// Which of eight boxes are wholly outside. Without closures, as everything that is asked of all edges: these are not always inlined.
     #[inline(always)]
-    fn misses<S: Simd>(&self, simd: S, reach: impl Fn(Vec3) -> [f32x8<S>; 2]) -> mask32x8<S> {
+    fn misses_boxes<S: Simd>(&self, simd: S, middle: Vec3x8<S>, half: Vec3x8<S>) -> mask32x8<S> {
         match self {
             Self::Shaft(planes) => {
                 let mut outside = mask32x8::splat(simd, false);
-                for (normal, offset) in planes {
-                    outside |= reach(*normal)[0].simd_gt(f32x8::splat(simd, *offset));
+                for (n, offset) in planes {
+                    let least = middle.dot_one(*n) - half.dot_one(n.abs());
+                    outside |= least.simd_gt(f32x8::splat(simd, *offset));
                 }
                 outside
             }
             Self::Horizons(planes) => {
                 let mut outside = mask32x8::splat(simd, true);
-                for (normal, offset) in planes {
-                    outside &= reach(*normal)[1].simd_lt(f32x8::splat(simd, *offset));
+                for (n, offset) in planes {
+                    let most = middle.dot_one(*n) + half.dot_one(n.abs());
+                    outside &= most.simd_lt(f32x8::splat(simd, *offset));
+                }
+                outside
+            }
+        }
+    }
+
+    /// Which of eight edges are wholly outside.
+    #[inline(always)]
+    fn misses_edges<S: Simd>(&self, simd: S, a: Vec3x8<S>, b: Vec3x8<S>) -> mask32x8<S> {
+        match self {
+            Self::Shaft(planes) => {
+                let mut outside = mask32x8::splat(simd, false);
+                for (n, offset) in planes {
+                    outside |= a.dot_one(*n).min(b.dot_one(*n)).simd_gt(f32x8::splat(simd, *offset));
+                }
+                outside
+            }
+            Self::Horizons(planes) => {
+                let mut outside = mask32x8::splat(simd, true);
+                for (n, offset) in planes {
+                    outside &= a.dot_one(*n).max(b.dot_one(*n)).simd_lt(f32x8::splat(simd, *offset));
                 }
                 outside
             }
@@ -144,10 +167,7 @@ impl Hull {
     fn meets<S: Simd>(&self, simd: S, node: &Node, forms: Option<(&Forms<'_>, &[[f32; 8]; 2])>) -> u32 {
         let middle = node.vectors(simd, 0);
         let half = node.vectors(simd, 3);
-        let mut outside = self.region.misses(simd, |n| {
-            let (along, wide) = (middle.dot_one(n), half.dot_one(n.abs()));
-            [along - wide, along + wide]
-        });
+        let mut outside = self.region.misses_boxes(simd, middle, half);
         // All normals of the cone on one side for all receivers: none of its edges is a silhouette. For d from any point of
         // the box to any receiver that is axis·d > |d| sin α.
         let axis = node.vectors(simd, 6);
@@ -181,11 +201,7 @@ impl Hull {
     /// Which of eight edges may lie inside of the hull.
     #[inline(always)]
     pub(crate) fn meets_edges<S: Simd>(&self, simd: S, packet: &impl EdgePacket) -> mask32x8<S> {
-        let [a, b] = [vectors(simd, packet, ENDS[0]), vectors(simd, packet, ENDS[1])];
-        !self.region.misses(simd, |n| {
-            let (a, b) = (a.dot_one(n), b.dot_one(n));
-            [a.min(b), a.max(b)]
-        })
+        !self.region.misses_edges(simd, vectors(simd, packet, ENDS[0]), vectors(simd, packet, ENDS[1]))
     }
 
     /// Appends those of eight edges that `keep` has and that may lie inside of the hull; there must be room.

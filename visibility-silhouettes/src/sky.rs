@@ -8,6 +8,7 @@ use crate::select::side;
 use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
 use lobe_core::Receiver;
+use lobe_core::vec3x8::Vec3x8;
 use visibility_mask::sky::{Horizon, Meridians, SkyArcs, SkyBlockers, SkyBuffer, SkyTile};
 
 /// Receivers that share a list, next to each other in the tile.
@@ -123,6 +124,15 @@ fn in_halves<S: Simd>(simd: S, step: f32x8<S>, names: f32x8<S>) -> f32x8<S> {
     (names.bitcast::<u32x8<S>>() & mark).simd_eq(mark).select(step, step + step)
 }
 
+/// On which side of a plane all receivers are, 0 where there is no plane, and whether that is known.
+#[inline(always)]
+fn known_side<S: Simd>(simd: S, [front, behind]: [mask32x8<S>; 2], normal: Vec3x8<S>) -> (f32x8<S>, mask32x8<S>) {
+    let zero = f32x8::splat(simd, 0.0);
+    let is_absent = normal.abs().dot_one(Vec3::ONE).simd_eq(zero);
+    let plus = front.select(f32x8::splat(simd, 1.0), zero);
+    (behind.select(f32x8::splat(simd, -1.0), plus), front | behind | is_absent)
+}
+
 /// What narrows a tile's list for a part of its receivers.
 struct Sift<'a> {
     hull: &'a Hull,
@@ -142,13 +152,12 @@ impl<'a> Sift<'a> {
     fn narrow<S: Simd>(&self, simd: S, list: &EdgeList, known: &mut Columns<KNOWN>, open: &mut EdgeList) {
         known.clear();
         open.clear();
-        let zero = f32x8::splat(simd, 0.0);
         for first in (0..list.len()).step_by(8) {
             let packet = (list, first);
-            let sides = PLANES.map(|plane| self.hull.faces(simd, &packet, plane));
-            let both = |k: usize| sides[0][k] & sides[1][k];
+            let one = self.hull.faces(simd, &packet, PLANES[0]);
+            let other = self.hull.faces(simd, &packet, PLANES[1]);
             let lanes = mask32x8::from_bitmask(simd, u64::from(list.lanes(first)));
-            let mut keep = lanes & !(both(0) | both(1));
+            let mut keep = lanes & !((one[0] & other[0]) | (one[1] & other[1]));
             if !keep.any_true() {
                 continue;
             }
@@ -161,12 +170,8 @@ impl<'a> Sift<'a> {
             if !keep.any_true() {
                 continue;
             }
-            let [one, other] = [0, 1].map(|k| {
-                let is_absent = list.load3(simd, PLANES[k], first).abs().dot_one(Vec3::ONE).simd_eq(zero);
-                let [front, behind] = sides[k];
-                let plus = front.select(f32x8::splat(simd, 1.0), zero);
-                (behind.select(f32x8::splat(simd, -1.0), plus), front | behind | is_absent)
-            });
+            let one = known_side(simd, one, list.load3(simd, PLANES[0], first));
+            let other = known_side(simd, other, list.load3(simd, PLANES[1], first));
             let names = list.load(simd, ID, first);
             let sometimes = names.bitcast::<u32x8<S>>().simd_ge(u32x8::splat(simd, SOMETIMES));
             let is_known = one.1 & other.1 & !sometimes;
@@ -196,7 +201,7 @@ impl<'a> Sift<'a> {
         let beside = horizon.pole().local(half).abs();
         // As far as receivers are from the middle, seen along the pole.
         let off = f32x8::splat(simd, beside.truncate().length() * 1.01);
-        let ends = ENDS.map(|end| list.load3(simd, end, first).minus(center));
+        let ends = [list.load3(simd, ENDS[0], first).minus(center), list.load3(simd, ENDS[1], first).minus(center)];
         self.meridians.may_cross(simd, horizon, ends, off)
     }
 }
@@ -222,7 +227,7 @@ impl Look<'_, '_> {
         for first in (0..list.len()).step_by(8) {
             let mut keep = mask32x8::from_bitmask(simd, u64::from(list.lanes(first)));
             let [(one, unsure_one), (other, unsure_other)] =
-                PLANES.map(|plane| side(simd, list, plane, first, x, reach));
+                [side(simd, list, PLANES[0], first, x, reach), side(simd, list, PLANES[1], first, x, reach)];
             // To the right as the receiver sees it; masks are seen from the light.
             let mut step = other - one;
             let mut ask = ((unsure_one | unsure_other) & keep).to_bitmask();

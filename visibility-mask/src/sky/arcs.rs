@@ -73,11 +73,8 @@ impl SkyArcs {
     ) -> mask32x8<S> {
         let zero = f32x8::splat(simd, 0.0);
         let ([x, y, z], sign) = horizon.pole().axes();
-        let local = |v: Vec3x8<S>| {
-            let v = [v.x, v.y, v.z];
-            [v[x], v[y], v[z] * sign]
-        };
-        let (p, q) = (local(a), local(b));
+        let (p, q) = ([a.x, a.y, a.z], [b.x, b.y, b.z]);
+        let (p, q) = ([p[x], p[y], p[z] * sign], [q[x], q[y], q[z] * sign]);
         let (first, last) = (meridians.rows_before(simd, p[0], p[1]), meridians.rows_before(simd, q[0], q[1]));
         let keep = keep & !first.simd_eq(last);
         if !keep.any_true() {
@@ -91,11 +88,9 @@ impl SkyArcs {
         let plane = Vec3x8::new(p[0], p[1], p[2]).cross(Vec3x8::new(q[0], q[1], q[2]));
         let all = f32x8::splat(simd, meridians.resolution().rows() as f32);
         let half = all * 0.5;
-        let wrap = |rows: f32x8<S>| {
-            let rows = rows.simd_gt(half).select(rows - all, rows);
-            rows.simd_lt(-half).select(rows + all, rows)
-        };
-        let rows = wrap(last - first);
+        let rows = last - first;
+        let rows = rows.simd_gt(half).select(rows - all, rows);
+        let rows = rows.simd_lt(-half).select(rows + all, rows);
         // Beside the pole the edge's plane says on which side it passes.
         let is_near = rows.abs().simd_gt(half - 2.0) & (rows * plane.z).simd_lt(zero);
         let other = rows.simd_gt(zero).select(rows - all, rows + all);

@@ -96,7 +96,11 @@ impl SkyBuffer {
         let all = meridians.resolution().rows() as i32;
         let zero = f32x8::splat(simd, 0.0);
         for index in (0..arcs.len()).step_by(LANES) {
-            let normal = [0, 1, 2].map(|c| arcs.load(simd, NORMAL + c, index));
+            let normal = [
+                arcs.load(simd, NORMAL, index),
+                arcs.load(simd, NORMAL + 1, index),
+                arcs.load(simd, NORMAL + 2, index),
+            ];
             let (first, rows) = (arcs.load(simd, FIRST, index), arcs.load(simd, ROWS, index));
             // Away from the pole is to the left of an arc that runs counter-clockwise.
             let step = arcs.load(simd, STEP, index);

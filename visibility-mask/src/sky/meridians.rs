@@ -139,7 +139,11 @@ impl Meridians {
     #[inline(always)]
     pub(crate) fn block<S: Simd>(&self, simd: S, block: usize) -> [f32x8<S>; 2] {
         let rows = &self.circle[block * LANES..][..LANES];
-        [0, 1].map(|c| f32x8::simd_from(simd, core::array::from_fn::<_, LANES, _>(|j| rows[j][c])))
+        let (mut cos, mut sin) = ([0.0; LANES], [0.0; LANES]);
+        for ((row, cos), sin) in rows.iter().zip(&mut cos).zip(&mut sin) {
+            [*cos, *sin] = *row;
+        }
+        [f32x8::simd_from(simd, cos), f32x8::simd_from(simd, sin)]
     }
 
     /// How many rows lie before eight vectors, of which x and y in the pole's frame are given: from 0 to all, where 0 and all are the same
@@ -156,16 +160,11 @@ impl Meridians {
     pub fn may_cross<S: Simd>(&self, simd: S, horizon: &Horizon, ends: [Vec3x8<S>; 2], off: f32x8<S>) -> mask32x8<S> {
         let ([x, y, _], _) = horizon.pole().axes();
         let scale = self.resolution.rows as f32 * 0.25;
-        let [(p, s), (q, t)] = ends.map(|v| {
-            let v = [v.x, v.y, v.z];
-            // No longer than the distance. The azimuth number turns no faster than the azimuth.
-            let (wide, high) = (v[x].abs(), v[y].abs());
-            let distance = wide.max(high).max((wide + high) * 0.707) - off;
-            let spread = distance.simd_gt(f32x8::splat(simd, 0.0)).select(off / distance, f32x8::splat(simd, 4.0));
-            (azimuth(simd, v[x], v[y]), spread + 1e-5)
-        });
-        let before = |p: f32x8<S>| ((p + 2.0) * scale - 0.5).ceil();
-        !before((p - s).min(q - t)).simd_eq(before((p + s).max(q + t)))
+        let (p, s) = spread(simd, [x, y], ends[0], off);
+        let (q, t) = spread(simd, [x, y], ends[1], off);
+        let first = (((p - s).min(q - t) + 2.0) * scale - 0.5).ceil();
+        let last = (((p + s).max(q + t) + 2.0) * scale - 0.5).ceil();
+        !first.simd_eq(last)
     }
 
     /// Where on their rows eight directions are, in samples from the pole: z of the pole's frame, and the distance from its axis.
@@ -188,6 +187,17 @@ impl Meridians {
 /// The azimuth number of a place among so many rows.
 pub(super) fn row_number(row: f64, rows: usize) -> f64 {
     row * 4.0 / rows as f64 - 2.0
+}
+
+/// The azimuth numbers of eight vectors, and how much they change within `off` of the receiver.
+#[inline(always)]
+fn spread<S: Simd>(simd: S, [x, y]: [usize; 2], v: Vec3x8<S>, off: f32x8<S>) -> (f32x8<S>, f32x8<S>) {
+    let v = [v.x, v.y, v.z];
+    // No longer than the distance. The azimuth number turns no faster than the azimuth.
+    let (wide, high) = (v[x].abs(), v[y].abs());
+    let distance = wide.max(high).max((wide + high) * 0.707) - off;
+    let spread = distance.simd_gt(f32x8::splat(simd, 0.0)).select(off / distance, f32x8::splat(simd, 4.0));
+    (azimuth(simd, v[x], v[y]), spread + 1e-5)
 }
 
 /// The azimuth number of eight vectors; 0 of those along the axis.

@@ -89,14 +89,14 @@ impl SkyTable {
 impl Cell {
     #[inline(always)]
     pub(super) fn light<S: Simd>(&self, simd: S) -> Vec3x8<S> {
-        let [x, y, z] = [self.0[0], self.0[1], self.0[2]].map(|column| f32x8::simd_from(simd, column));
-        Vec3x8::new(x, y, z)
+        let [x, y, z, ..] = self.0;
+        Vec3x8::new(f32x8::simd_from(simd, x), f32x8::simd_from(simd, y), f32x8::simd_from(simd, z))
     }
 
     #[inline(always)]
     pub(super) fn direction<S: Simd>(&self, simd: S) -> Vec3x8<S> {
-        let [x, y, z] = self.directions().map(|column| f32x8::simd_from(simd, column));
-        Vec3x8::new(x, y, z)
+        let [x, y, z] = self.directions();
+        Vec3x8::new(f32x8::simd_from(simd, x), f32x8::simd_from(simd, y), f32x8::simd_from(simd, z))
     }
 
     #[inline(always)]

@@ -186,9 +186,10 @@ impl SkyView {
         let local = horizon.pole().local(normal);
         for block in 0..resolution.blocks() {
             // Where the receiver's own horizon is, and its facet's.
-            let end = (local.z > STEEP).then(|| table.meridians().crossing(simd, block, local));
+            let end = if local.z > STEEP { Some(table.meridians().crossing(simd, block, local)) } else { None };
             let last = end.map_or(samples, |end| last_column(simd, end, samples + 2));
-            let facet = horizon.is_facet().then(|| table.meridians().crossing(simd, block, horizon.local()));
+            let facet =
+                if horizon.is_facet() { Some(table.meridians().crossing(simd, block, horizon.local())) } else { None };
             let is_crossed = !self.is_dark && self.buffer.is_crossed(block);
             let part = f32x8::splat(simd, if self.is_dark { 0.0 } else { self.buffer.open_part() });
             for (column, cell) in table.block(horizon.pole(), block)[..last].iter().enumerate() {
