@@ -24,7 +24,7 @@ struct BlockedDirections {
 }
 
 impl BlockedDirections {
-    /// What a sphere hides that rays block only if they leave it farther than τ away: the tangent cone if the power `k = d² − r²` is not
+    /// The directions that a sphere hides if rays are blocked only where they leave it farther than τ away: the tangent cone if the power `k = d² − r²` is not
     /// below τ², else `cos β = (τ² + k)/2τd`. None where that is nothing.
     fn of(sphere: Sphere, tau: f32, from: Vec3) -> Option<Self> {
         let to = sphere.center - from;
