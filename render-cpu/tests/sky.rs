@@ -191,7 +191,7 @@ fn tiles_and_threads_do_not_matter() {
     let got = shade(&scene, &environment, &points, Accuracy::default());
     let n = points.receivers.len();
     // 7 has no common factor with the number of points.
-    assert!(n % 7 != 0);
+    assert!(!n.is_multiple_of(7));
     let order: Vec<usize> = (0..n).map(|k| k * 7 % n).collect();
     let other = ShadingPoints {
         receivers: order.iter().map(|k| points.receivers[*k]).collect(),
