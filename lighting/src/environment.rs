@@ -27,12 +27,16 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
     map: EnvironmentMap,
+    sky: EnvironmentMap,
     lights: Vec<Light>,
 }
 
 /// Texels along a patch's side, at least and at most.
 const FEWEST: u32 = 8;
 const MOST: u32 = 256;
+
+/// Texels around of the picture without its suns, at most: an eighth of the finest step in which a sky is summed.
+const AROUND: u32 = 1024;
 
 /// Patches whose texels differ by less than this part are as bright everywhere.
 const PLAIN: f32 = 1e-4;
@@ -53,13 +57,35 @@ impl Environment {
                 lights.extend(patch(&rest, axis, center, sides, side, world).map(|p| SkyLight::Patch(p).into()));
             }
         }
-        Self { map, lights }
+        Self { sky: rest.reduced(AROUND), map, lights }
     }
 
     /// Suns first, then patches that are not black.
     #[must_use]
     pub fn lights(&self) -> &[Light] {
         &self.lights
+    }
+
+    /// The picture without its suns, as coarse as patches are not to be: for sums over all directions.
+    #[must_use]
+    pub const fn sky(&self) -> &EnvironmentMap {
+        &self.sky
+    }
+
+    /// Which of some lights are the patches of this environment, if all of them are there, in order and as they were made, whatever
+    /// [world](SkyPatch::world) they are for. Together they are the [sky](Self::sky).
+    #[must_use]
+    pub fn patches_among(&self, lights: &[Light]) -> Option<Vec<bool>> {
+        let mut own = self.lights.iter().filter_map(Light::sky_patch).peekable();
+        let mut is_next = |light: &Light| {
+            let is_it = own.peek().zip(light.sky_patch()).is_some_and(|(own, other)| own.shows_same(other));
+            if is_it {
+                own.next();
+            }
+            is_it
+        };
+        let among = lights.iter().map(&mut is_next).collect();
+        own.next().is_none().then_some(among)
     }
 
     /// The picture.

@@ -1,6 +1,8 @@
 //! Any light as one type.
 
-use crate::{AmbientLight, EnclosedLight, FlatLight, LightKind, SkyLight, SphereLight, SpotLight, SunLight, TubeLight};
+use crate::{
+    AmbientLight, EnclosedLight, FlatLight, LightKind, SkyLight, SkyPatch, SphereLight, SpotLight, SunLight, TubeLight,
+};
 use glam::{Mat4, Vec3};
 use lobe_core::{LightImage, LightLobes, Receiver, SeenLight, Sphere, Tile, TileLight};
 use std::sync::Arc;
@@ -70,6 +72,14 @@ impl Light {
     pub const fn as_sphere_mut(&mut self) -> Option<&mut SphereLight> {
         match self {
             Self::Sphere(light) => Some(light),
+            _ => None,
+        }
+    }
+
+    /// The patch of a sky that it is.
+    pub(crate) const fn sky_patch(&self) -> Option<&SkyPatch> {
+        match self {
+            Self::Sky(SkyLight::Patch(patch)) => Some(patch),
             _ => None,
         }
     }

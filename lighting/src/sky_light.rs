@@ -53,6 +53,17 @@ impl SkyPatch {
         4.0 * u * v / (PI * (u * u + v * v)).max(f32::MIN_POSITIVE)
     }
 
+    /// Whether another patch shows the same, in whatever world.
+    pub(crate) fn shows_same(&self, other: &Self) -> bool {
+        let image = match (&self.image, &other.image) {
+            (Some(one), Some(two)) => Arc::ptr_eq(one, two),
+            (one, two) => one.is_none() && two.is_none(),
+        };
+        image
+            && (self.axis, self.center, self.sides, self.radiance)
+                == (other.axis, other.center, other.sides, other.radiance)
+    }
+
     /// As all receivers see it.
     fn seen(&self) -> Option<Outline> {
         let outline = Outline::new(&self.corners(), self.axis)?.with_roundness(self.roundness());

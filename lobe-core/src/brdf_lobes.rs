@@ -170,6 +170,14 @@ impl TileLobes {
         &self.columns[number].0
     }
 
+    /// Empties a place, by the row that [`of`](Self::of) gives: that lobe was summed elsewhere.
+    ///
+    /// # Panics
+    /// When there is no such row.
+    pub fn remove(&mut self, number: usize) {
+        set_row(&mut self.columns[number / WIDTH].0, number % WIDTH, &[0.0; 8]);
+    }
+
     /// The lobes of receiver `i`, in order, and the row of each, counted through all blocks.
     pub fn of(&self, i: usize) -> impl Iterator<Item = (usize, BrdfLobe)> {
         let (first, j) = (i / WIDTH, i % WIDTH);

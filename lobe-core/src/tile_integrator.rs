@@ -80,6 +80,20 @@ impl TileContributions {
         (Contribution { radiance, unshadowed }, [visibility_lobes as u32, integrals as u32])
     }
 
+    /// Begins the contributions of a light that is summed elsewhere: none yet of so many receivers.
+    pub fn begin(&mut self, receivers: usize) {
+        self.reset(receivers);
+    }
+
+    /// Sets the contribution to receiver `i`, for which so many integrals were taken.
+    ///
+    /// # Panics
+    /// When the tile has no such receiver's block.
+    pub fn put(&mut self, i: usize, sum: &Contribution, integrals: usize) {
+        self.set(i, sum.radiance, [0, integrals]);
+        self.set_color(UNSHADOWED, i, sum.unshadowed);
+    }
+
     /// No contributions yet.
     fn reset(&mut self, receivers: usize) {
         self.blocks.resize(receivers.div_ceil(WIDTH), Kept::default());

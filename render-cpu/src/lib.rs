@@ -25,6 +25,7 @@ mod revision;
 mod scene_silhouettes;
 mod scene_spheres;
 mod shade;
+mod sky;
 mod surface_hits;
 
 pub use crate::blockers::blockers;
@@ -33,6 +34,7 @@ pub use crate::revision::Revision;
 pub use crate::scene_silhouettes::SceneSilhouettes;
 pub use crate::scene_spheres::{SceneSpheres, SphereSource, read_set};
 pub use crate::shade::{CpuShader, Layers, ShadeRequest};
+pub use crate::sky::{SkyLighting, SkyScratch, SkyShader};
 pub use crate::surface_hits::{HitScratch, SurfaceHits};
 pub use glam;
 pub use ray_tracing::{GBuffer, Hierarchy, PixelSamples, TILE, Update, World};

@@ -1,3 +1,4 @@
+use crate::SkyLighting;
 use core::convert::Infallible;
 use core::ops::Range;
 use glam::Vec3;
@@ -33,10 +34,14 @@ const fn is_timed(group: usize) -> bool {
 /// shader.shade(&ShadingPoints::default(), &frame, &mut []).unwrap();
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct CpuShader<V, I = FractionIntegrator> {
+pub struct CpuShader<V, I = FractionIntegrator, K = ()> {
     visibility: V,
     integrator: I,
+    sky: K,
 }
+
+/// Lobes of a flux of 1 whose integral over a patch of a sky is below this are left out there, where most of the sky was summed at once.
+const FAINT: f32 = 1e-6;
 
 /// The layers that [`CpuShader::shade_with`] makes on request, and the request that stops it. Nothing by default.
 #[derive(Clone, Copy, Debug, Default)]
@@ -69,7 +74,7 @@ impl<V: Visibility> CpuShader<V> {
     /// The default integrator with this visibility.
     #[must_use]
     pub fn new(visibility: V) -> Self {
-        Self { visibility, integrator: FractionIntegrator }
+        Self { visibility, integrator: FractionIntegrator, sky: () }
     }
 }
 
@@ -77,9 +82,19 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
     /// Any integrator; the paper's wants a visibility whose lobes are the paper's.
     #[must_use]
     pub fn with_integrator(visibility: V, integrator: I) -> Self {
-        Self { visibility, integrator }
+        Self { visibility, integrator, sky: () }
     }
+}
 
+impl<V, I> CpuShader<V, I> {
+    /// The same with some of the lights summed at once. In [`Layers`] their sum is that of the first of them.
+    #[must_use]
+    pub fn with_sky<K: SkyLighting>(self, sky: K) -> CpuShader<V, I, K> {
+        CpuShader { visibility: self.visibility, integrator: self.integrator, sky }
+    }
+}
+
+impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
     /// The visibility strategy.
     pub const fn visibility(&self) -> &V {
         &self.visibility
@@ -145,6 +160,7 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
                 integrals: Vec::new(),
                 lit: TileContributions::default(),
                 scratch: self.visibility.scratch(),
+                sky: self.sky.scratch(),
                 integration: I::Scratch::default(),
             })
         };
@@ -199,64 +215,91 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
         &self,
         (receivers, materials): (&[Receiver], &[u32]),
         frame: &Frame<'_, M, L>,
-        memory: &mut Memory<V, I>,
+        memory: &mut Memory<V, I, K>,
         group: &mut Group<'_>,
         out: &mut [Vec3],
     ) {
         out.fill(Vec3::ZERO);
-        group.make_room(receivers.len(), frame.lights.len());
-        let Group { request, layers, stats } = group;
-        if request.cancel.is_some_and(Cancel::is_cancelled) {
+        let count = frame.lights.len();
+        group.make_room(receivers.len(), count);
+        if group.is_cancelled() {
             return;
         }
-        stats.restart();
-        let Memory { tile, lobes, cones, integrals, lit, scratch, integration } = memory;
-        tile.set(receivers);
-        let (sphere, half_extent) = tile.bounds();
-        // A facet under a smooth normal may hide the light that nothing else does.
-        let is_bent = receivers.iter().any(|at| at.face != at.normal);
-        I::reflectance(frame.materials, materials, receivers, tile, lobes);
-        stats.lap(0);
-        for (l, light) in frame.lights.iter().enumerate() {
-            if request.cancel.is_some_and(Cancel::is_cancelled) {
+        group.stats.restart();
+        memory.tile.set(receivers);
+        I::reflectance(frame.materials, materials, receivers, &memory.tile, &mut memory.lobes);
+        group.stats.lap(0);
+        for light in (0..count).filter(|light| !self.sky.replaces(*light)) {
+            if group.is_cancelled() {
                 return;
             }
-            light.tile_light(receivers, tile, cones);
-            // A light that shows an image is integrated where it is seen.
-            if I::TAKES_INTEGRALS && light.image().is_none() {
-                cap_integrals(cones, lobes, integrals);
-            }
-            stats.lap(1);
-            let (id, accuracy) = (LightId(l as u32), frame.accuracy);
-            let shaft = Shaft::new(sphere, light.bounds_from(&sphere), id).in_box(half_extent);
-            // Receivers that all face away from the light need no query.
-            let any =
-                !I::TAKES_INTEGRALS || light.image().is_some() || integrals.iter().any(|integral| *integral > 0.0);
-            let mut visibility = match any {
-                true => LightVisibility::enter(&self.visibility, &shaft, accuracy, scratch),
-                false => LightVisibility::alone(&self.visibility, id, accuracy, scratch),
-            }
-            .with_image(light.image());
-            if is_bent {
-                visibility.query_each_receiver();
-            }
-            stats.lap(2);
-            let threshold = frame.threshold;
-            let tile = TileInteraction { at: receivers, lobes, light: cones, integrals, threshold };
-            self.integrator.tile(&tile, &mut visibility, integration, stats, lit);
-            for (i, out) in out.iter_mut().enumerate() {
-                *out += lit.radiance(i);
-            }
-            layers.add(lit, l, frame.lights.len());
-            stats.lap(4);
+            self.light(receivers, frame, light, false, memory, group);
+            group.add(&memory.lit, light, count, out);
         }
+        let Some(place) = self.sky.place() else { return };
+        let Memory { lobes, lit, sky, .. } = &mut *memory;
+        let is_left = self.sky.tile(receivers, lobes, frame.threshold, sky, &mut group.stats, lit);
+        group.add(lit, place, count, out);
+        // Narrower lobes see patches, one by one.
+        for light in (0..count).filter(|light| is_left && self.sky.replaces(*light)) {
+            if group.is_cancelled() {
+                return;
+            }
+            if self.light(receivers, frame, light, true, memory, group) {
+                group.add(&memory.lit, light, count, out);
+            }
+        }
+    }
+
+    /// The contributions of one light to a group, in `memory.lit`. With `is_rest` for what lobes the sky has left: no contributions, and
+    /// `false`, where these see nothing of it.
+    fn light<M: BrdfLobes, L: LightLobes>(
+        &self,
+        receivers: &[Receiver],
+        frame: &Frame<'_, M, L>,
+        light: usize,
+        is_rest: bool,
+        memory: &mut Memory<V, I, K>,
+        group: &mut Group<'_>,
+    ) -> bool {
+        let (id, light, stats) = (LightId(light as u32), &frame.lights[light], &mut group.stats);
+        let Memory { tile, lobes, cones, integrals, lit, scratch, integration, .. } = memory;
+        let (sphere, half_extent) = tile.bounds();
+        light.tile_light(receivers, tile, cones);
+        // A light that shows an image is integrated where it is seen.
+        if I::TAKES_INTEGRALS && (is_rest || light.image().is_none()) {
+            cap_integrals(cones, lobes, integrals);
+        }
+        stats.lap(1);
+        let is_seen = |i: usize| lobes.of(i).any(|(number, _)| integrals[number] > FAINT);
+        if is_rest && I::TAKES_INTEGRALS && !(0..receivers.len()).any(is_seen) {
+            return false;
+        }
+        let accuracy = frame.accuracy;
+        let shaft = Shaft::new(sphere, light.bounds_from(&sphere), id).in_box(half_extent);
+        // Receivers that all face away from the light need no query.
+        let any = !I::TAKES_INTEGRALS || light.image().is_some() || integrals.iter().any(|integral| *integral > 0.0);
+        let mut visibility = match any {
+            true => LightVisibility::enter(&self.visibility, &shaft, accuracy, scratch),
+            false => LightVisibility::alone(&self.visibility, id, accuracy, scratch),
+        }
+        .with_image(light.image());
+        // A facet under a smooth normal may hide the light that nothing else does.
+        if receivers.iter().any(|at| at.face != at.normal) {
+            visibility.query_each_receiver();
+        }
+        stats.lap(2);
+        let tile = TileInteraction { at: receivers, lobes, light: cones, integrals, threshold: frame.threshold };
+        self.integrator.tile(&tile, &mut visibility, integration, stats, lit);
+        true
     }
 }
 
-impl<V, I, M, L> Shade<M, L> for CpuShader<V, I>
+impl<V, I, K, M, L> Shade<M, L> for CpuShader<V, I, K>
 where
     V: Visibility,
     I: Integrator<V>,
+    K: SkyLighting,
     M: BrdfLobes + Sync,
     L: LightLobes + Sync,
 {
@@ -280,6 +323,19 @@ struct Group<'a> {
 }
 
 impl Group<'_> {
+    fn is_cancelled(&self) -> bool {
+        self.request.cancel.is_some_and(Cancel::is_cancelled)
+    }
+
+    /// Adds the contributions of a light.
+    fn add(&mut self, lit: &TileContributions, light: usize, lights: usize, out: &mut [Vec3]) {
+        for (i, out) in out.iter_mut().enumerate() {
+            *out += lit.radiance(i);
+        }
+        self.layers.add(lit, light, lights);
+        self.stats.lap(4);
+    }
+
     fn make_room(&mut self, points: usize, lights: usize) {
         let ShadeRequest { unshadowed, lights: by_light, counts, .. } = *self.request;
         let layers = &mut self.layers;
@@ -297,7 +353,7 @@ impl Layers {
             *sum += lit.get(i).0.unshadowed;
         }
         for (i, of_lights) in self.lights.chunks_exact_mut(lights).enumerate() {
-            of_lights[light] = lit.radiance(i);
+            of_lights[light] += lit.radiance(i);
         }
         for (i, (lobes, integrals)) in self.lobes.iter_mut().zip(&mut self.integrals).enumerate() {
             let counts = lit.get(i).1;
@@ -307,7 +363,7 @@ impl Layers {
 }
 
 /// One thread's memory.
-struct Memory<V: Visibility, I: Integrator<V>> {
+struct Memory<V: Visibility, I: Integrator<V>, K: SkyLighting> {
     /// A group and its reflectance lobes.
     tile: Tile,
     lobes: TileLobes,
@@ -316,6 +372,7 @@ struct Memory<V: Visibility, I: Integrator<V>> {
     integrals: Vec<f32>,
     lit: TileContributions,
     scratch: V::Scratch,
+    sky: K::Scratch,
     integration: I::Scratch,
 }
 

@@ -5,7 +5,7 @@ use crate::{Device, RenderError};
 use core::error::Error;
 use glam::Vec3;
 use lobe_core::{Integrator, Visibility};
-use render_cpu::{CpuShader, Layers as PointLayers, ShadeRequest};
+use render_cpu::{CpuShader, Layers as PointLayers, ShadeRequest, SkyLighting};
 use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 
 #[cfg(feature = "gpu")]
@@ -206,7 +206,7 @@ pub trait Shader: Shade<Error: Error + Into<RenderError>> {
     ) -> Result<(ShadeStats, PointLayers), RenderError>;
 }
 
-impl<V: Visibility, I: Integrator<V>> Shader for CpuShader<V, I> {
+impl<V: Visibility, I: Integrator<V>, K: SkyLighting> Shader for CpuShader<V, I, K> {
     fn shade_with(
         &mut self,
         points: &ShadingPoints,

@@ -1,6 +1,8 @@
 use crate::bands::{Bands, seconds};
 use crate::event::tell;
-use crate::{Backend, CustomStrategy, Event, FrameBlockers, Listener, Plan, RenderError, Settings, Shader, ShaderTask};
+use crate::{
+    Backend, CustomStrategy, Event, FrameBlockers, KeptSky, Listener, Plan, RenderError, Settings, Shader, ShaderTask,
+};
 use glam::Vec3;
 use lobe_core::Accuracy;
 use lobe_core::paper::Tables;
@@ -39,9 +41,9 @@ impl Budget<'_> {
     pub(crate) fn choose(
         &self,
         backend: &mut Backend,
+        sky: &mut KeptSky,
         milliseconds: f32,
-        bands: &Bands<'_>,
-        frame: &Frame<'_>,
+        (bands, frame): (&Bands<'_>, &Frame<'_>),
         listener: &mut Listener<'_>,
     ) -> Result<Accuracy, RenderError> {
         let mut find = 0.0;
@@ -52,7 +54,8 @@ impl Budget<'_> {
             let frame = Frame { materials: &materials, accuracy, ..*frame };
             let blockers =
                 FrameBlockers::new(self.plan, self.world, self.spheres, self.maps.to_vec(), self.silhouettes, accuracy)
-                    .with(self.custom, self.settings);
+                    .with(self.custom, self.settings)
+                    .under(sky.follow(self.world.scene().environment.as_ref(), frame.lights, accuracy));
             let twice = Twice { points: &points, frame: &frame, cancel: self.cancel };
             let shading = blockers.shade(backend, self.settings.method, self.tables, twice)?;
             let total = 1e3 * (fixed + shading * scale);

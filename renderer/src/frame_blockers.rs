@@ -1,8 +1,8 @@
 use crate::on_objects::OnObjects;
-use crate::{Backend, CustomStrategy, Method, Plan, RenderError, Settings, Shader};
+use crate::{Backend, CustomStrategy, Method, Plan, RenderError, Settings, Shader, SkyFrame};
 use lobe_core::paper::{PaperIntegrator, Tables};
 use lobe_core::{Accuracy, Coverage, LightId, LobeIntegrator, Unshadowed, VisibilityQuery};
-use render_cpu::{CpuShader, SceneSilhouettes, SurfaceHits, World};
+use render_cpu::{CpuShader, SceneSilhouettes, SkyShader, SurfaceHits, World};
 use scene::{Object, Shape, Strategy};
 use visibility_mask::{Blockers, DynMixture, Mask, MaskVisibility, Mixture, PaperVisibility};
 use visibility_rays::RayBlockers;
@@ -20,6 +20,8 @@ use {
 };
 
 type Silhouettes<'a> = SilhouetteBlockers<'a, SurfaceHits<'a>>;
+/// A sky before these kinds.
+type Sky<'a> = SkyShader<'a, (Option<&'a SphereBlockers>, Option<&'a Silhouettes<'a>>)>;
 
 /// The blockers of one frame, by strategy.
 #[derive(Debug)]
@@ -32,6 +34,8 @@ pub struct FrameBlockers<'a> {
     drawn: Option<OnObjects<Silhouettes<'a>>>,
     silhouettes: Option<Silhouettes<'a>>,
     rays: Option<RayBlockers<'a>>,
+    /// The environment, where it is summed at once.
+    sky: Option<SkyFrame<'a>>,
     /// Custom strategies.
     custom: &'a [Box<dyn CustomStrategy>],
     /// See [`Settings::own_radiance`].
@@ -97,7 +101,26 @@ impl<'a> FrameBlockers<'a> {
         let silhouettes = (!meshes.is_empty()).then(|| outlines(&meshes, false));
         let on_drawn = drawn.contains(&true).then(|| OnObjects::new(outlines(&own, true), drawn.clone()));
         let maps = (!maps.is_empty()).then(|| ShadowMapBlockers::of_lights(maps).with_casters(casters).leaving(drawn));
-        Self { world, spheres, maps, drawn: on_drawn, silhouettes, rays, custom: &[], of_own: false, meshes, hides }
+        Self {
+            world,
+            spheres,
+            maps,
+            drawn: on_drawn,
+            silhouettes,
+            rays,
+            sky: None,
+            custom: &[],
+            of_own: false,
+            meshes,
+            hides,
+        }
+    }
+
+    /// The same with an environment that a CPU sums at once where it can: before spheres and silhouettes, by
+    /// [`Method::Moments`], for tolerances of the unshadowed radiance. Elsewhere, and on a GPU, its patches are lights.
+    #[must_use]
+    pub fn under(self, sky: Option<SkyFrame<'a>>) -> Self {
+        Self { sky, ..self }
     }
 
     /// Adds the custom strategies, and sets [the kind of tolerance](Settings::own_radiance).
@@ -179,24 +202,29 @@ impl<'a> FrameBlockers<'a> {
         }
         #[cfg(not(feature = "gpu"))]
         let Backend::Cpu = backend;
+        let is_summed = self.maps.is_none() && self.rays.is_none() && self.custom.is_empty();
+        let is_summed = is_summed && method == Method::Moments && !self.of_own;
+        let (spheres, silhouettes) = (self.spheres, self.silhouettes.as_ref());
+        let sky = self.sky.filter(|_| is_summed);
+        let sky = sky.map(|sky| SkyShader::new(sky.table, sky.replaced, (spheres, silhouettes)));
         let maps = self.maps.map(|maps| Mixture::new(maps, self.drawn));
         let form = (method, self.of_own);
         let custom = DynMixture(self.custom.iter().map(|own| own.blockers()).collect());
-        match (self.spheres, maps, self.silhouettes, self.rays) {
+        match (spheres, maps, silhouettes, self.rays) {
             parts if !custom.0.is_empty() => {
                 let (spheres, maps, silhouettes, rays) = parts;
                 let triangles = Mixture::new(silhouettes, Mixture::new(maps, rays));
-                masked(Mixture::new(custom, Mixture::new(spheres, triangles)), form, tables, work)
+                masked(Mixture::new(custom, Mixture::new(spheres, triangles)), sky, form, tables, work)
             }
             (None, None, None, None) => match tables {
                 Some(tables) => work.with(&mut CpuShader::with_integrator(Unshadowed, PaperIntegrator { tables })),
-                None => work.with(&mut CpuShader::new(Unshadowed)),
+                None => work.with(&mut CpuShader::new(Unshadowed).with_sky(sky)),
             },
-            (Some(spheres), None, None, None) => masked(spheres, form, tables, work),
-            (None, None, Some(silhouettes), None) => masked(silhouettes, form, tables, work),
+            (Some(spheres), None, None, None) => masked(spheres, sky, form, tables, work),
+            (None, None, Some(silhouettes), None) => masked(silhouettes, sky, form, tables, work),
             (spheres, maps, silhouettes, rays) => {
                 let triangles = Mixture::new(silhouettes, Mixture::new(maps, rays));
-                masked(Mixture::new(spheres, triangles), form, tables, work)
+                masked(Mixture::new(spheres, triangles), sky, form, tables, work)
             }
         }
     }
@@ -217,6 +245,7 @@ pub trait ShaderTask {
 /// Shades with masks, by a method, with the tolerance relative to [own radiance](Settings::own_radiance) or not.
 fn masked<B: Blockers, W: ShaderTask>(
     blockers: B,
+    sky: Option<Sky<'_>>,
     (method, of_own): (Method, bool),
     tables: Option<&Tables>,
     work: W,
@@ -228,6 +257,6 @@ fn masked<B: Blockers, W: ShaderTask>(
             let visibility = PaperVisibility::new(visibility.into_blockers(), tables);
             work.with(&mut CpuShader::with_integrator(visibility, PaperIntegrator { tables }))
         }
-        _ => work.with(&mut CpuShader::new(visibility)),
+        _ => work.with(&mut CpuShader::new(visibility).with_sky(sky)),
     }
 }

@@ -7,8 +7,8 @@ use crate::image::{Canvas, Shading};
 use crate::kept_maps::{KeptMaps, MapRequest};
 use crate::kept_points::KeptPoints;
 use crate::{
-    Backend, CustomStrategy, Event, FrameBlockers, FrameClocks, ImageStats, KeptSpheres, Listener, MapReduction, Plan,
-    RenderError, Settings, Sink,
+    Backend, CustomStrategy, Event, FrameBlockers, FrameClocks, ImageStats, KeptSky, KeptSpheres, Listener,
+    MapReduction, Plan, RenderError, Settings, Sink,
 };
 use lobe_core::Accuracy;
 use lobe_core::paper::Tables;
@@ -25,6 +25,7 @@ pub(crate) struct State<'a> {
     pub(crate) points: &'a mut KeptPoints,
     pub(crate) canvas: &'a mut Canvas,
     pub(crate) maps: &'a mut KeptMaps,
+    pub(crate) sky: &'a mut KeptSky,
 }
 
 /// The parts of a picture to be shaded.
@@ -50,7 +51,7 @@ impl Job<'_> {
         sink: &mut Sink<'_>,
     ) -> Result<ImageStats, RenderError> {
         let Self { settings, parts, plan, cancel, silhouettes, custom, tables, .. } = *self;
-        let State { backend, chosen, is_advised, points, canvas, maps: kept_maps } = state;
+        let State { backend, chosen, is_advised, points, canvas, maps: kept_maps, sky } = state;
         let (scene, spheres) = (world.scene(), self.spheres.get());
         let mut bands = Bands::new(world, settings, parts, points, cancel);
         let mut maps = Vec::new();
@@ -81,15 +82,20 @@ impl Job<'_> {
                     cancel,
                     fixed: clocks.maps,
                 };
-                frame.accuracy = choice.choose(backend, budget, &bands, &frame, listener)?;
+                frame.accuracy = choice.choose(backend, sky, budget, (&bands, &frame), listener)?;
                 *chosen = Some(frame.accuracy);
             }
             (None, None) => {}
         }
         let map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
         let map_bytes = maps.iter().map(ShadowMap::bytes).sum();
-        let blockers =
-            FrameBlockers::new(plan, world, spheres, maps, silhouettes, frame.accuracy).with(custom, settings);
+        let sky = match backend {
+            Backend::Cpu => sky.follow(scene.environment.as_ref(), lights, frame.accuracy),
+            #[cfg(feature = "gpu")]
+            Backend::Gpu(_) => None,
+        };
+        let blockers = FrameBlockers::new(plan, world, spheres, maps, silhouettes, frame.accuracy);
+        let blockers = blockers.with(custom, settings).under(sky);
         let (repeat, layers) = (settings.repeat, settings.layers);
         let shading = Shading { frame: &frame, bands: &mut bands, canvas, repeat, layers, listener, sink };
         let mut stats = blockers.shade(backend, settings.method, tables, shading)?;

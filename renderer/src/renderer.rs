@@ -8,7 +8,7 @@ use crate::kept::Kept;
 use crate::rows::Rows;
 use crate::sphere_cache::{Scope, follow_spheres};
 use crate::{
-    Backend, Clocks, Device, FrameClocks, Image, ImageStats, KeptSpheres, LayerSet, Listener, Method, Plan,
+    Backend, Clocks, Device, FrameClocks, Image, ImageStats, KeptSky, KeptSpheres, LayerSet, Listener, Method, Plan,
     RenderError, Settings, Sink, Stale, Upkeep, paper_tables,
 };
 use core::ops::ControlFlow;
@@ -57,6 +57,7 @@ pub struct Renderer {
     /// Data of pictures with fewer pixels.
     pub(crate) reduced: Kept,
     canvas: Canvas,
+    sky: KeptSky,
     pub(crate) rows: Rows,
     pub(crate) light_handles: Handles,
     pub(crate) material_handles: Handles,
@@ -118,6 +119,7 @@ impl Renderer {
             kept: Kept::default(),
             reduced: Kept::default(),
             canvas: Canvas::default(),
+            sky: KeptSky::default(),
             stale: Stale::ALL,
             upkeep: Upkeep::default(),
             is_advised: false,
@@ -171,7 +173,13 @@ impl Renderer {
     #[must_use]
     pub const fn upkeep(&self) -> Upkeep {
         let ray_worlds = self.upkeep.ray_worlds + self.backend.worlds_followed();
-        Upkeep { point_bands: self.kept.points.found, maps: self.kept.maps.drawn, ray_worlds, ..self.upkeep }
+        Upkeep {
+            point_bands: self.kept.points.found,
+            maps: self.kept.maps.drawn,
+            sky_tables: self.sky.made(),
+            ray_worlds,
+            ..self.upkeep
+        }
     }
 
     /// Sets the request, which any thread may make, that stops pictures and their preparation with [`RenderError::Cancelled`].
@@ -473,6 +481,7 @@ impl Renderer {
             points: &mut self.kept.points,
             canvas: &mut self.canvas,
             maps: &mut self.kept.maps,
+            sky: &mut self.sky,
         };
         let done = job.picture(&world, state, clocks, listener, sink);
         if !self.settings.keep_points {

@@ -122,6 +122,8 @@ pub struct Upkeep {
     pub point_bands: u64,
     /// Shadow maps that were drawn.
     pub maps: u64,
+    /// Tables of the environment that were made.
+    pub sky_tables: u64,
     /// How often the hierarchy of a GPU's rays was built or updated.
     pub ray_worlds: u64,
 }

@@ -91,6 +91,7 @@ fn work(edited: &mut Renderer, before: Upkeep) -> Upkeep {
         sphere_updates: now.sphere_updates - before.sphere_updates,
         point_bands: now.point_bands - before.point_bands,
         maps: now.maps - before.maps,
+        sky_tables: now.sky_tables - before.sky_tables,
         ray_worlds: now.ray_worlds - before.ray_worlds,
     }
 }
@@ -274,6 +275,25 @@ fn what_has_left_the_scene_still_shades_it() {
     let fraction = edited.visible_fraction(&at, sun).expect("a sun").x;
     let hidden = (0.5_f32 / 30.0).powi(2) / 2.0_f32.to_radians().sin().powi(2);
     assert!((1.0 - fraction - hidden).abs() < 0.03, "{fraction} for {}", 1.0 - hidden);
+}
+
+/// The sky's table follows the environment alone.
+#[test]
+fn a_sky_is_tabulated_once() {
+    let mut edited = Renderer::new(outdoors(), Animation::default(), Settings::default()).expect("a scene");
+    edited.render().expect("a picture");
+    let before = edited.upkeep();
+    assert_eq!(before.sky_tables, 1);
+    let sun = edited.lights().find(|(_, light)| light.name() == "sun").map(|(handle, _)| handle).expect("a sun");
+    edited.remove_light(sun).expect("it is there");
+    assert_eq!(work(&mut edited, before).sky_tables, 0);
+    let around = world(edited.scene());
+    edited.set_environment(Some(environment(around, 0.2))).expect("an environment");
+    assert_eq!(work(&mut edited, before).sky_tables, 1);
+    // A sky without one of its patches is no sky: its lights stay lights.
+    let patch = edited.lights().find(|(_, light)| light.name() == "environment").map(|(handle, _)| handle);
+    edited.remove_light(patch.expect("a patch")).expect("it is there");
+    assert_eq!(work(&mut edited, before).sky_tables, 1);
 }
 
 #[test]

@@ -3,7 +3,7 @@ use glam::Vec3;
 use lobe_core::Accuracy;
 use ray_tracing::GBuffer;
 use reference::{Geometry, Reference, ReferenceJob};
-use renderer::{LayerSet, RenderError, Renderer, Settings};
+use renderer::{LayerSet, PixelSamples, RenderError, Renderer, Settings};
 use scene::{Animation, BlockerSet, Scene};
 use std::sync::mpsc::{self, Receiver};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -95,7 +95,7 @@ fn measure(
     let settings = Settings {
         device: renderer::Device::Cpu,
         layers: LayerSet::NONE,
-        samples: 1,
+        samples: PixelSamples::Uniform(1),
         repeat: REPEAT,
         time_budget: None,
         ..settings

@@ -1,5 +1,5 @@
 use glam::Vec3;
-use ray_tracing::GBuffer;
+use ray_tracing::{GBuffer, World};
 use reference::{Geometry, Reference, ReferenceJob};
 use renderer::Renderer;
 use scene::{BlockerSet, Cancel};
@@ -41,7 +41,9 @@ impl Growth {
     pub(crate) fn new(renderer: &mut Renderer, edits: u64) -> Self {
         let (width, height) = (renderer.scene().width, renderer.scene().height);
         let samples = renderer.settings().samples;
-        let gbuffer = renderer.with_world(|world| GBuffer::new(world, width, height, samples));
+        let whole = [0..width, 0..height];
+        let find = |world: &World<'_>| GBuffer::sampled(world, [width, height], samples, whole, &Cancel::new());
+        let gbuffer = renderer.with_world(find).unwrap_or_default();
         let truth = Truth { size: [width as usize, height as usize], edits, ..Truth::default() };
         let none = vec![Vec3::ZERO; gbuffer.len()];
         Self { gbuffer, truth, radiance: none.clone(), unshadowed: none, step: 0 }

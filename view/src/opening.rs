@@ -1,4 +1,4 @@
-use cosine_lobes::renderer::{Renderer, Settings};
+use cosine_lobes::renderer::{PixelSamples, Renderer, Settings};
 use cosine_lobes::scene::{self, Animation};
 use cosine_lobes::session::Session;
 use eframe::egui::Context;
@@ -65,7 +65,8 @@ fn open(path: Option<PathBuf>, context: &Context) -> Result<Opened, String> {
         Some(path) => scene::load_animated(path).map_err(|error| error.to_string())?,
     };
     let cache = dirs::cache_dir().map(|folder| folder.join("cosine-lobes"));
-    let settings = Settings { cache, ..Settings::default() };
+    // As `lobes render` draws it.
+    let settings = Settings { cache, samples: PixelSamples::Edges(8), ..Settings::default() };
     let mut renderer = Renderer::new(scene, animation, settings).map_err(|error| error.to_string())?;
     let exposure = renderer.exposure();
     let session = Session::new(renderer);

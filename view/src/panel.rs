@@ -8,7 +8,7 @@ use core::ops::RangeInclusive;
 use cosine_lobes::glam::{Mat4, Quat, Vec3};
 use cosine_lobes::lighting::Light;
 use cosine_lobes::lobe_core::Accuracy;
-use cosine_lobes::renderer::{Device, LightHandle, Method, Settings};
+use cosine_lobes::renderer::{Device, LightHandle, Method, PixelSamples, Settings};
 use cosine_lobes::scene::Strategy;
 use cosine_lobes::session::{LightItem, ObjectItem, gloss, lamp};
 use eframe::egui::emath::Numeric;
@@ -147,9 +147,11 @@ fn settings(ui: &mut Ui, desk: &mut Desk) {
     method(ui, &mut now);
     strategy(ui, "shadows by", "all", &mut now.strategy, "as each object says");
     device(ui, desk, &mut now);
-    let mut samples = now.samples;
-    let rays = ui.add(slider(&mut samples, 1..=16).logarithmic(true).text("rays a pixel"));
-    now.samples = samples;
+    let mut samples = now.samples.most();
+    let rays = ui.add(slider(&mut samples, 1..=16).logarithmic(true).text("rays a pixel on outlines"));
+    if rays.changed() {
+        now.samples = PixelSamples::Edges(samples);
+    }
     let is_changed = now.accuracy != before.accuracy
         || now.method != before.method
         || now.strategy != before.strategy

@@ -64,6 +64,7 @@ mod quadtree_cut;
 mod raster;
 mod row;
 mod shadow_tree;
+pub mod sky;
 mod square;
 #[cfg(test)]
 mod square_tests;

@@ -92,8 +92,8 @@ pub trait AnyHit: Sync {
 /// surfaces are none.
 #[derive(Debug)]
 pub struct SilhouetteBlockers<'m, H> {
-    meshes: Meshes<'m>,
-    hits: H,
+    pub(crate) meshes: Meshes<'m>,
+    pub(crate) hits: H,
 }
 
 impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {

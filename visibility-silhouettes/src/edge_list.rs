@@ -12,7 +12,9 @@ pub(crate) const ID: usize = 14;
 pub(crate) const SOMETIMES: u32 = 1 << 31;
 /// Mark in an edge's number: the edge belongs to a simplified form.
 pub(crate) const COARSE: u32 = 1 << 30;
-pub(crate) const MARKS: u32 = SOMETIMES | COARSE;
+/// That the surface it is on has no border.
+pub(crate) const CLOSED: u32 = 1 << 29;
+pub(crate) const MARKS: u32 = SOMETIMES | COARSE | CLOSED;
 
 /// Columns of eight items side by side.
 pub(crate) type Block<const C: usize> = [[f32; LANES]; C];

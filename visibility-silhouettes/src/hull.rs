@@ -1,4 +1,4 @@
-use crate::edge_list::{Block, COARSE, COLUMNS, ENDS, EdgeList, EdgePacket, PLANES};
+use crate::edge_list::{Block, CLOSED, COARSE, COLUMNS, ENDS, EdgeList, EdgePacket, PLANES};
 use crate::mesh::SilhouetteMesh;
 use crate::tree::{Node, Tree};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
@@ -12,20 +12,74 @@ const SIDES: usize = 10;
 /// Error of `n·x + d` in f32, relative to `|d| + |x| + |y| + |z|`: the sign of a smaller value is not known.
 pub(crate) const UNSURE: f32 = 6e-7;
 
-/// All segments from some receivers to a light, bounded by planes: edges outside cannot affect these receivers.
-#[derive(Clone, Debug, Default)]
+/// Where edges matter to some receivers.
+#[derive(Clone, Debug)]
+enum Region {
+    /// Between them and a light: inside of all planes, by outward unit normals and the offsets along them.
+    Shaft([(Vec3, f32); SIDES]),
+    /// Above any of their horizons: beyond one of the planes.
+    Horizons(Vec<(Vec3, f32)>),
+}
+
+impl Region {
+    /// Which of eight boxes are wholly outside. Loops over all edges have no closures: these are not always inlined.
+    #[inline(always)]
+    fn misses_boxes<S: Simd>(&self, simd: S, middle: Vec3x8<S>, half: Vec3x8<S>) -> mask32x8<S> {
+        match self {
+            Self::Shaft(planes) => {
+                let mut outside = mask32x8::splat(simd, false);
+                for (n, offset) in planes {
+                    let least = middle.dot_one(*n) - half.dot_one(n.abs());
+                    outside |= least.simd_gt(f32x8::splat(simd, *offset));
+                }
+                outside
+            }
+            Self::Horizons(planes) => {
+                let mut outside = mask32x8::splat(simd, true);
+                for (n, offset) in planes {
+                    let most = middle.dot_one(*n) + half.dot_one(n.abs());
+                    outside &= most.simd_lt(f32x8::splat(simd, *offset));
+                }
+                outside
+            }
+        }
+    }
+
+    /// Which of eight edges are wholly outside.
+    #[inline(always)]
+    fn misses_edges<S: Simd>(&self, simd: S, a: Vec3x8<S>, b: Vec3x8<S>) -> mask32x8<S> {
+        match self {
+            Self::Shaft(planes) => {
+                let mut outside = mask32x8::splat(simd, false);
+                for (n, offset) in planes {
+                    outside |= a.dot_one(*n).min(b.dot_one(*n)).simd_gt(f32x8::splat(simd, *offset));
+                }
+                outside
+            }
+            Self::Horizons(planes) => {
+                let mut outside = mask32x8::splat(simd, true);
+                for (n, offset) in planes {
+                    outside &= a.dot_one(*n).max(b.dot_one(*n)).simd_lt(f32x8::splat(simd, *offset));
+                }
+                outside
+            }
+        }
+    }
+}
+
+/// All segments from some receivers to a light, bounded by planes, or all that some receivers see of a sky: no edge outside of it matters to
+/// any of the receivers.
+#[derive(Clone, Debug)]
 pub(crate) struct Hull {
-    /// Outward unit normals and the offsets along them.
-    normals: [Vec3; SIDES],
-    offsets: [f32; SIDES],
-    /// The starts of rays: in a box, and in a sphere with the same centre.
+    region: Region,
+    /// The places where rays start: in a box, and in a sphere with the same centre.
     center: Vec3,
     half: Vec3,
     radius: f32,
     /// The largest |x| + |y| + |z| of a receiver.
     reach: f32,
-    /// The light; its size decides which details receivers can tell apart.
-    light: Sphere,
+    /// The scales of the simplified forms that the receivers may take ([`Fineness::scale`]): least and largest; `None` for exact outlines.
+    scales: Option<[f32; 2]>,
 }
 
 /// The finest details of outlines: those smaller than this fraction of a light's radius may be left out. 0 for exact outlines.
@@ -69,17 +123,43 @@ struct Leaf {
 }
 
 impl Hull {
-    /// The hull of a shaft whose rays start within `margin` of its receivers.
-    pub(crate) fn new(shaft: &Shaft, margin: f32) -> Self {
+    /// Of a shaft whose rays start within `margin` of its receivers.
+    pub(crate) fn new(shaft: &Shaft, margin: f32, fineness: Fineness) -> Self {
         let Shaft { receivers: Sphere { center, radius }, light, .. } = *shaft;
         let (half, radius) = (shaft.half_extent + margin, radius + margin);
         let outer = (center.abs() + half).element_sum();
-        let mut hull = Self { center, half, radius, reach: outer + margin, light, ..Self::default() };
-        // The offsets are differences of large numbers.
+        let scales = (!fineness.is_exact(light)).then(|| fineness.scales(center, radius, light));
+        let reach = outer + margin;
+        // Offsets are differences of long numbers.
         let margin = margin + 2e-6 * (outer + light.center.abs().element_sum() + light.radius);
-        hull.normals = shaft.normals();
-        hull.offsets = hull.normals.map(|n| n.dot(center) + shaft.reach(n) + margin);
-        hull
+        let planes = shaft.normals().map(|n| (n, n.dot(center) + shaft.reach(n) + margin));
+        Self { region: Region::Shaft(planes), center, half, radius, reach, scales }
+    }
+
+    /// Of receivers whose rays start at `origins`, above the horizons that have these unit normals; `scale` is [`Fineness::scale`], the same
+    /// for all. None for exact outlines.
+    pub(crate) fn of_sky(origins: &[Vec3], normals: &[Vec3], scale: Option<f32>) -> Self {
+        let first = origins.first().copied().unwrap_or_default();
+        let (low, high) = origins.iter().fold((first, first), |(low, high), p| (low.min(*p), high.max(*p)));
+        let center = 0.5 * low + 0.5 * high;
+        let rounding = 1e-6 * (low.abs().max(high.abs())).element_sum();
+        let half = (high - center).max(center - low) + rounding;
+        let mut planes: Vec<(Vec3, f32)> = Vec::with_capacity(normals.len());
+        for (origin, normal) in origins.iter().zip(normals) {
+            let offset = normal.dot(*origin) - rounding;
+            match planes.iter_mut().find(|plane| plane.0 == *normal) {
+                Some(plane) => plane.1 = plane.1.min(offset),
+                None => planes.push((*normal, offset)),
+            }
+        }
+        let reach = (center.abs() + half).element_sum();
+        let scales = scale.map(|scale| [scale; 2]);
+        Self { region: Region::Horizons(planes), center, half, radius: half.length(), reach, scales }
+    }
+
+    /// The middle of the receivers, and half the sides of a box around them.
+    pub(crate) const fn receivers(&self) -> (Vec3, Vec3) {
+        (self.center, self.half)
     }
 
     /// The children of a node that may have silhouettes inside the hull, as bits.
@@ -87,12 +167,9 @@ impl Hull {
     fn meets<S: Simd>(&self, simd: S, node: &Node, forms: Option<(&Forms<'_>, &[[f32; 8]; 2])>) -> u32 {
         let middle = node.vectors(simd, 0);
         let half = node.vectors(simd, 3);
-        let mut outside = mask32x8::splat(simd, false);
-        for (n, offset) in self.normals.iter().zip(&self.offsets) {
-            outside |= (middle.dot_one(*n) - half.dot_one(n.abs())).simd_gt(f32x8::splat(simd, *offset));
-        }
-        // If all normals of the cone are on one side for all receivers, none of its edges is a silhouette. For d from any point of
-        // the box to any receiver the condition is axis·d > |d| sin α.
+        let mut outside = self.region.misses_boxes(simd, middle, half);
+        // All normals of the cone on one side for all receivers: none of its edges is a silhouette. For d from any point of
+        // the box to any receiver that is axis·d > |d| sin α.
         let axis = node.vectors(simd, 6);
         let to = middle.minus(self.center);
         let wide = half.plus(self.half);
@@ -121,18 +198,19 @@ impl Hull {
         (one[0] & other[0]) | (one[1] & other[1])
     }
 
-    /// Appends those of the eight edges in `keep` that may lie inside the hull; there must be room.
+    /// Which of eight edges may lie inside of the hull.
+    #[inline(always)]
+    pub(crate) fn meets_edges<S: Simd>(&self, simd: S, packet: &impl EdgePacket) -> mask32x8<S> {
+        !self.region.misses_edges(simd, vectors(simd, packet, ENDS[0]), vectors(simd, packet, ENDS[1]))
+    }
+
+    /// Appends those of eight edges that `keep` has and that may lie inside of the hull; there must be room.
     #[inline(always)]
     fn sift<S: Simd>(&self, simd: S, packet: &impl EdgePacket, keep: mask32x8<S>, out: &mut EdgeList) {
         if !keep.any_true() {
             return;
         }
-        let mut outside = !keep;
-        let [a, b] = [vectors(simd, packet, ENDS[0]), vectors(simd, packet, ENDS[1])];
-        for (n, offset) in self.normals.iter().zip(&self.offsets) {
-            outside |= a.dot_one(*n).min(b.dot_one(*n)).simd_gt(f32x8::splat(simd, *offset));
-        }
-        let keep = !outside;
+        let keep = keep & self.meets_edges(simd, packet);
         if keep.any_true() {
             for column in 0..COLUMNS {
                 out.put(column, keep, packet.column(simd, column));
@@ -143,7 +221,7 @@ impl Hull {
 
     /// Whether all receivers are certainly in front of planes, and whether all are behind them.
     #[inline(always)]
-    fn faces<S: Simd>(&self, simd: S, packet: &impl EdgePacket, column: usize) -> [mask32x8<S>; 2] {
+    pub(crate) fn faces<S: Simd>(&self, simd: S, packet: &impl EdgePacket, column: usize) -> [mask32x8<S>; 2] {
         let (normal, d) = (vectors(simd, packet, column), packet.column(simd, column + 3));
         let middle = normal.dot_one(self.center) + d;
         let unsure = d.abs() * (2.0 * UNSURE) + 2.0 * UNSURE * self.reach;
@@ -155,13 +233,11 @@ impl Hull {
     /// Appends the edges of a mesh that may be silhouettes inside the hull. `base` is the number of its first edge. `most` counts
     /// down the leaves that are met; if there are more, the search stops before it reads edges and returns `false`.
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "memory that is kept")]
     pub(crate) fn find<S: Simd>(
         &self,
         simd: S,
         mesh: &SilhouetteMesh,
         base: u32,
-        fineness: Fineness,
         memory: &mut Memory,
         most: &mut usize,
         out: &mut EdgeList,
@@ -170,11 +246,11 @@ impl Hull {
         leaves.clear();
         let [fine, coarse] = mesh.trees();
         let radius = self.radius;
-        let scales = fineness.scales(self.center, radius, self.light);
         forms.clear();
-        if !fineness.is_exact(self.light) {
+        if let Some(scales) = self.scales {
             forms.extend(mesh.patches().iter().map(|patch| patch.is_coarse_from(self.center, radius, scales)));
         }
+        let scales = self.scales.unwrap_or_default();
         if forms.iter().all(|form| *form == Some(false)) {
             let found = self.leaves(simd, fine, None, stack, most, leaves);
             if found {
@@ -244,6 +320,7 @@ impl Hull {
         out: &mut EdgeList,
     ) {
         let mark = if forms.is_some_and(|forms| forms.is_coarse) { COARSE } else { 0 };
+        let mark = if mesh.is_closed() { mark | CLOSED } else { mark };
         let mut block: Block<COLUMNS> = [[0.0; 8]; COLUMNS];
         for leaf in leaves {
             let (first, count) = (leaf.first as usize, usize::from(leaf.count));

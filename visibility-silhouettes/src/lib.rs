@@ -65,10 +65,12 @@ mod lists;
 mod mesh;
 mod project;
 mod select;
+mod sky;
 mod topology;
 mod tree;
 
 pub use crate::blockers::{AnyHit, SilhouetteBlockers, SilhouetteScratch};
 pub use crate::gpu::GpuSilhouettes;
 pub use crate::mesh::SilhouetteMesh;
+pub use crate::sky::SkySilhouetteScratch;
 pub use glam;

@@ -50,20 +50,25 @@ impl<'m> Meshes<'m> {
         self.meshes[mesh].sides((edge - self.bases[mesh]) as usize, x)
     }
 
-    /// Whether an edge is drawn for a receiver.
+    /// Whether an edge is drawn for a receiver that looks at a light.
     pub(crate) fn is_drawn(&self, edge: u32, x: Vec3, light: Sphere) -> bool {
-        let mesh = self.bases.partition_point(|base| *base <= edge) - 1;
-        self.meshes[mesh].is_drawn((edge - self.bases[mesh]) as usize, x, self.fineness.scale(x, light))
+        self.is_drawn_at(edge, x, self.fineness.scale(x, light))
     }
 
-    /// Lists the edges that may be silhouettes inside a hull; returns the number of their leaves, or `None` if there are more than
-    /// `most`.
-    fn list(&self, hull: &Hull, most: usize, memory: &mut Memory, out: &mut EdgeList) -> Option<usize> {
+    /// The same by [`Fineness::scale`].
+    pub(crate) fn is_drawn_at(&self, edge: u32, x: Vec3, scale: f32) -> bool {
+        let mesh = self.bases.partition_point(|base| *base <= edge) - 1;
+        self.meshes[mesh].is_drawn((edge - self.bases[mesh]) as usize, x, scale)
+    }
+
+    /// Lists the edges that may be silhouettes inside of a hull; returns in how many leaves they are. Gives up where these are
+    /// more than `most`.
+    pub(crate) fn list(&self, hull: &Hull, most: usize, memory: &mut Memory, out: &mut EdgeList) -> Option<usize> {
         out.clear();
         let mut left = most;
         let all = self.meshes.iter().zip(&self.bases).all(|(mesh, base)| {
             dispatch!(Level::new(), simd => {
-                hull.find(simd, mesh, *base, self.fineness, memory, &mut left, out)
+                hull.find(simd, mesh, *base, memory, &mut left, out)
             })
         });
         all.then(|| most - left)
@@ -134,8 +139,9 @@ impl Lists {
         self.shaft = *shaft;
         self.margin = margin;
         let Sphere { center, radius } = shaft.receivers;
-        let mut list =
-            |shaft: &Shaft, most| meshes.list(&Hull::new(shaft, margin), most, &mut self.memory, &mut self.edges);
+        let mut list = |shaft: &Shaft, most| {
+            meshes.list(&Hull::new(shaft, margin, meshes.fineness), most, &mut self.memory, &mut self.edges)
+        };
         let first = if radius > 0.0 { SHAFT_LEAVES } else { usize::MAX };
         self.is_whole = list(shaft, first).is_some();
         if !self.is_whole {
@@ -182,7 +188,7 @@ impl Lists {
             let middle = low + (Vec3::from_array(place.map(|x| x as f32)) + 0.5) * size;
             let ball = Sphere { center: middle, radius: 0.5 * size.length() };
             let shaft = Shaft::new(ball, light, id).in_box(0.5 * size);
-            Hull::new(&shaft, self.margin).narrow(simd, &self.edges, &mut cell.edges);
+            Hull::new(&shaft, self.margin, meshes.fineness).narrow(simd, &self.edges, &mut cell.edges);
             cell.is_listed = true;
         }
         &cell.edges
@@ -212,7 +218,7 @@ impl Lists {
         let mut receivers = Sphere { center: at, radius: if is_alone { 0.0 } else { NEIGHBOURS * near.sqrt() } };
         let (Shaft { light, id, .. }, margin) = (self.shaft, self.margin);
         let mut list = |receivers, most| {
-            let hull = Hull::new(&Shaft::new(receivers, light, id), margin);
+            let hull = Hull::new(&Shaft::new(receivers, light, id), margin, meshes.fineness);
             meshes.list(&hull, most, &mut self.memory, &mut edges)
         };
         let most = BALL_LEAVES.max(BALL_TIMES * self.single);

@@ -32,6 +32,7 @@ pub struct SilhouetteMesh {
     edges: Vec<Edge>,
     tree: Tree,
     coarse_tree: Tree,
+    is_closed: bool,
     /// Triangles of the mesh itself.
     triangle_count: usize,
     /// For each edge its condition to be drawn; empty if all are always drawn.
@@ -158,7 +159,9 @@ impl SilhouetteMesh {
         let (welded, sources) = (topology::placed(&welded, &places), topology::placed(&sources, &places));
         let positions = welded.iter().map(|p| p.extend(0.0)).collect();
         let planes = vec![[0.0; 4]; triangles.len()];
+        let is_closed = edges.iter().all(|edge| edge.other().is_some());
         let mut mesh = Self {
+            is_closed,
             object,
             positions,
             sources,
@@ -256,6 +259,12 @@ impl SilhouetteMesh {
             coarse_tree.fit(shapes);
             coarse_tree.fit_reaches(|range, middle| reach(range, middle, true));
         }
+    }
+
+    /// Whether its surface has no border, however it is wound: then as many of its triangles face a receiver along a ray as face away, up to
+    /// one number.
+    pub(crate) fn is_closed(&self) -> bool {
+        self.is_closed
     }
 
     /// Gives the object another number.

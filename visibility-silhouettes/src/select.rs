@@ -142,7 +142,7 @@ fn beside<S: Simd>(simd: S, cone: &Cone, a: Vec3x8<S>, b: Vec3x8<S>) -> mask32x8
 
 /// The sides of eight planes on which a point lies, and a mask of those that f32 cannot decide.
 #[inline(always)]
-fn side<S: Simd>(
+pub(crate) fn side<S: Simd>(
     simd: S,
     edges: &EdgeList,
     column: usize,

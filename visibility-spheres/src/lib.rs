@@ -21,6 +21,7 @@ mod ellipse;
 mod gpu;
 mod packed;
 mod shaft;
+mod sky;
 mod sphere_tree;
 mod splat;
 pub mod wgsl;
@@ -28,6 +29,7 @@ mod wide_cone;
 
 pub use crate::blockers::{SphereBlockers, SphereScratch};
 pub use crate::packed::{BlockerSphere, LIST_WORDS, SPHERE_BLOCK};
+pub use crate::sky::SkySphereScratch;
 pub use glam;
 
 #[cfg(test)]

@@ -82,6 +82,28 @@ impl EnvironmentMap {
         self
     }
 
+    /// The same picture with at most so many texels across, each the mean of those that it stands for. Cost: one look at each texel.
+    #[must_use]
+    pub fn reduced(&self, across: u32) -> Self {
+        let factor = self.size.x.div_ceil(across.max(1));
+        if factor <= 1 {
+            return self.clone();
+        }
+        let size = (self.size / factor).max(UVec2::ONE);
+        let mut sums = vec![(Vec3::ZERO, 0.0_f32); size.x as usize * size.y as usize];
+        for y in 0..self.size.y {
+            let weight = self.solid_angle(y);
+            let row = (y * size.y / self.size.y) * size.x;
+            for x in 0..self.size.x {
+                let (sum, weights) = &mut sums[(row + x * size.x / self.size.x) as usize];
+                *sum += self.texel(x, y) * weight;
+                *weights += weight;
+            }
+        }
+        let texels = sums.into_iter().map(|(sum, weights)| sum / weights.max(f32::MIN_POSITIVE)).collect();
+        Self { size, texels, turn: self.turn }
+    }
+
     /// Texels across and down.
     #[must_use]
     pub const fn size(&self) -> UVec2 {

@@ -1,0 +1,352 @@
+use super::arcs::{FIRST, NORMAL, ROWS, STEP};
+use super::{Horizon, Meridians, SkyArcs, SkyResolution};
+use fearless_simd::{Simd, f32x8, i32x8, mask32x8, prelude::*};
+use glam::Vec3;
+use lobe_core::vec3x8::LANES;
+
+/// Half a surface, which is also the number of places in a sample.
+const HALF: i32 = 1 << 11;
+const ONE: i32 = 2 * HALF;
+/// The lowest digits of a count say through how many outlines the sample is cut.
+const CUTS: u32 = 7;
+/// Samples whose lower end is so near to the horizon are not certain to be above it.
+const MARGIN: f32 = 0.01;
+/// The most rays that are traced.
+const WITNESSES: usize = 3;
+
+/// How many surfaces lie before each sample of a receiver's meridians, up to one constant, which is 0 at the pole.
+///
+/// Outlines add their steps where they cross a meridian: a step in the middle of a sample is shared between that and the next one. Of a
+/// step by two surfaces, as at the folds of open ones, one is shared so, and the other lies outside of the sample, which sees no light there
+/// anyway. That is right where no other outline passes through the sample; else a fold takes half a surface back, since of blades as thin as
+/// a sample nothing else would be left (measured: half the error of none or of all). All numbers are whole
+/// ones, in half surfaces, so that no order of drawing changes them. Up to 4000 surfaces behind each other are counted.
+///
+/// Eight rows stand side by side, their counts one after the other.
+#[derive(Clone, Debug, Default)]
+pub struct SkyBuffer {
+    /// Differences of counts, [`resolve`](Self::resolve)d to counts.
+    counts: Vec<[i32; LANES]>,
+    /// The part that the folds in a sample hide besides, if more than one outline passes through it; and whether there is any.
+    folds: Vec<[i32; LANES]>,
+    has_folds: bool,
+    columns: usize,
+    /// For each block of rows which are crossed, as bits.
+    crossed: Vec<u8>,
+    blocks: usize,
+    /// The fewest surfaces before any sample, as a count.
+    fewest: i32,
+    /// The same of all samples, those through which outlines pass as well.
+    fewest_cut: i32,
+    /// For each row the longest run of samples with the fewest, times 512, plus its last sample.
+    runs: Vec<i32>,
+}
+
+impl SkyBuffer {
+    /// Begins a receiver: no surfaces.
+    pub fn clear(&mut self, resolution: SkyResolution) {
+        let (columns, blocks) = (resolution.samples() + 2, resolution.blocks());
+        if (self.columns, self.blocks) != (columns, blocks) {
+            *self = Self::default();
+            (self.columns, self.blocks) = (columns, blocks);
+            self.counts.resize(columns * blocks, [0; LANES]);
+            self.folds.resize(columns * blocks, [0; LANES]);
+            self.crossed.resize(blocks, 0);
+            self.runs.resize(blocks * LANES, 0);
+            return;
+        }
+        let has_folds = core::mem::take(&mut self.has_folds);
+        for block in 0..blocks {
+            if core::mem::take(&mut self.crossed[block]) != 0 {
+                self.counts[block * columns..][..columns].fill([0; LANES]);
+                if has_folds {
+                    self.folds[block * columns..][..columns].fill([0; LANES]);
+                }
+            }
+        }
+    }
+
+    /// Adds a step of so many half surfaces to a row, at `place` samples from the pole.
+    pub fn add(&mut self, row: usize, place: f32, step: i32) {
+        let column = place.floor();
+        self.put(row, column as usize, ((place - column) * HALF as f32 + 0.5) as i32, step);
+    }
+
+    #[inline(always)]
+    fn put(&mut self, row: usize, column: usize, fraction: i32, step: i32) {
+        let (block, lane) = (row / LANES, row % LANES);
+        let shared = step.clamp(-2, 2);
+        let others = (step - shared) * HALF;
+        let [here, next] = if step > 0 { [0, others] } else { [others, 0] };
+        let first = block * self.columns + column;
+        let counts = &mut self.counts[first..first + 2];
+        let add = |count: &mut i32, more: i32, cut: i32| *count = count.wrapping_add((more << CUTS) + cut);
+        add(&mut counts[0][lane], here + shared * (HALF - fraction), 1);
+        add(&mut counts[1][lane], next + shared * fraction, -1);
+        if others != 0 {
+            self.has_folds = true;
+            self.folds[first][lane] += if step > 0 { HALF - fraction } else { fraction };
+        }
+        self.crossed[block] |= 1 << lane;
+    }
+
+    /// Draws arcs.
+    #[inline(always)]
+    pub fn draw<S: Simd>(&mut self, simd: S, meridians: &Meridians, arcs: &SkyArcs) {
+        let all = meridians.resolution().rows() as i32;
+        let zero = f32x8::splat(simd, 0.0);
+        for index in (0..arcs.len()).step_by(LANES) {
+            let normal = [
+                arcs.load(simd, NORMAL, index),
+                arcs.load(simd, NORMAL + 1, index),
+                arcs.load(simd, NORMAL + 2, index),
+            ];
+            let (first, rows) = (arcs.load(simd, FIRST, index), arcs.load(simd, ROWS, index));
+            // Away from the pole is to the left of an arc that runs counter-clockwise.
+            let step = arcs.load(simd, STEP, index);
+            let steps: [i32; LANES] = rows.simd_gt(zero).select(-step, step).to_int::<i32x8<S>>().into();
+            let firsts: [i32; LANES] = (first + rows.min(zero)).to_int::<i32x8<S>>().into();
+            let counts: [i32; LANES] = rows.abs().to_int::<i32x8<S>>().into();
+            let across = normal[2].abs();
+            let is_up = normal[2].simd_gt(zero);
+            let mut live = arcs.lanes(index);
+            for done in 0..all {
+                for lane in 0..LANES as u32 {
+                    if counts[lane as usize] <= done {
+                        live &= !(1 << lane);
+                    }
+                }
+                if live == 0 {
+                    break;
+                }
+                let (mut cos, mut sin, mut row) = ([0.0; LANES], [0.0; LANES], [0; LANES]);
+                for lane in 0..LANES {
+                    row[lane] = (firsts[lane] + done).rem_euclid(all) as usize;
+                    [cos[lane], sin[lane]] = meridians.row(row[lane]);
+                }
+                let along = normal[0] * f32x8::simd_from(simd, cos) + normal[1] * f32x8::simd_from(simd, sin);
+                // Without a plane at the pole.
+                let place = meridians.place(simd, is_up.select(-along, along) + f32::MIN_POSITIVE, across);
+                let column = place.floor();
+                let fractions: [i32; LANES] = ((place - column) * HALF as f32 + 0.5).to_int::<i32x8<S>>().into();
+                let columns: [i32; LANES] = column.to_int::<i32x8<S>>().into();
+                let mut left = live;
+                while left != 0 {
+                    let lane = left.trailing_zeros() as usize & (LANES - 1);
+                    left &= left - 1;
+                    self.put(row[lane], columns[lane] as usize, fractions[lane], steps[lane]);
+                }
+            }
+        }
+    }
+
+    /// Draws the outline of a cone of blocked directions about a unit axis: all `v` with `axis·v ≥ cos`.
+    #[inline(always)]
+    pub fn draw_cone<S: Simd>(&mut self, simd: S, meridians: &Meridians, horizon: &Horizon, axis: Vec3, cos: f32) {
+        // More than a hemisphere is all but the opposite cone.
+        let (axis, cos, step) = if cos < 0.0 { (-axis, -cos, -2) } else { (axis, cos, 2) };
+        let axis = horizon.pole().local(axis);
+        let zero = f32x8::splat(simd, 0.0);
+        // Decided once for all rows. Whoever holds a pole crosses each row once.
+        let (has_pole, has_opposite) = (axis.z > cos, -axis.z > cos);
+        for block in 0..self.blocks {
+            let [cos_row, sin_row] = meridians.block(simd, block);
+            // The height over the cone's plane along the row: along sin θ + axis.z cos θ = R cos(θ − θ₀).
+            let along = cos_row * axis.x + sin_row * axis.y;
+            let beside = along * along + (axis.z * axis.z - cos * cos);
+            let is_crossed = if has_pole || has_opposite {
+                mask32x8::splat(simd, true)
+            } else {
+                beside.simd_gt(zero) & along.simd_gt(zero)
+            };
+            let root = beside.max(zero).sqrt();
+            for (sign, step, is_drawn) in [(-1.0, step, !has_pole), (1.0, -step, !has_opposite)] {
+                if !is_drawn {
+                    continue;
+                }
+                // θ₀ ∓ acos(cos/R), times R².
+                let up = axis.z * cos - along * root * sign;
+                let across = (along * cos + root * (axis.z * sign)).max(zero);
+                let places: [f32; LANES] = meridians.place(simd, up, across).into();
+                let mut left = is_crossed.to_bitmask();
+                while left != 0 {
+                    let lane = left.trailing_zeros() as usize & (LANES - 1);
+                    left &= left - 1;
+                    self.add(block * LANES + lane, places[lane], step);
+                }
+            }
+        }
+    }
+
+    /// Makes counts of differences, above a horizon, and finds the fewest.
+    #[inline(always)]
+    pub fn resolve<S: Simd>(&mut self, simd: S, meridians: &Meridians, horizon: &Horizon) {
+        let mut low = i32x8::splat(simd, i32::MAX);
+        let mut any = i32x8::splat(simd, i32::MAX);
+        let (cuts, zero) = (i32x8::splat(simd, (1 << CUTS) - 1), i32x8::splat(simd, 0));
+        for block in (0..self.blocks).filter(|block| self.crossed[*block] != 0) {
+            let end = meridians.crossing(simd, block, horizon.local());
+            let sure = end - (1.0 + MARGIN);
+            let last = last_column(simd, end, self.columns);
+            let mut sum = zero;
+            for (column, counts) in self.counts[block * self.columns..][..last].iter_mut().enumerate() {
+                sum += i32x8::simd_from(simd, *counts);
+                *counts = sum.into();
+                let is_above = f32x8::splat(simd, column as f32).simd_le(sure);
+                let is_whole = (sum & cuts).simd_eq(zero);
+                low = (is_above & is_whole).select(low.min(sum), low);
+                any = is_above.select(any.min(sum), any);
+            }
+        }
+        let least = |lanes: i32x8<S>| <[i32; LANES]>::from(lanes).into_iter().min().unwrap_or(0);
+        let fewest = least(low);
+        self.fewest_cut = least(any);
+        // Rows that nothing crosses are as the pole is.
+        let is_open = (0..self.blocks).any(|block| self.crossed[block] != u8::MAX);
+        self.fewest = if is_open { fewest.min(0) } else { fewest };
+        if self.fewest == i32::MAX {
+            // Outlines pass through all samples: the fewest of which something is seen.
+            self.fewest = least(any) >> CUTS << CUTS;
+        }
+    }
+
+    /// Whether a part of a sample may have fewer surfaces before it than any whole one: an opening that is narrower than samples.
+    #[must_use]
+    pub fn may_open(&self) -> bool {
+        (self.fewest_cut >> CUTS) + ONE / 64 < self.fewest >> CUTS
+    }
+
+    /// Whether nothing crosses any row: then all samples have the same number of surfaces before them.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.crossed.iter().all(|rows| *rows == 0)
+    }
+
+    /// Whether a block's rows have counts of their own.
+    #[inline(always)]
+    pub(super) fn is_crossed(&self, block: usize) -> bool {
+        self.crossed[block] != 0
+    }
+
+    /// The part of the light that rows see which nothing crosses, if the samples with the fewest surfaces have none before them.
+    #[inline(always)]
+    pub(super) fn open_part(&self) -> f32 {
+        if self.fewest >= 0 { 1.0 } else { 0.0 }
+    }
+
+    /// The seen parts of eight samples of a crossed block, if those with the fewest surfaces have none before them.
+    #[inline(always)]
+    pub(super) fn seen<S: Simd>(&self, simd: S, block: usize, column: usize) -> f32x8<S> {
+        let index = block * self.columns + column;
+        let cut = i32x8::simd_from(simd, self.counts[index]);
+        let mut counts = cut >> CUTS;
+        if self.has_folds {
+            let is_shared = (cut & ((1 << CUTS) - 1)).simd_gt(i32x8::splat(simd, 1));
+            counts += is_shared.select(i32x8::simd_from(simd, self.folds[index]), i32x8::splat(simd, 0));
+        }
+        let seen = i32x8::splat(simd, (self.fewest >> CUTS) + ONE) - counts;
+        let seen = seen.max(i32x8::splat(simd, 0)).min(i32x8::splat(simd, ONE));
+        seen.to_float::<f32x8<S>>() * (1.0 / ONE as f32)
+    }
+
+    /// Up to three directions, in the pole's frame, before which the fewest surfaces lie: those that are farthest from outlines. The first
+    /// is always there.
+    #[inline(always)]
+    pub fn witnesses<S: Simd>(&mut self, simd: S, meridians: &Meridians, horizon: &Horizon) -> Witnesses {
+        let mut all = Witnesses { directions: [Vec3::Z; WITNESSES], len: 0 };
+        let end =
+            |row: usize| <[f32; LANES]>::from(meridians.crossing(simd, row / LANES, horizon.local()))[row % LANES];
+        if self.fewest == 0
+            && let Some((first, count)) = self.longest_open_run()
+        {
+            let rows = self.blocks * LANES;
+            for part in [2, 1, 3] {
+                let row = (first + count * part / 4) % rows;
+                all.push(meridians.direction(row as f64 + 0.5, f64::from(end(row)) * 0.25 * f64::from(part as u32)));
+            }
+            return all;
+        }
+        self.find_runs(simd, meridians, horizon);
+        let mut runs: [(i32, usize); WITNESSES] = [(0, 0); WITNESSES];
+        for (row, run) in self.runs.iter().enumerate() {
+            if *run > runs[WITNESSES - 1].0 {
+                runs[WITNESSES - 1] = (*run, row);
+                runs.sort_by_key(|run| core::cmp::Reverse(run.0));
+            }
+        }
+        for (run, row) in runs.into_iter().filter(|(run, _)| *run > 0) {
+            let (length, last) = (run / 512, run % 512);
+            all.push(meridians.direction(row as f64 + 0.5, f64::from(last) + 1.0 - 0.5 * f64::from(length)));
+        }
+        if all.len == 0 {
+            all.push(horizon.local());
+        }
+        all
+    }
+
+    /// The longest run of rows, around, that nothing crosses: the first, and how many.
+    fn longest_open_run(&self) -> Option<(usize, usize)> {
+        let rows = self.blocks * LANES;
+        let is_open = |row: usize| self.crossed[row % rows / LANES] >> (row % LANES) & 1 == 0;
+        let Some(start) = (0..rows).find(|row| !is_open(*row)) else { return Some((0, rows)) };
+        let (mut best, mut count) = ((0, 0), 0);
+        for row in start..=start + rows {
+            if row < start + rows && is_open(row) {
+                count += 1;
+            } else {
+                if count > best.1 {
+                    best = (row - count, count);
+                }
+                count = 0;
+            }
+        }
+        (best.1 > 0).then_some(best)
+    }
+
+    /// The longest run of samples with the fewest surfaces in each row.
+    #[inline(always)]
+    fn find_runs<S: Simd>(&mut self, simd: S, meridians: &Meridians, horizon: &Horizon) {
+        let (zero, fewest) = (i32x8::splat(simd, 0), i32x8::splat(simd, self.fewest));
+        for block in 0..self.blocks {
+            let end = meridians.crossing(simd, block, horizon.local());
+            let (mut run, mut best) = (zero, zero);
+            if self.crossed[block] != 0 {
+                let last = last_column(simd, end, self.columns);
+                for (column, counts) in self.counts[block * self.columns..][..last].iter().enumerate() {
+                    let is_above: mask32x8<S> = f32x8::splat(simd, column as f32).simd_le(end - (1.0 + MARGIN));
+                    let is_fewest = i32x8::simd_from(simd, *counts).simd_eq(fewest) & is_above;
+                    run = is_fewest.select(run + 512, zero);
+                    best = best.max(is_fewest.select(run + column as i32, zero));
+                }
+            }
+            self.runs[block * LANES..][..LANES].copy_from_slice(&<[i32; LANES]>::from(best));
+        }
+    }
+}
+
+/// Directions to send rays in.
+#[derive(Clone, Copy, Debug)]
+pub struct Witnesses {
+    directions: [Vec3; WITNESSES],
+    len: usize,
+}
+
+impl Witnesses {
+    fn push(&mut self, direction: Vec3) {
+        self.directions[self.len] = direction;
+        self.len += 1;
+    }
+
+    /// The directions, the best first.
+    #[must_use]
+    pub fn as_slice(&self) -> &[Vec3] {
+        &self.directions[..self.len]
+    }
+}
+
+/// The number of samples of which eight rows have any above their horizon.
+#[inline(always)]
+pub(super) fn last_column<S: Simd>(_: S, end: f32x8<S>, columns: usize) -> usize {
+    let most = <[f32; LANES]>::from(end).into_iter().fold(0.0, f32::max);
+    (most.ceil() as usize).min(columns - 2)
+}

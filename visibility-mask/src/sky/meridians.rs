@@ -1,0 +1,256 @@
+use super::Horizon;
+use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
+use glam::{DVec3, Vec3};
+use lobe_core::vec3x8::{LANES, Vec3x8};
+
+/// Directions around a receiver: half great circles from a pole to the opposite one, and samples along each.
+///
+/// A meridian is the middle of a wedge of directions. Wedges are of equal width in the *azimuth number* `p` in −2…2, samples in the
+/// *elevation number* `e` in 1…−1, which need no arc tangents:
+///
+/// ```text
+/// p = y/(|x| + |y|), 2 − p behind (x < 0, y ≥ 0), −2 − p (x < 0, y < 0)      e = z/(√(x² + y²) + |z|)
+/// ```
+///
+/// Both are monotone in their angles; steps are 0.64 to 1.28 times the mean.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Meridians {
+    resolution: SkyResolution,
+    /// Cosine and sine of each meridian's azimuth.
+    circle: Vec<[f32; 2]>,
+}
+
+/// How many meridians there are, and how many samples on each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SkyResolution {
+    rows: usize,
+    samples: usize,
+}
+
+impl SkyResolution {
+    /// The most of either.
+    pub const MOST: usize = 256;
+
+    /// So many of both: multiples of 8 up to [`MOST`](Self::MOST), to which other numbers are rounded.
+    #[must_use]
+    pub const fn new(rows: usize, samples: usize) -> Self {
+        Self { rows: even(rows), samples: even(samples) }
+    }
+
+    /// The resolution for a tolerance, a part of the unshadowed radiance.
+    #[must_use]
+    pub fn of_tolerance(tolerance: f32) -> Self {
+        if tolerance >= 0.01 {
+            Self::new(32, 64)
+        } else if tolerance >= 0.005 {
+            Self::new(64, 64)
+        } else if tolerance >= 0.003 {
+            Self::new(128, 64)
+        } else {
+            Self::new(256, 128)
+        }
+    }
+
+    /// Meridians.
+    #[must_use]
+    pub const fn rows(self) -> usize {
+        self.rows
+    }
+
+    /// Samples on each.
+    #[must_use]
+    pub const fn samples(self) -> usize {
+        self.samples
+    }
+
+    /// The mean angle between two meridians at right angles to the pole, in radians.
+    #[must_use]
+    pub fn pitch(self) -> f32 {
+        core::f32::consts::TAU / self.rows as f32
+    }
+
+    /// Rows that are kept side by side.
+    pub(crate) const fn blocks(self) -> usize {
+        self.rows / LANES
+    }
+}
+
+const fn even(count: usize) -> usize {
+    let count = count.next_multiple_of(LANES);
+    if count < LANES {
+        LANES
+    } else if count > SkyResolution::MOST {
+        SkyResolution::MOST
+    } else {
+        count
+    }
+}
+
+/// Cosine and sine of an azimuth by its number.
+pub(super) fn circle(p: f64) -> [f64; 2] {
+    let y = if p > 1.0 {
+        2.0 - p
+    } else if p < -1.0 {
+        -2.0 - p
+    } else {
+        p
+    };
+    let x = 1.0 - y.abs();
+    let length = x.hypot(y);
+    [if p.abs() > 1.0 { -x } else { x } / length, y / length]
+}
+
+/// Sine and cosine of the angle to the pole by the elevation's number.
+pub(super) fn elevation(e: f64) -> [f64; 2] {
+    let across = 1.0 - e.abs();
+    let length = across.hypot(e);
+    [across / length, e / length]
+}
+
+impl Meridians {
+    /// Of a resolution.
+    #[must_use]
+    pub fn new(resolution: SkyResolution) -> Self {
+        let circle = |j: usize| circle(row_number(j as f64 + 0.5, resolution.rows)).map(|x| x as f32);
+        Self { resolution, circle: (0..resolution.rows).map(circle).collect() }
+    }
+
+    /// Their number.
+    #[must_use]
+    pub const fn resolution(&self) -> SkyResolution {
+        self.resolution
+    }
+
+    /// The unit direction, in the pole's frame, of a place in rows and samples: `(j + ½, i + ½)` is the middle of sample i of row j.
+    #[must_use]
+    pub fn direction(&self, row: f64, sample: f64) -> Vec3 {
+        let [cos, sin] = circle(row_number(row, self.resolution.rows));
+        let [across, up] = elevation(1.0 - 2.0 * sample / self.resolution.samples as f64);
+        DVec3::new(cos * across, sin * across, up).as_vec3()
+    }
+
+    /// Cosine and sine of a row's azimuth.
+    #[inline(always)]
+    pub(crate) fn row(&self, row: usize) -> [f32; 2] {
+        self.circle[row]
+    }
+
+    /// The same of the eight rows of a block.
+    #[inline(always)]
+    pub(crate) fn block<S: Simd>(&self, simd: S, block: usize) -> [f32x8<S>; 2] {
+        let rows = &self.circle[block * LANES..][..LANES];
+        let (mut cos, mut sin) = ([0.0; LANES], [0.0; LANES]);
+        for ((row, cos), sin) in rows.iter().zip(&mut cos).zip(&mut sin) {
+            [*cos, *sin] = *row;
+        }
+        [f32x8::simd_from(simd, cos), f32x8::simd_from(simd, sin)]
+    }
+
+    /// How many rows lie before eight vectors, of which x and y in the pole's frame are given: from 0 to all, where 0 and all are the same
+    /// place.
+    #[inline(always)]
+    pub(crate) fn rows_before<S: Simd>(&self, simd: S, x: f32x8<S>, y: f32x8<S>) -> f32x8<S> {
+        let scale = self.resolution.rows as f32 * 0.25;
+        ((azimuth(simd, x, y) + 2.0) * scale - 0.5).ceil()
+    }
+
+    /// Which of eight edges may cross a meridian for receivers that are within `off` of the place that the edges are seen from, at right angles
+    /// to the pole.
+    #[inline(always)]
+    pub fn may_cross<S: Simd>(&self, simd: S, horizon: &Horizon, ends: [Vec3x8<S>; 2], off: f32x8<S>) -> mask32x8<S> {
+        let ([x, y, _], _) = horizon.pole().axes();
+        let scale = self.resolution.rows as f32 * 0.25;
+        let (p, s) = spread(simd, [x, y], ends[0], off);
+        let (q, t) = spread(simd, [x, y], ends[1], off);
+        let first = (((p - s).min(q - t) + 2.0) * scale - 0.5).ceil();
+        let last = (((p + s).max(q + t) + 2.0) * scale - 0.5).ceil();
+        !first.simd_eq(last)
+    }
+
+    /// Where on their rows eight directions are, in samples from the pole: z of the pole's frame, and the distance from its axis.
+    #[inline(always)]
+    pub(crate) fn place<S: Simd>(&self, simd: S, z: f32x8<S>, across: f32x8<S>) -> f32x8<S> {
+        let samples = self.resolution.samples as f32;
+        let e = z / (across + z.abs()).max(f32x8::splat(simd, f32::MIN_POSITIVE));
+        let place = (0.5 - e * 0.5) * samples;
+        place.max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, samples))
+    }
+
+    /// Where the eight rows of a block cross a plane through the receiver whose unit normal, in the pole's frame, is on the pole's side.
+    #[inline(always)]
+    pub(crate) fn crossing<S: Simd>(&self, simd: S, block: usize, normal: Vec3) -> f32x8<S> {
+        let [cos, sin] = self.block(simd, block);
+        self.place(simd, -(cos * normal.x + sin * normal.y), f32x8::splat(simd, normal.z))
+    }
+}
+
+/// The azimuth number of a place among so many rows.
+pub(super) fn row_number(row: f64, rows: usize) -> f64 {
+    row * 4.0 / rows as f64 - 2.0
+}
+
+/// The azimuth numbers of eight vectors, and how much they change within `off` of the receiver.
+#[inline(always)]
+fn spread<S: Simd>(simd: S, [x, y]: [usize; 2], v: Vec3x8<S>, off: f32x8<S>) -> (f32x8<S>, f32x8<S>) {
+    let v = [v.x, v.y, v.z];
+    // No longer than the distance. The azimuth number turns no faster than the azimuth.
+    let (wide, high) = (v[x].abs(), v[y].abs());
+    let distance = wide.max(high).max((wide + high) * 0.707) - off;
+    let spread = distance.simd_gt(f32x8::splat(simd, 0.0)).select(off / distance, f32x8::splat(simd, 4.0));
+    (azimuth(simd, v[x], v[y]), spread + 1e-5)
+}
+
+/// The azimuth number of eight vectors; 0 of those along the axis.
+#[inline(always)]
+fn azimuth<S: Simd>(simd: S, x: f32x8<S>, y: f32x8<S>) -> f32x8<S> {
+    let zero = f32x8::splat(simd, 0.0);
+    let p = y / (x.abs() + y.abs()).max(f32x8::splat(simd, f32::MIN_POSITIVE));
+    let behind = y.simd_lt(zero).select(f32x8::splat(simd, -2.0), f32x8::splat(simd, 2.0)) - p;
+    x.simd_lt(zero).select(behind, p)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::{Level, dispatch};
+    use lobe_core::oracle::Random;
+
+    /// Sample middles lie on their rows, and rows before a direction are counted right, against arc tangents.
+    #[test]
+    fn directions_are_counted_as_by_angles() {
+        let meridians = Meridians::new(SkyResolution::new(64, 64));
+        let mut random = Random::new(5);
+        for _ in 0..2000 {
+            let v = random.axis().as_vec3();
+            let (rows, place) = dispatch!(Level::new(), simd => {
+                let [x, y, z] = v.to_array().map(|c| f32x8::splat(simd, c));
+                let rows: [f32; 8] = meridians.rows_before(simd, x, y).into();
+                let place: [f32; 8] = meridians.place(simd, z, (x * x + y * y).sqrt()).into();
+                (rows[0], place[0])
+            });
+            let angle = |j: usize| {
+                let [cos, sin] = meridians.row(j);
+                f64::from(sin).atan2(f64::from(cos))
+            };
+            let want = (0..64).filter(|j| angle(*j) < f64::from(v.y).atan2(f64::from(v.x))).count();
+            assert_eq!(rows as usize, want, "{v}");
+            let back = meridians.direction(f64::from(rows), f64::from(place));
+            assert!((back.z - v.z).abs() < 1e-5, "{v} {back}");
+        }
+    }
+
+    /// Wedges have the solid angles that are said of them.
+    #[test]
+    fn steps_are_nearly_even() {
+        let n = 64;
+        let angle = |p: f64| {
+            let [cos, sin] = circle(p);
+            sin.atan2(cos)
+        };
+        let steps: Vec<f64> = (0..n)
+            .map(|j| angle(row_number(j as f64 + 1.0, n)) - angle(row_number(j as f64, n)))
+            .map(|step| step.rem_euclid(core::f64::consts::TAU) * n as f64 / core::f64::consts::TAU)
+            .collect();
+        assert!(steps.iter().all(|step| (0.63..1.28).contains(step)), "{steps:?}");
+    }
+}

@@ -1,0 +1,308 @@
+use super::buffer::last_column;
+use super::table::Cell;
+use super::{Horizon, SkyBuffer, SkyTable};
+use crate::lanes::sum;
+use core::f32::consts::FRAC_1_PI;
+use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
+use glam::Vec3;
+use lobe_core::special::{exp, ln_1p};
+use lobe_core::vec3x8::{LANES, Vec3x8};
+use lobe_core::{BrdfLobe, Coverage, Lobe, MicrofacetsAt, Receiver, Schlick, is_lambert};
+
+/// The widest step between samples that a lobe's sum is good for: this part of the lobe's standard deviation.
+const STEPS: f32 = 1.5;
+/// Less than this part of a sky is seen through few samples.
+const LITTLE: f32 = 1.0 / 64.0;
+/// Of a lobe what is below this part of its peak is left out.
+const NOTHING: f32 = 1e-5;
+/// Below this cosine to the pole a normal's horizon may cross meridians near their beginning.
+const STEEP: f32 = 0.05;
+
+/// The sky as one receiver after the other sees it: sums of a [`SkyTable`] over the part that a [`SkyBuffer`] leaves lit.
+///
+/// ```text
+/// ∫ L(v) V(v) f(v) dv ≈ Σ samples  (∫ L dω) · seen part · f(mean direction)
+/// ```
+///
+/// # Method
+/// All receivers of a view are to use one table. A receiver [begins](Self::begin), draws outlines into its [buffer](Self::buffer_mut), and [settles](Self::settle) with one ray; then it
+/// asks for the [integrals](Self::integrals) of its reflectance lobes, with and without blockers.
+///
+/// # Accuracy
+/// Of Lambert's lobe that of the table, but at the horizon. Sums of a smooth lobe over a regular grid converge faster than any power of the
+/// step while it is at least as wide as the step; see [`resolves`](Self::resolves).
+#[derive(Clone, Debug, Default)]
+pub struct SkyView {
+    buffer: SkyBuffer,
+    horizon: Option<Horizon>,
+    is_dark: bool,
+    /// Normal and horizon of the last Lambert lobe, its integral, and that above the facet.
+    known: Option<(Vec3, Horizon, [Vec3; 2])>,
+    /// The second part of microfacets that follows, by its exponent.
+    edge: Option<(f32, [Vec3; 2])>,
+}
+
+impl SkyView {
+    /// Begins a receiver.
+    pub fn begin(&mut self, table: &SkyTable, horizon: Horizon) {
+        self.buffer.clear(table.meridians().resolution());
+        self.horizon = Some(horizon);
+        self.is_dark = false;
+        self.edge = None;
+    }
+
+    /// Where outlines are drawn.
+    pub const fn buffer_mut(&mut self) -> &mut SkyBuffer {
+        &mut self.buffer
+    }
+
+    /// All outlines are drawn. `is_hidden` says whether a surface lies in a direction of the world; it is called once, or, if that may err
+    /// (`in_doubt`) so often that two of three answers agree.
+    pub fn settle(&mut self, table: &SkyTable, in_doubt: bool, mut is_hidden: impl FnMut(Vec3) -> bool) {
+        let Some(horizon) = self.horizon else { return };
+        let meridians = table.meridians();
+        let witnesses = dispatch!(Level::new(), simd => {
+            self.buffer.resolve(simd, meridians, &horizon);
+            self.buffer.witnesses(simd, meridians, &horizon)
+        });
+        let mut hidden = witnesses.as_slice().iter().map(|v| is_hidden(horizon.pole().world(*v)));
+        let first = hidden.next().unwrap_or_default();
+        self.is_dark = first;
+        if in_doubt && let Some(second) = hidden.next().filter(|second| *second != first) {
+            self.is_dark = hidden.next().unwrap_or(second);
+        }
+    }
+
+    /// How much of the sky is seen.
+    #[must_use]
+    pub fn coverage(&self) -> Coverage {
+        if self.is_dark {
+            Coverage::Dark
+        } else if self.buffer.is_empty() && self.horizon.is_some_and(|horizon| !horizon.is_facet()) {
+            Coverage::Lit
+        } else {
+            Coverage::Partial
+        }
+    }
+
+    /// Whether the visible part is so small that samples are too coarse for it, and finer masks are needed. `false` where all is dark for
+    /// certain.
+    #[must_use]
+    pub fn is_little(&self, seen: Vec3, whole: Vec3) -> bool {
+        let is_dark = self.is_dark && !self.buffer.may_open();
+        !is_dark && seen.max_element() < LITTLE * whole.max_element()
+    }
+
+    /// Whether sums over the samples resolve a lobe. Others need finer masks.
+    #[must_use]
+    pub fn resolves(table: &SkyTable, lobe: &BrdfLobe) -> bool {
+        let exponent = match lobe {
+            BrdfLobe::Cosine(lobe) => lobe.exponent,
+            // Directions turn twice as far as half vectors.
+            BrdfLobe::Microfacets(facets) => 0.25 * facets.exponent,
+        };
+        let step = STEPS * table.meridians().resolution().pitch();
+        exponent * step * step <= 1.0
+    }
+
+    /// The integrals of sky's radiance times a lobe, over what is seen and over all above the receiver's horizon, for a flux of 1: what
+    /// [`cap_integral`](lobe_core::cap_integral) is for a light of uniform radiance.
+    pub fn integrals(&mut self, table: &SkyTable, at: &Receiver, lobe: &BrdfLobe) -> [Vec3; 2] {
+        let Some(horizon) = self.horizon else { return [Vec3::ZERO; 2] };
+        match lobe {
+            BrdfLobe::Cosine(lobe) if is_lambert(at, lobe) => self.lambert(table, at.normal, &horizon),
+            BrdfLobe::Cosine(lobe) => {
+                let value = PowerLobe::new(lobe, at.normal);
+                dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &horizon, &value))[0]
+            }
+            BrdfLobe::Microfacets(facets) => {
+                if let (Schlick::F90, Some((exponent, edge))) = (facets.part, self.edge.take())
+                    && exponent == facets.exponent
+                {
+                    return edge;
+                }
+                let value = facets.at(at.normal);
+                let [base, edge] = dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &horizon, &value));
+                match facets.part {
+                    Schlick::F0 => {
+                        self.edge = Some((facets.exponent, edge));
+                        base
+                    }
+                    Schlick::F90 => edge,
+                }
+            }
+        }
+    }
+
+    /// Of the lobe `n·v/π`.
+    fn lambert(&mut self, table: &SkyTable, normal: Vec3, horizon: &Horizon) -> [Vec3; 2] {
+        let known = self.known.filter(|known| (known.0, known.1) == (normal, *horizon));
+        let [all, open] = known
+            .map_or_else(|| dispatch!(Level::new(), simd => open_sky(simd, table, normal, horizon)), |known| known.2);
+        self.known = Some((normal, *horizon, [all, open]));
+        if self.is_dark {
+            return [Vec3::ZERO, all * FRAC_1_PI];
+        }
+        let part = self.buffer.open_part();
+        let more = dispatch!(Level::new(), simd => self.beside(simd, table, normal, horizon, part));
+        let seen = (open * part + more).max(Vec3::ZERO);
+        [seen * FRAC_1_PI, all * FRAC_1_PI]
+    }
+
+    /// `∫ L n·v` over crossed blocks, times what is seen more than a part.
+    #[inline(always)]
+    fn beside<S: Simd>(&self, simd: S, table: &SkyTable, normal: Vec3, horizon: &Horizon, part: f32) -> Vec3 {
+        let zero = f32x8::splat(simd, 0.0);
+        let mut sums = Vec3x8::new(zero, zero, zero);
+        let resolution = table.meridians().resolution();
+        for block in (0..resolution.blocks()).filter(|block| self.buffer.is_crossed(*block)) {
+            let end = table.meridians().crossing(simd, block, horizon.local());
+            let last = last_column(simd, end, resolution.samples() + 2);
+            for (column, cell) in table.block(horizon.pole(), block)[..last].iter().enumerate() {
+                let mut weight = cell.direction(simd).dot_one(normal).max(zero);
+                if horizon.is_facet() {
+                    weight *= above(simd, end, column);
+                }
+                sums = sums + cell.light(simd) * (weight * (self.buffer.seen(simd, block, column) - part));
+            }
+        }
+        Vec3::new(sum(sums.x), sum(sums.y), sum(sums.z))
+    }
+
+    /// Of one lobe, or of both parts of microfacets: what is seen, and all.
+    #[inline(always)]
+    fn sums<S: Simd, const P: usize>(
+        &self,
+        simd: S,
+        table: &SkyTable,
+        normal: Vec3,
+        horizon: &Horizon,
+        lobe: &impl Values<P>,
+    ) -> [[Vec3; 2]; P] {
+        let zero = f32x8::splat(simd, 0.0);
+        let mut sums = [[Vec3x8::new(zero, zero, zero); 2]; P];
+        let resolution = table.meridians().resolution();
+        let samples = resolution.samples();
+        let local = horizon.pole().local(normal);
+        for block in 0..resolution.blocks() {
+            // Where the receiver's own horizon is, and its facet's.
+            let end = if local.z > STEEP { Some(table.meridians().crossing(simd, block, local)) } else { None };
+            let last = end.map_or(samples, |end| last_column(simd, end, samples + 2));
+            let facet =
+                if horizon.is_facet() { Some(table.meridians().crossing(simd, block, horizon.local())) } else { None };
+            let is_crossed = !self.is_dark && self.buffer.is_crossed(block);
+            let part = f32x8::splat(simd, if self.is_dark { 0.0 } else { self.buffer.open_part() });
+            for (column, cell) in table.block(horizon.pole(), block)[..last].iter().enumerate() {
+                let Some(values) = lobe.values(simd, cell) else { continue };
+                let inside = match end {
+                    Some(end) => above(simd, end, column),
+                    None => cell.direction(simd).dot_one(normal).simd_gt(zero).select(f32x8::splat(simd, 1.0), zero),
+                };
+                let mut seen = if is_crossed { self.buffer.seen(simd, block, column) } else { part };
+                if let Some(facet) = facet {
+                    seen *= above(simd, facet, column);
+                }
+                let light = cell.light(simd);
+                for (sums, value) in sums.iter_mut().zip(values) {
+                    let whole = light * (f32x8::simd_from(simd, value) * inside);
+                    sums[0] = sums[0] + whole * seen;
+                    sums[1] = sums[1] + whole;
+                }
+            }
+        }
+        sums.map(|both| both.map(|s| Vec3::new(sum(s.x), sum(s.y), sum(s.z))))
+    }
+}
+
+/// `∫ L n·v dv` above the horizon of a normal, and of that what is above the horizon.
+#[inline(always)]
+fn open_sky<S: Simd>(simd: S, table: &SkyTable, normal: Vec3, horizon: &Horizon) -> [Vec3; 2] {
+    let zero = f32x8::splat(simd, 0.0);
+    let mut sums = [Vec3x8::new(zero, zero, zero); 2];
+    let resolution = table.meridians().resolution();
+    let local = horizon.pole().local(normal);
+    for block in 0..resolution.blocks() {
+        let end = table.meridians().crossing(simd, block, horizon.local());
+        let own =
+            if local.z > STEEP { table.meridians().crossing(simd, block, local) } else { f32x8::splat(simd, f32::MAX) };
+        let last = last_column(simd, own, resolution.samples() + 2);
+        for (column, cell) in table.block(horizon.pole(), block)[..last].iter().enumerate() {
+            let whole = cell.light(simd) * cell.direction(simd).dot_one(normal).max(zero);
+            sums[0] = sums[0] + whole;
+            if horizon.is_facet() {
+                sums[1] = sums[1] + whole * above(simd, end, column);
+            }
+        }
+    }
+    if !horizon.is_facet() {
+        sums[1] = sums[0];
+    }
+    sums.map(|s| Vec3::new(sum(s.x), sum(s.y), sum(s.z)))
+}
+
+/// The parts of eight samples of a column that lie before the ends of their rows.
+#[inline(always)]
+fn above<S: Simd>(simd: S, end: f32x8<S>, column: usize) -> f32x8<S> {
+    (end - column as f32).max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, 1.0))
+}
+
+/// The values of a lobe of flux 1, or of the two parts of microfacets, in the directions of eight samples.
+trait Values<const P: usize> {
+    /// None where all of them are nothing.
+    fn values<S: Simd>(&self, simd: S, cell: &Cell) -> Option<[[f32; LANES]; P]>;
+}
+
+/// `(e + 1)/2π (a·v)^e`, or times `n·v`.
+struct PowerLobe {
+    axis: Vec3,
+    exponent: f32,
+    scale: f32,
+    /// Below this `a·v` there is nothing.
+    least: f32,
+    /// The normal, where the receiver's cosine multiplies the power.
+    normal: Option<Vec3>,
+}
+
+impl PowerLobe {
+    fn new(lobe: &Lobe, normal: Vec3) -> Self {
+        let Lobe { axis, exponent, has_cosine, .. } = *lobe;
+        let least = if exponent > 1.0 { NOTHING.powf(1.0 / exponent) } else { 0.0 };
+        let scale = (exponent + 1.0) * (0.5 * FRAC_1_PI);
+        Self { axis, exponent, scale, least, normal: has_cosine.then_some(normal) }
+    }
+}
+
+impl Values<1> for PowerLobe {
+    #[inline(always)]
+    fn values<S: Simd>(&self, simd: S, cell: &Cell) -> Option<[[f32; LANES]; 1]> {
+        let v = cell.direction(simd);
+        if !v.dot_one(self.axis).simd_gt(f32x8::splat(simd, self.least)).any_true() {
+            return None;
+        }
+        let chord = v.minus(self.axis);
+        let half: [f32; LANES] = (chord.dot(chord) * 0.5).into();
+        let mut values = [0.0; LANES];
+        for (value, half) in values.iter_mut().zip(half) {
+            let power = exp(self.exponent * ln_1p(-half));
+            *value = if half < 1.0 { self.scale * power } else { 0.0 };
+        }
+        if let Some(normal) = self.normal {
+            let cos = v.dot_one(normal).max(f32x8::splat(simd, 0.0));
+            values = (f32x8::simd_from(simd, values) * cos).into();
+        }
+        Some([values])
+    }
+}
+
+impl Values<2> for MicrofacetsAt {
+    #[inline(always)]
+    fn values<S: Simd>(&self, _: S, cell: &Cell) -> Option<[[f32; LANES]; 2]> {
+        let [x, y, z] = cell.directions();
+        let mut values = [[0.0; LANES]; 2];
+        for j in 0..LANES {
+            let both = self.both(Vec3::new(x[j], y[j], z[j]));
+            (values[0][j], values[1][j]) = (both[0], both[1]);
+        }
+        Some(values)
+    }
+}

@@ -1,0 +1,284 @@
+//! Silhouettes before a whole sky.
+
+use crate::blockers::{AnyHit, SilhouetteBlockers};
+use crate::edge_list::{CLOSED, COARSE, Columns, ENDS, EdgeList, ID, MARKS, PLANES, SOMETIMES};
+use crate::hull::{Fineness, Hull, Memory, UNSURE};
+use crate::lists::Meshes;
+use crate::select::side;
+use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*, u32x8};
+use glam::Vec3;
+use lobe_core::Receiver;
+use lobe_core::vec3x8::Vec3x8;
+use visibility_mask::sky::{Horizon, Meridians, SkyArcs, SkyBlockers, SkyBuffer, SkyTile};
+
+/// Receivers that share a list, next to each other in the tile.
+const PART: usize = 8;
+/// Details smaller than this part of the angle between meridians may be left out, root mean square.
+const DETAIL: f32 = 0.05;
+
+/// Numbers of an edge whose step is known: its ends, the step, and the bits of its number.
+const KNOWN: usize = 8;
+const STEP: usize = 6;
+const NAME: usize = 7;
+
+/// Working memory of [`SilhouetteBlockers`] before a sky.
+#[derive(Clone, Debug)]
+pub struct SkySilhouetteScratch<H> {
+    /// Where rays start, of each receiver of the tile.
+    origins: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    /// Edges that may be silhouettes for any of them.
+    edges: EdgeList,
+    /// The part that has lists of its own, and these: edges that are silhouettes for all of its receivers, and those that may be.
+    part: usize,
+    known: Columns<KNOWN>,
+    open: EdgeList,
+    /// The silhouettes of one receiver among the latter.
+    found: Columns<KNOWN>,
+    arcs: SkyArcs,
+    memory: Memory,
+    hits: H,
+}
+
+impl<H: AnyHit> SilhouetteBlockers<'_, H> {
+    /// The scale of the simplified forms that a sky's meridians allow.
+    fn sky_scale(&self, meridians: &Meridians) -> Option<f32> {
+        (self.meshes.fineness != Fineness::default()).then(|| 1.0 / (DETAIL * meridians.resolution().pitch()))
+    }
+}
+
+impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
+    type Scratch = SkySilhouetteScratch<H::Scratch>;
+
+    fn scratch(&self) -> Self::Scratch {
+        SkySilhouetteScratch {
+            origins: Vec::new(),
+            normals: Vec::new(),
+            edges: EdgeList::default(),
+            part: usize::MAX,
+            known: Columns::default(),
+            open: EdgeList::default(),
+            found: Columns::default(),
+            arcs: SkyArcs::default(),
+            memory: Memory::default(),
+            hits: self.hits.scratch(),
+        }
+    }
+
+    fn has_facet(&self, at: &Receiver) -> bool {
+        self.hits.has(at.object)
+    }
+
+    fn enter(&self, tile: &SkyTile<'_>, scratch: &mut Self::Scratch) {
+        scratch.part = usize::MAX;
+        scratch.origins.clear();
+        scratch.origins.extend(tile.receivers.iter().map(|at| self.hits.leave(at.position, at.face)));
+        scratch.normals.clear();
+        scratch.normals.extend(tile.horizons.iter().map(Horizon::normal));
+        let hull = Hull::of_sky(&scratch.origins, &scratch.normals, self.sky_scale(tile.meridians));
+        // Of any number of leaves.
+        let _ = self.meshes.list(&hull, usize::MAX, &mut scratch.memory, &mut scratch.edges);
+    }
+
+    fn draw(&self, tile: &SkyTile<'_>, number: usize, buffer: &mut SkyBuffer, scratch: &mut Self::Scratch) -> bool {
+        if scratch.edges.is_empty() {
+            return false;
+        }
+        let scale = self.sky_scale(tile.meridians);
+        let part = number / PART;
+        if scratch.part != part {
+            scratch.part = part;
+            let range = part * PART..((part + 1) * PART).min(scratch.origins.len());
+            let hull = Hull::of_sky(&scratch.origins[range.clone()], &scratch.normals[range.clone()], scale);
+            let sift = Sift::new(&hull, tile.meridians, &tile.horizons[range]);
+            dispatch!(Level::new(), simd => sift.narrow(simd, &scratch.edges, &mut scratch.known, &mut scratch.open));
+        }
+        let look = Look {
+            meshes: &self.meshes,
+            meridians: tile.meridians,
+            horizon: tile.horizons[number],
+            origin: scratch.origins[number],
+            scale: scale.unwrap_or_default(),
+        };
+        let SkySilhouetteScratch { known, open, found, arcs, .. } = scratch;
+        arcs.clear();
+        arcs.reserve(known.len() + open.len());
+        dispatch!(Level::new(), simd => {
+            let mut is_coarse = look.draw_known(simd, known, look.origin, arcs);
+            look.find(simd, open, found);
+            is_coarse |= look.draw_known(simd, found, Vec3::ZERO, arcs);
+            buffer.draw(simd, tile.meridians, arcs);
+            is_coarse
+        })
+    }
+
+    fn hides(&self, _: &SkyTile<'_>, number: usize, direction: Vec3, scratch: &mut Self::Scratch) -> bool {
+        self.hits.is_hit(scratch.origins[number], direction, f32::INFINITY, &mut scratch.hits)
+    }
+}
+
+/// Steps of edges by the sides of their triangles, in half surfaces. Of closed surfaces only the triangles count that face one way.
+#[inline(always)]
+fn in_halves<S: Simd>(simd: S, step: f32x8<S>, names: f32x8<S>) -> f32x8<S> {
+    let mark = u32x8::splat(simd, CLOSED);
+    (names.bitcast::<u32x8<S>>() & mark).simd_eq(mark).select(step, step + step)
+}
+
+/// On which side of a plane all receivers are, 0 where there is no plane, and whether that is known.
+#[inline(always)]
+fn known_side<S: Simd>(simd: S, [front, behind]: [mask32x8<S>; 2], normal: Vec3x8<S>) -> (f32x8<S>, mask32x8<S>) {
+    let zero = f32x8::splat(simd, 0.0);
+    let is_absent = normal.abs().dot_one(Vec3::ONE).simd_eq(zero);
+    let plus = front.select(f32x8::splat(simd, 1.0), zero);
+    (behind.select(f32x8::splat(simd, -1.0), plus), front | behind | is_absent)
+}
+
+/// Narrows a tile's list for a part of its receivers.
+struct Sift<'a> {
+    hull: &'a Hull,
+    meridians: &'a Meridians,
+    /// The horizon's, where all receivers have one pole.
+    horizon: Option<Horizon>,
+}
+
+impl<'a> Sift<'a> {
+    fn new(hull: &'a Hull, meridians: &'a Meridians, horizons: &[Horizon]) -> Self {
+        let horizon = horizons.first().filter(|first| horizons.iter().all(|other| other.pole() == first.pole()));
+        Self { hull, meridians, horizon: horizon.copied() }
+    }
+
+    /// Divides the edges that may matter to the part into those whose step is the same for all receivers, and others.
+    #[inline(always)]
+    fn narrow<S: Simd>(&self, simd: S, list: &EdgeList, known: &mut Columns<KNOWN>, open: &mut EdgeList) {
+        known.clear();
+        open.clear();
+        for first in (0..list.len()).step_by(8) {
+            let packet = (list, first);
+            let one = self.hull.faces(simd, &packet, PLANES[0]);
+            let other = self.hull.faces(simd, &packet, PLANES[1]);
+            let lanes = mask32x8::from_bitmask(simd, u64::from(list.lanes(first)));
+            let mut keep = lanes & !((one[0] & other[0]) | (one[1] & other[1]));
+            if !keep.any_true() {
+                continue;
+            }
+            keep &= self.hull.meets_edges(simd, &packet);
+            if keep.any_true()
+                && let Some(horizon) = &self.horizon
+            {
+                keep &= self.crosses(simd, list, first, horizon);
+            }
+            if !keep.any_true() {
+                continue;
+            }
+            let one = known_side(simd, one, list.load3(simd, PLANES[0], first));
+            let other = known_side(simd, other, list.load3(simd, PLANES[1], first));
+            let names = list.load(simd, ID, first);
+            let sometimes = names.bitcast::<u32x8<S>>().simd_ge(u32x8::splat(simd, SOMETIMES));
+            let is_known = one.1 & other.1 & !sometimes;
+            let (sure, unsure) = (keep & is_known, keep & !is_known);
+            if sure.any_true() {
+                known.reserve(8);
+                known.put3(0, sure, list.load3(simd, ENDS[0], first));
+                known.put3(3, sure, list.load3(simd, ENDS[1], first));
+                known.put(STEP, sure, in_halves(simd, other.0 - one.0, names));
+                known.put(NAME, sure, names);
+                known.end(sure);
+            }
+            if unsure.any_true() {
+                open.reserve(8);
+                for column in 0..crate::edge_list::COLUMNS {
+                    open.put(column, unsure, list.load(simd, column, first));
+                }
+                open.end(unsure);
+            }
+        }
+    }
+
+    /// Which of eight edges may cross a meridian of any of the receivers.
+    #[inline(always)]
+    fn crosses<S: Simd>(&self, simd: S, list: &EdgeList, first: usize, horizon: &Horizon) -> mask32x8<S> {
+        let (center, half) = self.hull.receivers();
+        let beside = horizon.pole().local(half).abs();
+        // As far as receivers are from the middle, seen along the pole.
+        let off = f32x8::splat(simd, beside.truncate().length() * 1.01);
+        let ends = [list.load3(simd, ENDS[0], first).minus(center), list.load3(simd, ENDS[1], first).minus(center)];
+        self.meridians.may_cross(simd, horizon, ends, off)
+    }
+}
+
+/// One receiver's silhouettes.
+struct Look<'a, 'm> {
+    meshes: &'a Meshes<'m>,
+    meridians: &'a Meridians,
+    horizon: Horizon,
+    origin: Vec3,
+    scale: f32,
+}
+
+impl Look<'_, '_> {
+    /// Lists the silhouettes among some edges, seen from the receiver.
+    #[inline(always)]
+    fn find<S: Simd>(&self, simd: S, list: &EdgeList, out: &mut Columns<KNOWN>) {
+        out.clear();
+        out.reserve(list.len());
+        let x = self.origin;
+        let reach = UNSURE * x.abs().element_sum();
+        let zero = f32x8::splat(simd, 0.0);
+        for first in (0..list.len()).step_by(8) {
+            let mut keep = mask32x8::from_bitmask(simd, u64::from(list.lanes(first)));
+            let [(one, unsure_one), (other, unsure_other)] =
+                [side(simd, list, PLANES[0], first, x, reach), side(simd, list, PLANES[1], first, x, reach)];
+            // To the right as the receiver sees it; masks are seen from the light.
+            let mut step = other - one;
+            let mut ask = ((unsure_one | unsure_other) & keep).to_bitmask();
+            if ask != 0 {
+                let mut steps: [f32; 8] = step.into();
+                while ask != 0 {
+                    let lane = ask.trailing_zeros() as usize & 7;
+                    ask &= ask - 1;
+                    let [one, other] = self.meshes.sides(list.get(ID, first + lane).to_bits() & !MARKS, x);
+                    steps[lane] = other - one;
+                }
+                step = f32x8::simd_from(simd, steps);
+            }
+            keep &= !step.simd_eq(zero);
+            if !keep.any_true() {
+                continue;
+            }
+            let names = list.load(simd, ID, first);
+            let mut ask = (keep & names.bitcast::<u32x8<S>>().simd_ge(u32x8::splat(simd, SOMETIMES))).to_bitmask();
+            if ask != 0 {
+                let mut drawn = keep.to_bitmask();
+                while ask != 0 {
+                    let lane = ask.trailing_zeros() as usize & 7;
+                    ask &= ask - 1;
+                    if !self.meshes.is_drawn_at(list.get(ID, first + lane).to_bits() & !MARKS, x, self.scale) {
+                        drawn &= !(1 << lane);
+                    }
+                }
+                keep = mask32x8::from_bitmask(simd, drawn);
+            }
+            out.put3(0, keep, list.load3(simd, ENDS[0], first).minus(x));
+            out.put3(3, keep, list.load3(simd, ENDS[1], first).minus(x));
+            out.put(STEP, keep, in_halves(simd, step, names));
+            out.put(NAME, keep, names);
+            out.end(keep);
+        }
+    }
+
+    /// Appends the arcs of edges whose steps are known and whose ends are given as seen from `from`; whether any are of simplified forms.
+    #[inline(always)]
+    fn draw_known<S: Simd>(&self, simd: S, list: &Columns<KNOWN>, from: Vec3, arcs: &mut SkyArcs) -> bool {
+        let mut is_coarse = false;
+        for first in (0..list.len()).step_by(8) {
+            let ends = [list.load3(simd, 0, first).minus(from), list.load3(simd, 3, first).minus(from)];
+            let lanes = mask32x8::from_bitmask(simd, u64::from(list.lanes(first)));
+            let kept = arcs.push(simd, self.meridians, &self.horizon, ends, list.load(simd, STEP, first), lanes);
+            if kept.any_true() {
+                let names = list.load(simd, NAME, first).bitcast::<u32x8<S>>();
+                is_coarse |= (kept & (names & COARSE).simd_ge(u32x8::splat(simd, COARSE))).any_true();
+            }
+        }
+        is_coarse
+    }
+}
