@@ -4,17 +4,18 @@ use crate::images::Images;
 use crate::kernel::Kernel;
 use crate::kernels;
 use crate::kernels::queue::{CUT, QUEUE_HEADER};
-use crate::layout::{GpuFrame, GpuReceiver};
+use crate::layout::{GpuFrame, GpuReceiver, NO_MATERIAL};
 use crate::memory::Memory;
 use crate::module::{self, MaterialText, Shown, Variant};
 use crate::occlusion::{Blockers, Occlusion};
 use crate::paper::Paper;
 use crate::{Gpu, GpuError, GpuPose};
 use core::num::NonZeroU64;
+use core::ops::Range;
 use glam::{Mat4, Vec3};
 use lobe_core::gpu::{GPU_SHAPE, GpuLight, GpuMaterialSet, GpuMaterials};
 use lobe_core::paper::Tables;
-use lobe_core::{Accuracy, LightLobes, Receiver};
+use lobe_core::{Accuracy, LightLobes};
 use rayon::prelude::*;
 use scene::{Cancel, Frame, Shade, ShadeStats, ShadingPoints, Stopwatch};
 use visibility_mask::{Fineness, MAX_DEPTH};
@@ -22,10 +23,10 @@ use wgpu::BufferUsages;
 
 /// Points that are culled together, as in `render-cpu`.
 const TILE: u64 = (crate::TILE * crate::TILE) as u64;
-/// Points that are packed for the device as one value.
-const PART: usize = 64;
-/// Points that a thread packs or unpacks at once, at least.
-const TASK: usize = 4096;
+/// A tile of points as the device has it.
+type PackedTile = [GpuReceiver; TILE as usize];
+/// Tiles that a thread packs or unpacks at once, at least.
+const TASK: usize = 64;
 /// The most points of a slice. One submission works on a slice, and buffers are sized for it.
 const SLICE: u64 = 1 << 20;
 /// The same on a software device, whose kernels do not get faster with more points.
@@ -484,28 +485,25 @@ struct Part<'a> {
 }
 
 impl GpuShader {
-    /// Packs points into the device's memory for them, on all threads.
-    fn upload(&mut self, receivers: &[Receiver], materials: &[u32]) -> Result<wgpu::Buffer, GpuError> {
+    /// Packs groups of points into the device's memory for them, on all threads: each is a tile, whose places left over have no material.
+    fn upload(&mut self, points: &ShadingPoints, groups: &[Range<usize>]) -> Result<wgpu::Buffer, GpuError> {
         let gpu = &self.gpu;
-        // Whole parts, so that all have a size that the compiler knows.
-        let parts = receivers.len().div_ceil(PART);
-        let size = (parts * size_of::<[GpuReceiver; PART]>()) as u64;
+        let size = (groups.len() * size_of::<PackedTile>()) as u64;
         let buffer = self.points.sized(gpu, size)?.clone();
         gpu.scoped("points", || {
             let size = NonZeroU64::new(size)?;
             let mut view = gpu.queue().write_buffer_with(&buffer, 0, size)?;
-            let (memory, _) = view.slice(..).into_chunks::<{ size_of::<[GpuReceiver; PART]>() }>();
+            let (memory, _) = view.slice(..).into_chunks::<{ size_of::<PackedTile>() }>();
             let memory: Vec<_> = memory.into_iter().collect();
-            let points = receivers.par_chunks(PART).zip(materials.par_chunks(PART));
-            memory.into_par_iter().zip(points).with_min_len(TASK / PART).for_each(
-                |(memory, (receivers, materials))| {
-                    let mut packed = [GpuReceiver::default(); PART];
-                    for (packed, (at, material)) in packed.iter_mut().zip(receivers.iter().zip(materials)) {
-                        *packed = GpuReceiver::new(at, *material);
-                    }
-                    memory.write(bytemuck::cast(packed));
-                },
-            );
+            memory.into_par_iter().zip(groups).with_min_len(TASK).for_each(|(memory, group)| {
+                let none = GpuReceiver { material: NO_MATERIAL, ..GpuReceiver::default() };
+                let mut packed: PackedTile = [none; TILE as usize];
+                let points = points.receivers[group.clone()].iter().zip(&points.materials[group.clone()]);
+                for (packed, (at, material)) in packed.iter_mut().zip(points) {
+                    *packed = GpuReceiver::new(at, *material);
+                }
+                memory.write(bytemuck::cast(packed));
+            });
             Some(())
         })?;
         Ok(buffer)
@@ -529,15 +527,21 @@ impl GpuShader {
         let watch = Stopwatch::start();
         let mut stats = ShadeStats::default();
         let (kernels, stride) = self.prepare(frame)?;
-        let slice = self.slice(stride) as usize;
+        let tiles = (self.slice(stride) / TILE) as usize;
         let gpu = self.gpu.clone();
-        let slices = points.receivers.chunks(slice).zip(points.materials.chunks(slice)).zip(out.chunks_mut(slice));
-        for ((receivers, materials), out) in slices {
+        let mut rest = out;
+        for groups in points.groups().chunks(tiles) {
             if cancel.is_some_and(Cancel::is_cancelled) {
                 return Ok(None);
             }
-            let count = receivers.len() as u64;
-            let buffer = self.upload(receivers, materials)?;
+            let cut = |group: &Range<usize>| {
+                let (own, after) = core::mem::take(&mut rest).split_at_mut(group.len());
+                rest = after;
+                own
+            };
+            let out: Vec<&mut [Vec3]> = groups.iter().map(cut).collect();
+            let count = groups.len() as u64 * TILE;
+            let buffer = self.upload(points, groups)?;
             let radiance = self.radiance.sized(&gpu, 16 * count)?.clone();
             let part = Part { first: 0, count, stride, uniforms: 0, points: &buffer, radiance: &radiance };
             self.hold_uniforms(frame, &[count])?;
@@ -556,9 +560,12 @@ impl GpuShader {
             let (counts, mut cut) = (&mut stats.counts, 0);
             gpu.read(&staging, 16 * count + HEADER, |bytes| {
                 let (pixels, header) = bytes.split_at(16 * count as usize);
-                out.par_iter_mut().with_min_len(TASK).zip(pixels.par_chunks_exact(16)).for_each(|(out, pixel)| {
-                    let [r, g, b, _]: [f32; 4] = bytemuck::pod_read_unaligned(pixel);
-                    *out = Vec3::new(r, g, b);
+                let tiles = pixels.par_chunks_exact(16 * TILE as usize).with_min_len(TASK);
+                tiles.zip(out).for_each(|(pixels, out)| {
+                    for (out, pixel) in out.iter_mut().zip(pixels.chunks_exact(16)) {
+                        let [r, g, b, _]: [f32; 4] = bytemuck::pod_read_unaligned(pixel);
+                        *out = Vec3::new(r, g, b);
+                    }
                 });
                 let header = bytemuck::cast_slice(header);
                 *counts += kernels::counts(header);

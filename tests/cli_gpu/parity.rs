@@ -42,7 +42,8 @@ pub(crate) fn same(folder: &Path, options: &[&str]) -> Value {
     for key in ["lit_points", "dark_points", "penumbra_points"] {
         let [a, b] = [&cpu, &gpu].map(|stats| stats["counts"][key].as_u64().unwrap());
         println!("    {key} {a} {b}");
-        assert!(a.abs_diff(b) <= 1 + cpu["points"].as_u64().unwrap() / 2000, "{options:?}: {key} {a} {b}");
+        // Outlines have points on rims, where rounding decides.
+        assert!(a.abs_diff(b) <= 2 + cpu["points"].as_u64().unwrap() / 1000, "{options:?}: {key} {a} {b}");
     }
     gpu
 }
