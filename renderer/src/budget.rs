@@ -55,7 +55,7 @@ impl Budget<'_> {
             let blockers =
                 FrameBlockers::new(self.plan, self.world, self.spheres, self.maps.to_vec(), self.silhouettes, accuracy)
                     .with(self.custom, self.settings)
-                    .under(sky.follow(self.world.scene().environment.as_ref(), frame.lights, accuracy));
+                    .under(sky, &frame, backend, self.settings.method);
             let twice = Twice { points: &points, frame: &frame, cancel: self.cancel };
             let shading = blockers.shade(backend, self.settings.method, self.tables, twice)?;
             let total = 1e3 * (fixed + shading * scale);

@@ -1,9 +1,9 @@
 use crate::on_objects::OnObjects;
-use crate::{Backend, CustomStrategy, Method, Plan, RenderError, Settings, Shader, SkyFrame};
+use crate::{Backend, CustomStrategy, KeptSky, Method, Plan, RenderError, Settings, Shader, SkyFrame};
 use lobe_core::paper::{PaperIntegrator, Tables};
 use lobe_core::{Accuracy, Coverage, LightId, LobeIntegrator, Unshadowed, VisibilityQuery};
 use render_cpu::{CpuShader, SceneSilhouettes, SkyShader, SurfaceHits, World};
-use scene::{Object, Shape, Strategy};
+use scene::{Frame, Object, Shape, Strategy};
 use visibility_mask::{Blockers, DynMixture, Mask, MaskVisibility, Mixture, PaperVisibility};
 use visibility_rays::RayBlockers;
 use visibility_shadowmap::{ShadowMap, ShadowMapBlockers};
@@ -118,9 +118,17 @@ impl<'a> FrameBlockers<'a> {
 
     /// The same with an environment that a CPU sums at once where it can: before spheres and silhouettes, by
     /// [`Method::Moments`], for tolerances of the unshadowed radiance. Elsewhere, and on a GPU, its patches are lights.
-    #[must_use]
-    pub fn under(self, sky: Option<SkyFrame<'a>>) -> Self {
-        Self { sky, ..self }
+    /// Its table is made only where it is used.
+    pub(crate) fn under(self, kept: &'a mut KeptSky, frame: &Frame<'_>, backend: &Backend, method: Method) -> Self {
+        let is_summed = matches!(backend, Backend::Cpu) && self.sums_skies(method);
+        let environment = self.world.scene().environment.as_ref().filter(|_| is_summed);
+        Self { sky: kept.follow(environment, frame.lights, frame.accuracy), ..self }
+    }
+
+    /// Whether a sky before these blockers is summed at once by a CPU.
+    fn sums_skies(&self, method: Method) -> bool {
+        let are_drawn = self.maps.is_none() && self.rays.is_none() && self.custom.is_empty();
+        are_drawn && method == Method::Moments && !self.of_own
     }
 
     /// Adds the custom strategies, and sets [the kind of tolerance](Settings::own_radiance).
@@ -202,8 +210,7 @@ impl<'a> FrameBlockers<'a> {
         }
         #[cfg(not(feature = "gpu"))]
         let Backend::Cpu = backend;
-        let is_summed = self.maps.is_none() && self.rays.is_none() && self.custom.is_empty();
-        let is_summed = is_summed && method == Method::Moments && !self.of_own;
+        let is_summed = self.sums_skies(method);
         let (spheres, silhouettes) = (self.spheres, self.silhouettes.as_ref());
         let sky = self.sky.filter(|_| is_summed);
         let sky = sky.map(|sky| SkyShader::new(sky.table, sky.replaced, (spheres, silhouettes)));

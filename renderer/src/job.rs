@@ -89,13 +89,8 @@ impl Job<'_> {
         }
         let map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
         let map_bytes = maps.iter().map(ShadowMap::bytes).sum();
-        let sky = match backend {
-            Backend::Cpu => sky.follow(scene.environment.as_ref(), lights, frame.accuracy),
-            #[cfg(feature = "gpu")]
-            Backend::Gpu(_) => None,
-        };
         let blockers = FrameBlockers::new(plan, world, spheres, maps, silhouettes, frame.accuracy);
-        let blockers = blockers.with(custom, settings).under(sky);
+        let blockers = blockers.with(custom, settings).under(sky, &frame, backend, settings.method);
         let (repeat, layers) = (settings.repeat, settings.layers);
         let shading = Shading { frame: &frame, bands: &mut bands, canvas, repeat, layers, listener, sink };
         let mut stats = blockers.shade(backend, settings.method, tables, shading)?;

@@ -3,9 +3,8 @@ use lobe_core::Accuracy;
 use std::sync::Arc;
 use visibility_mask::sky::{SkyResolution, SkyTable};
 
-/// The tables of the scene's environment, kept from picture to picture: they follow the environment alone, whatever moves before it.
-///
-/// The tables of the environment, one for each resolution in use.
+/// The tables of the scene's environment, one for each resolution in use, kept from picture to picture: they follow the environment
+/// alone, whatever moves before it.
 #[derive(Debug, Default)]
 pub struct KeptSky {
     of: Option<Arc<Environment>>,
