@@ -205,8 +205,8 @@ pub use visibility_silhouettes;
 pub use visibility_spheres;
 
 pub use pictures::{
-    Comparison, FlipMap, ImageFileError, Output, Picture, RegionError, ShadowErrors, SizesDiffer, Window, checksum,
-    luminance, remove_unfinished, signed_difference, srgb_bytes, srgb_bytes_into,
+    Comparison, Display, FlipMap, ImageFileError, Output, Picture, PngDepth, RegionError, ShadowErrors, SizesDiffer,
+    ToneMap, Window, checksum, luminance, remove_unfinished, signed_difference, srgb_bytes,
 };
 #[cfg(feature = "files")]
 pub use pictures::{

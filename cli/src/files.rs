@@ -1,7 +1,7 @@
 //! The pictures that a command writes.
 
 use crate::failure::Failure;
-use cosine_lobes::{ExrLayer, ExrPart, Output, Picture, PictureStream, Window, srgb_bytes, write_png};
+use cosine_lobes::{Display, ExrLayer, ExrPart, Output, Picture, PictureStream, Window};
 use std::fs::canonicalize;
 use std::path::{Path, PathBuf};
 
@@ -99,27 +99,27 @@ impl Files {
     }
 
     /// Writes the picture to all of them, and the further layers to those that can hold them.
-    pub(crate) fn write(self, picture: &Picture, exposure: f32, further: &[ExrLayer]) -> Result<(), Failure> {
+    pub(crate) fn write(self, picture: &Picture, display: &Display, further: &[ExrLayer]) -> Result<(), Failure> {
         let window = Window::whole(picture.width(), picture.height());
         let main = ExrLayer::color("beauty", picture.pixels());
         let layers: Vec<ExrLayer> = std::iter::once(main).chain(further.iter().cloned()).collect();
-        self.write_part(picture, exposure, &ExrPart::of_layers(window, &layers))
+        self.write_part(display, ExrPart::of_layers(window, &layers))
     }
 
-    /// Writes them band by band, with channels of these names where a file can hold them. OpenEXR files say the exposure where they are
-    /// parts of a picture.
+    /// Writes them band by band, with channels of these names where a file can hold them; OpenEXR files with an exposure, if there
+    /// is one.
     pub(crate) fn stream(
         self,
         window: Window,
+        display: &Display,
         exposure: Option<f32>,
         channels: &[String],
     ) -> Result<PictureStream, Failure> {
-        let is_part = !window.is_whole();
         let mut stream = PictureStream::new(window);
-        stream.expose(exposure.filter(|_| is_part));
+        stream.expose(exposure);
         for (format, output) in self.list {
             match format {
-                Format::Png => stream.add_png(output, exposure.unwrap_or_default())?,
+                Format::Png => stream.add_png(output, *display)?,
                 Format::Exr => stream.add_exr(output, channels)?,
             }
         }
@@ -127,13 +127,11 @@ impl Files {
     }
 
     /// Writes all channels of a part to those that can hold them, and its picture to the others.
-    pub(crate) fn write_part(self, picture: &Picture, exposure: f32, part: &ExrPart) -> Result<(), Failure> {
-        for (format, output) in self.list {
-            match format {
-                Format::Png => write_png(output, picture.width(), picture.height(), &srgb_bytes(picture, exposure))?,
-                Format::Exr => part.clone().write(output)?,
-            }
-        }
-        Ok(())
+    pub(crate) fn write_part(self, display: &Display, part: ExrPart) -> Result<(), Failure> {
+        let names: Vec<String> = part.channels.iter().map(|(name, _)| name.clone()).collect();
+        let mut stream = self.stream(part.window.clone(), display, part.exposure, &names)?;
+        // The stream reports the reason when it is finished.
+        let _ = stream.send(part);
+        Ok(stream.finish()?)
     }
 }

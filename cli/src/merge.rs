@@ -4,8 +4,7 @@ use crate::args::MergeArgs;
 use crate::console::say;
 use crate::failure::Failure;
 use crate::files::{self, Files};
-use cosine_lobes::{ImageFileError, Picture, merge_exr};
-use glam::Vec3;
+use cosine_lobes::{ImageFileError, merge_exr};
 
 pub(crate) fn run(args: &MergeArgs) -> Result<(), Failure> {
     files::distinct(&args.output, &args.parts)?;
@@ -14,13 +13,11 @@ pub(crate) fn run(args: &MergeArgs) -> Result<(), Failure> {
     let exposure = args.exposure.or(whole.exposure.take()).unwrap_or_default();
     let [width, height] = whole.window.image;
     let path = args.parts.first().cloned().unwrap_or_default();
-    let (Some(r), Some(g), Some(b)) = (whole.channel("R"), whole.channel("G"), whole.channel("B")) else {
+    if ["R", "G", "B"].iter().any(|name| whole.channel(name).is_none()) {
         let message = "no R, G, B channels".to_owned();
         return Err(ImageFileError::Format { path, message }.into());
-    };
-    let pixels: Vec<Vec3> = r.iter().zip(g).zip(b).map(|((r, g), b)| Vec3::new(*r, *g, *b)).collect();
-    let picture = Picture::new(width, height, pixels);
-    Files::create(&args.output, None)?.write_part(&picture, exposure, &whole)?;
+    }
+    Files::create(&args.output, None)?.write_part(&args.png.display(exposure), whole)?;
     if !args.quiet {
         let names: Vec<String> = args.output.iter().map(|p| p.display().to_string()).collect();
         say(format_args!("{}: {width} x {height} from {} parts", names.join(", "), args.parts.len()));

@@ -86,7 +86,7 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         ExrLayer::color("unshadowed", &gbuffer.picture(&estimate.unshadowed, scene.background)),
         ExrLayer::color("stderr", &std_error),
     ];
-    files.write(&picture, exposure, &layers)?;
+    files.write(&picture, &args.png.display(exposure), &layers)?;
     if args.keep {
         checkpoint::save(&reference, &checkpoint)?;
     } else {

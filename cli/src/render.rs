@@ -73,7 +73,9 @@ fn pictures(args: &RenderArgs) -> Result<(), Failure> {
         let files = opened.take().map_or_else(|| open(moment), Ok)?;
         renderer.seek(moment.time);
         let names = channels(args.layers.then_some(renderer.scene().lights.len()));
-        let mut stream = files.stream(window.clone(), exposure, &names)?;
+        // A part of a picture carries the exposure for `merge`.
+        let kept = exposure.filter(|_| !window.is_whole());
+        let mut stream = files.stream(window.clone(), &args.png.display(exposure.unwrap_or_default()), kept, &names)?;
         let stats = renderer.render_bands(&window, &mut |event| teller.hear(event), &mut |band| {
             // The stream reports the reason when it is finished.
             match stream.send(part(band)) {

@@ -13,6 +13,7 @@
 
 mod checksum;
 mod comparison;
+mod display;
 mod error_map;
 #[cfg(feature = "files")]
 mod exr_file;
@@ -32,10 +33,12 @@ mod srgb;
 mod stamp;
 #[cfg(feature = "files")]
 mod stream;
+mod tone;
 mod window;
 
 pub use crate::checksum::checksum;
 pub use crate::comparison::{Comparison, RegionError, ShadowErrors, SizesDiffer};
+pub use crate::display::{Display, PngDepth};
 pub use crate::error_map::{FlipMap, signed_difference};
 #[cfg(feature = "files")]
 pub use crate::exr_file::{read_exr, read_exr_layer, write_exr};
@@ -47,10 +50,11 @@ pub use crate::output::{ImageFileError, Output, remove_unfinished};
 pub use crate::picture::{Picture, luminance};
 #[cfg(feature = "files")]
 pub use crate::png_file::write_png;
-pub use crate::srgb::{srgb_bytes, srgb_bytes_into};
+pub use crate::srgb::srgb_bytes;
 #[cfg(feature = "files")]
 pub use crate::stamp::read_stamp;
 #[cfg(feature = "files")]
 pub use crate::stream::PictureStream;
+pub use crate::tone::ToneMap;
 pub use crate::window::Window;
 pub use glam;

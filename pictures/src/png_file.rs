@@ -1,5 +1,5 @@
 use crate::stamp::STAMP;
-use crate::{ImageFileError, Output};
+use crate::{ImageFileError, Output, PngDepth};
 use png::{BitDepth, ColorType, Encoder, EncodingError, Writer};
 use std::io::Write;
 
@@ -8,11 +8,15 @@ pub(crate) fn encoder<W: Write>(
     file: W,
     width: usize,
     height: usize,
+    depth: PngDepth,
     stamp: Option<String>,
 ) -> Result<Writer<W>, EncodingError> {
     let mut encoder = Encoder::new(file, width as u32, height as u32);
     encoder.set_color(ColorType::Rgb);
-    encoder.set_depth(BitDepth::Eight);
+    encoder.set_depth(match depth {
+        PngDepth::Eight => BitDepth::Eight,
+        PngDepth::Sixteen => BitDepth::Sixteen,
+    });
     if let Some(stamp) = stamp {
         encoder.add_text_chunk(STAMP.to_owned(), stamp)?;
     }
@@ -27,7 +31,7 @@ pub fn write_png(output: Output, width: usize, height: usize, rgb: &[u8]) -> Res
     let (path, stamp) = (output.path().to_owned(), output.stamp().map(str::to_owned));
     let encode = |file: &mut dyn Write| -> Result<(), EncodingError> {
         // The same chunks as a picture that is written band by band.
-        let mut writer = encoder(file, width, height, stamp)?;
+        let mut writer = encoder(file, width, height, PngDepth::Eight, stamp)?;
         let mut rows = writer.stream_writer()?;
         rows.write_all(rgb)?;
         rows.finish()?;

@@ -1,14 +1,14 @@
 use crate::checksum::{UNKNOWN, seal_file};
 use crate::exr_part::exposure_comment;
 use crate::png_file::encoder;
-use crate::srgb::srgb_row;
 use crate::stamp::STAMP;
-use crate::{ExrPart, ImageFileError, Output, Window};
+use crate::{Display, ExrPart, ImageFileError, Output, Window};
 use exr::block::writer::ChunksWriter;
 use exr::block::{self, UncompressedBlock};
 use exr::meta::attribute::ChannelDescription;
 use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{AttributeValue, Compression, IntegerBounds, LineOrder, SampleType, Text, Vec2};
+use glam::Vec3;
 use std::collections::VecDeque;
 use std::io::{Seek, Write};
 use std::sync::Arc;
@@ -72,13 +72,13 @@ impl PictureStream {
         self.add(output, move |output, bands| write_exr_bands(output, &window, exposure, &names, bands))
     }
 
-    /// Writes it also to a PNG file, as [`srgb_bytes`](crate::srgb_bytes) makes it of the channels R, G and B.
+    /// Writes it also to a PNG file, of its channels R, G and B.
     ///
     /// # Errors
     /// When there is no thread for it.
-    pub fn add_png(&mut self, output: Output, exposure: f32) -> Result<(), ImageFileError> {
+    pub fn add_png(&mut self, output: Output, display: Display) -> Result<(), ImageFileError> {
         let window = self.window.clone();
-        self.add(output, move |output, bands| write_png_bands(output, &window, exposure, bands))
+        self.add(output, move |output, bands| write_png_bands(output, &window, &display, bands))
     }
 
     fn add(
@@ -225,15 +225,15 @@ fn header(window: &Window, exposure: Option<f32>, names: &[String], stamp: Optio
         .with_shared_attributes(shared)
 }
 
-fn write_png_bands(output: Output, window: &Window, exposure: f32, mut bands: Bands) -> Result<(), ImageFileError> {
+fn write_png_bands(output: Output, window: &Window, display: &Display, mut bands: Bands) -> Result<(), ImageFileError> {
     let (path, stamp) = (output.path().to_owned(), output.stamp().map(str::to_owned));
     let [width, height] = window.size();
     let mut incomplete = false;
     let result = output.finish(|file| {
         let encode = || -> Result<(), png::EncodingError> {
-            let mut whole = encoder(file, width, height, stamp)?;
+            let mut whole = encoder(file, width, height, display.depth, stamp)?;
             let mut writer = whole.stream_writer()?;
-            let mut bytes = Vec::with_capacity(3 * width);
+            let mut bytes = vec![0; display.depth.pixel() * width];
             for row in window.rows.clone() {
                 let band = bands.with_row(row);
                 let line = band.as_ref().and_then(|band| {
@@ -245,8 +245,8 @@ fn write_png_bands(output: Output, window: &Window, exposure: f32, mut bands: Ba
                     incomplete = true;
                     return Err(std::io::Error::other(INCOMPLETE).into());
                 };
-                bytes.clear();
-                srgb_row(r, g, b, exposure, &mut bytes);
+                let pixels = r.iter().zip(g).zip(b).map(|((r, g), b)| Vec3::new(*r, *g, *b));
+                display.row_into(pixels, [window.columns.start, row], &mut bytes);
                 writer.write_all(&bytes)?;
             }
             writer.finish()?;
@@ -263,8 +263,7 @@ fn write_png_bands(output: Output, window: &Window, exposure: f32, mut bands: Ba
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ExrLayer, Picture, read_stamp, srgb_bytes, write_png};
-    use glam::Vec3;
+    use crate::{ExrLayer, ToneMap, read_stamp, write_png};
     use std::fs;
 
     /// Rows of a picture of two layers.
@@ -295,13 +294,14 @@ mod tests {
             let names: Vec<String> = whole.channels.iter().map(|c| c.0.clone()).collect();
             let output = |n: &str| Output::create(path(n)).unwrap().stamped(stamp);
             whole.write(output("once.exr")).unwrap();
-            let bytes = srgb_bytes(&Picture::new(width, height, beauty), 0.5);
+            let display = Display { exposure: 0.5, tone: ToneMap::Agx, ..Display::default() };
+            let bytes = display.bytes(&beauty, &window);
             write_png(output("once.png"), width, height, &bytes).unwrap();
             for step in [1, 7, 16, 100] {
                 let mut stream = PictureStream::new(window.clone());
                 stream.expose(exposure);
                 stream.add_exr(output("bands.exr"), &names).unwrap();
-                stream.add_png(output("bands.png"), 0.5).unwrap();
+                stream.add_png(output("bands.png"), display).unwrap();
                 for top in window.rows.clone().step_by(step) {
                     let rows = top..(top + step).min(window.rows.end);
                     assert!(stream.send(part(Window { rows, ..window.clone() })));
@@ -323,7 +323,7 @@ mod tests {
             let mut stream = PictureStream::new(Window::whole(37, 50));
             let names = ["R", "G", "B", "depth.Z"].map(str::to_owned);
             stream.add_exr(Output::create(folder.path().join("a.exr")).unwrap(), &names).unwrap();
-            stream.add_png(Output::create(folder.path().join("a.png")).unwrap(), 0.0).unwrap();
+            stream.add_png(Output::create(folder.path().join("a.png")).unwrap(), Display::default()).unwrap();
             stream.send(part(Window { image: [37, 50], columns: 0..37, rows: 0..20 }));
             stream
         };

@@ -344,3 +344,37 @@ fn pictures_are_exposed_by_metering() {
     let linear = ["render", "scene.toml", "-o", "a.exr", "--json", "-q"];
     assert!(json(folder, &linear)["exposure"].is_null());
 }
+
+/// Sixteen bits are those of the linear picture; eight are within a level of them; tone maps change what is bright.
+#[test]
+fn png_files_have_depth_and_tone() {
+    let folder = folder();
+    let folder = folder.path();
+    let at = |exposure: &str, name: &str, further: &[&str]| {
+        let args = ["render", "scene.toml", "-q", "--exposure", exposure, "-o", name];
+        succeed(folder, &[&args[..], further].concat());
+        folder.join(name)
+    };
+    let render = |name: &str, further: &[&str]| at("1", name, further);
+    let linear = cosine_lobes::read_exr(&render("a.exr", &[])).unwrap();
+    let fine = image::open(render("a.png", &["--bits", "16", "--tone", "linear"])).unwrap();
+    let image::DynamicImage::ImageRgb16(fine) = fine else { panic!("sixteen bits") };
+    let [r, g, b] = linear.pixels()[1000].to_array().map(|x| 65535.0 * srgb(2.0 * x.clamp(0.0, 0.5)));
+    let there = fine.get_pixel(1000 % fine.width(), 1000 / fine.width()).0.map(f32::from);
+    assert!(there.iter().zip([r, g, b]).all(|(a, b)| (a - b).abs() < 1.0), "{there:?} {r} {g} {b}");
+    let coarse = image::open(render("a.png", &["--tone", "linear"])).unwrap().into_rgb8();
+    let levels = fine.as_raw().iter().zip(coarse.as_raw());
+    assert!(levels.clone().all(|(f, c)| (f32::from(*f) / 257.0 - f32::from(*c)).abs() < 1.0));
+    assert!(levels.clone().any(|(f, c)| (f32::from(*f) / 257.0).round() != f32::from(*c)), "dithered");
+    let bytes = |further: &[&str]| fs::read(at("5", "b.png", further)).unwrap();
+    let all = ["linear", "soft", "neutral", "agx"].map(|tone| bytes(&["--tone", tone]));
+    assert!(all.iter().enumerate().all(|(i, a)| all[..i].iter().all(|b| a != b)), "four pictures");
+    assert!(bytes(&[]) == all[1]);
+    refuse(folder, &["render", "scene.toml", "--tone", "filmic", "-o", "c.png"], "--tone");
+    refuse(folder, &["render", "scene.toml", "--bits", "12", "-o", "c.png"], "--bits");
+}
+
+/// The encoded value of a linear one in [0, 1].
+fn srgb(x: f32) -> f32 {
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
+}

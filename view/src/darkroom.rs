@@ -4,7 +4,7 @@ use crate::false_color;
 use crate::look::{Look, View};
 use cosine_lobes::session::{Picture, Truth};
 use cosine_lobes::{
-    Comparison, Picture as Pixels, ShadowErrors, glam::Vec3, luminance, signed_difference, srgb_bytes_into,
+    Comparison, Display, Picture as Pixels, ShadowErrors, Window, glam::Vec3, luminance, signed_difference,
 };
 use eframe::egui::{ColorImage, Context};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -129,7 +129,7 @@ fn develop(order: &Order) -> Print {
     // One that shows an older scene, or other pixels, is none of this picture.
     let truth = (truth.edits >= picture.seen && truth.size == picture.size && truth.samples > 0).then_some(truth);
     let reference =
-        truth.filter(|_| look.split.is_some()).map(|truth| photo(truth.size, &truth.radiance, look.exposure));
+        truth.filter(|_| look.split.is_some()).map(|truth| photo(truth.size, &truth.radiance, look.display));
     let figures = truth.filter(|_| look.wants_reference()).and_then(|truth| figures(picture, truth));
     let image = image(picture, truth.map(|truth| &**truth), look);
     Print { image, reference, figures }
@@ -140,15 +140,15 @@ fn image(picture: &Picture, truth: Option<&Truth>, look: &Look) -> Arc<ColorImag
     let whole = picture.size[0] * picture.size[1];
     let colors = match look.view {
         View::Reference => match truth {
-            Some(truth) => return photo(truth.size, &truth.radiance, look.exposure),
+            Some(truth) => return photo(truth.size, &truth.radiance, look.display),
             None => Vec::new(),
         },
-        View::Difference => return difference(picture, truth, look.exposure),
+        View::Difference => return difference(picture, truth, look.display),
         View::Unshadowed if layers.unshadowed.len() == whole => {
-            return photo(picture.size, &layers.unshadowed, look.exposure);
+            return photo(picture.size, &layers.unshadowed, look.display);
         }
         View::Light(number) => match layers.lights.get(number).filter(|light| light.len() == whole) {
-            Some(light) => return photo(picture.size, light, look.exposure),
+            Some(light) => return photo(picture.size, light, look.display),
             None => Vec::new(),
         },
         View::Classes => false_color::classes(&picture.radiance, &layers.unshadowed),
@@ -160,20 +160,18 @@ fn image(picture: &Picture, truth: Option<&Truth>, look: &Look) -> Arc<ColorImag
     };
     // Layers come with the next picture.
     if colors.len() != whole {
-        return photo(picture.size, &picture.radiance, look.exposure);
+        return photo(picture.size, &picture.radiance, look.display);
     }
     Arc::new(ColorImage::from_rgb(picture.size, colors.as_flattened()))
 }
 
 /// As PNG files show it.
-fn photo(size: [usize; 2], radiance: &[Vec3], exposure: f32) -> Arc<ColorImage> {
-    let mut bytes = vec![0; 3 * radiance.len()];
-    srgb_bytes_into(radiance, exposure, &mut bytes);
-    Arc::new(ColorImage::from_rgb(size, &bytes))
+fn photo(size: [usize; 2], radiance: &[Vec3], display: Display) -> Arc<ColorImage> {
+    Arc::new(ColorImage::from_rgb(size, &display.bytes(radiance, &Window::whole(size[0], size[1]))))
 }
 
-fn difference(picture: &Picture, truth: Option<&Truth>, exposure: f32) -> Arc<ColorImage> {
-    let white = f64::from(-exposure).exp2();
+fn difference(picture: &Picture, truth: Option<&Truth>, display: Display) -> Arc<ColorImage> {
+    let white = f64::from(-display.exposure).exp2();
     let colors = truth.and_then(|truth| {
         signed_difference(
             &pixels(picture.size, &picture.radiance),
@@ -188,7 +186,7 @@ fn difference(picture: &Picture, truth: Option<&Truth>, exposure: f32) -> Arc<Co
             // Paler than the picture, so that it is not taken for it.
             let pale = |p: &Vec3| Vec3::splat((0.3 * luminance(*p)) as f32);
             let grey: Vec<Vec3> = picture.radiance.iter().map(pale).collect();
-            photo(picture.size, &grey, exposure)
+            photo(picture.size, &grey, display)
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::look::{Look, View};
 use crate::opening::{Opened, name_of};
+use cosine_lobes::Display;
 use cosine_lobes::glam::{Mat4, Vec2, Vec3};
 use cosine_lobes::lighting::Light;
 use cosine_lobes::renderer::{LightHandle, ObjectHandle, RenderError, Renderer, Settings};
@@ -79,7 +80,8 @@ type Measured = (Scene, Animation, Settings);
 
 impl Desk {
     pub(crate) fn new(opened: Opened) -> Self {
-        let look = Look { view: View::Picture, exposure: opened.exposure, split: None };
+        let display = Display { exposure: opened.exposure, ..Display::default() };
+        let look = Look { view: View::Picture, display, split: None };
         Self {
             editor: Editor::new(opened.session),
             path: opened.path,
@@ -124,7 +126,7 @@ impl Desk {
             self.editor.session().set_reference(samples);
         }
         if let Some(exposure) = self.metering.as_ref().and_then(|metered| metered.try_recv().ok()) {
-            (self.look.exposure, self.metered, self.metering) = (exposure, exposure, None);
+            (self.look.display.exposure, self.metered, self.metering) = (exposure, exposure, None);
         }
         let mut error = self.editor.take_errors().pop().map(|error| error.to_string());
         if let Some(Err(fault)) = self.trade.as_ref().and_then(Trade::end).inspect(|_| self.is_measuring = false) {

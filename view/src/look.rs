@@ -1,3 +1,4 @@
+use cosine_lobes::Display;
 use cosine_lobes::renderer::LayerSet;
 
 /// The part of a picture that is shown.
@@ -92,8 +93,8 @@ impl View {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Look {
     pub(crate) view: View,
-    /// Stops.
-    pub(crate) exposure: f32,
+    /// Its depth is that of screens.
+    pub(crate) display: Display,
     /// The part of the width left of which the reference is shown.
     pub(crate) split: Option<f32>,
 }

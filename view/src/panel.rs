@@ -5,6 +5,7 @@ use crate::desk::{Desk, Thing};
 use crate::look::View;
 use crate::{shot, trade};
 use core::ops::RangeInclusive;
+use cosine_lobes::ToneMap;
 use cosine_lobes::glam::{Mat4, Quat, Vec3};
 use cosine_lobes::lighting::Light;
 use cosine_lobes::lobe_core::Accuracy;
@@ -92,9 +93,16 @@ fn view(ui: &mut Ui, desk: &mut Desk, figures: Option<&Figures>) {
     }
     ui.horizontal(|ui| {
         let range = desk.metered - 8.0..=desk.metered + 8.0;
-        ui.add(slider(&mut desk.look.exposure, range).step_by(0.1).text("exposure"));
+        ui.add(slider(&mut desk.look.display.exposure, range).step_by(0.1).text("exposure"));
         if ui.small_button("meter").clicked() {
             desk.meter();
+        }
+    });
+    ui.horizontal(|ui| {
+        ui.label("tone");
+        let tones = [ToneMap::Linear, ToneMap::Soft, ToneMap::Neutral, ToneMap::Agx];
+        for (tone, name) in tones.into_iter().zip(["linear", "soft", "neutral", "AgX"]) {
+            ui.selectable_value(&mut desk.look.display.tone, tone, name);
         }
     });
     if desk.look.wants_reference() {

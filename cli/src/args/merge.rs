@@ -1,3 +1,4 @@
+use super::PngArgs;
 use super::values::exposure;
 use clap::Args;
 use std::path::PathBuf;
@@ -23,6 +24,9 @@ pub(crate) struct MergeArgs {
     /// Brightness of PNG files in stops: radiance times 2^E. When left out, the value in the first part, else 0
     #[arg(long, value_name = "E", value_parser = exposure, allow_negative_numbers = true)]
     pub(crate) exposure: Option<f32>,
+
+    #[command(flatten)]
+    pub(crate) png: PngArgs,
 
     /// No summary
     #[arg(long, short)]

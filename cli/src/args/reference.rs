@@ -1,5 +1,5 @@
-use super::ViewArgs;
 use super::values::{seed, whole};
+use super::{PngArgs, ViewArgs};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -21,6 +21,9 @@ pub(crate) struct ReferenceArgs {
     /// File to write, .exr or .png; may be given several times
     #[arg(long, short, value_name = "FILE", default_value = "reference.exr")]
     pub(crate) output: Vec<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) png: PngArgs,
 
     /// Samples a light and point, rounded up to a multiple of 8; powers of two converge best
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = whole(1..=1 << 24))]

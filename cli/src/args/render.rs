@@ -1,5 +1,5 @@
-use super::ViewArgs;
 use super::values::{crop, frames, map_resolution, positive, threshold, tiles, tolerance, whole};
+use super::{PngArgs, ViewArgs};
 use crate::failure::Failure;
 use crate::input;
 use crate::quality::Quality;
@@ -16,7 +16,7 @@ const LAYERS: LayerSet = LayerSet { objects: false, ..LayerSet::ALL };
 
 /// Render a picture
 ///
-/// Writes PNG (eight-bit sRGB after exposure) or OpenEXR (linear RGB, 32-bit float), by the ending of the file's name.
+/// Writes PNG (sRGB after exposure and tone map) or OpenEXR (linear RGB, 32-bit float), by the ending of the file's name.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:
   lobes render
@@ -34,6 +34,9 @@ pub(crate) struct RenderArgs {
     /// File to write, .png or .exr; may be given several times
     #[arg(long, short, value_name = "FILE", default_value = "lobes.png")]
     pub(crate) output: Vec<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) png: PngArgs,
 
     /// How objects block light
     #[arg(long, value_enum, default_value_t = Visibility::Scene)]

@@ -6,7 +6,7 @@ use crate::files::Files;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Geometry, Reference, ReferenceJob};
 use cosine_lobes::scene::BlockerSet;
-use cosine_lobes::{Comparison, ExrLayer, FlipMap, Picture, RegionError, ShadowErrors, luminance};
+use cosine_lobes::{Comparison, Display, ExrLayer, FlipMap, Picture, RegionError, ShadowErrors, luminance};
 use glam::Vec3;
 
 /// The reference that all rows are compared with.
@@ -58,7 +58,11 @@ impl Truth {
             samples: reference.samples(),
         };
         let layer = ExrLayer::color("unshadowed", truth.unshadowed.pixels());
-        Files::create(&[args.output.join("reference.exr")], None)?.write(&truth.picture, 0.0, &[layer])?;
+        Files::create(&[args.output.join("reference.exr")], None)?.write(
+            &truth.picture,
+            &Display::default(),
+            &[layer],
+        )?;
         Ok(truth)
     }
 
