@@ -152,7 +152,7 @@ mod tests {
         assert_eq!(neutral(below), below);
     }
 
-    /// What is below its start is linear, to the bit; its slope goes on there without a step.
+    /// Below its start it is linear, to the bit; its slope goes on there without a step.
     #[test]
     fn soft_leaves_shadows_alone() {
         for v in [Vec3::ZERO, Vec3::new(0.001, 0.02, 0.0), Vec3::splat(0.08), Vec3::new(0.799, 0.3, 0.1)] {

@@ -84,7 +84,7 @@ impl<K: SkyLighting> SkyLighting for Option<K> {
 ///
 /// For each tile blockers search once; for each receiver they draw once, one ray says what the fewest surfaces are, and each reflectance
 /// lobe is summed over a table of the sky's light ([`visibility_mask::sky`]). Lobes that the table's samples do not resolve stay,
-/// and all those of receivers that see less than a 64th of the sky.
+/// and all those of receivers that see less than an eighth of the sky.
 #[derive(Clone, Debug)]
 pub struct SkyShader<'a, B> {
     table: &'a SkyTable,

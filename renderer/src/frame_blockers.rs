@@ -128,7 +128,7 @@ impl<'a> FrameBlockers<'a> {
     /// Whether a sky before these blockers is summed at once by a CPU.
     fn sums_skies(&self, method: Method) -> bool {
         let are_drawn = self.maps.is_none() && self.rays.is_none() && self.custom.is_empty();
-        are_drawn && method == Method::Moments && !self.of_own
+        are_drawn && method == Method::Moments
     }
 
     /// Adds the custom strategies, and sets [the kind of tolerance](Settings::own_radiance).

@@ -14,6 +14,8 @@ const FEW: u32 = 3;
 const OF: u32 = 8;
 /// A mask is fine enough if 1/FILLED of its samples is lit.
 const FILLED: u32 = 4;
+/// The lit part is an opening's if less than 1/ENDS of its rows, or of its columns, end where the light does.
+const ENDS: u32 = 4;
 /// The most masks for a window.
 const MOST: usize = 16;
 /// The lit part ends between two samples, of which one is dark: a window around it has this much room, in samples and in rows.
@@ -40,7 +42,12 @@ impl LitCounts {
     /// Whether so little is lit that few samples measure its size.
     pub(crate) fn are_few(self) -> bool {
         let Self { lit, emitting, lit_rows, rows } = self;
-        LITTLE * lit < emitting && (LEAST * lit < emitting || OF * lit_rows < FEW * rows)
+        LITTLE * lit < emitting && (self.are_least() || OF * lit_rows < FEW * rows)
+    }
+
+    /// Whether next to nothing is lit.
+    pub(crate) fn are_least(self) -> bool {
+        LEAST * self.lit < self.emitting
     }
 }
 
@@ -66,12 +73,64 @@ impl Rect {
         Self { low: self.low.max(other.low), high: self.high.min(other.high) }
     }
 
+    fn quarters(self) -> [Self; 4] {
+        let middle = 0.5 * (self.low + self.high);
+        [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| Self {
+            low: Vec2::new([self.low.x, middle.x][x], [self.low.y, middle.y][y]),
+            high: Vec2::new([middle.x, self.high.x][x], [middle.y, self.high.y][y]),
+        })
+    }
+
     fn size(self) -> Vec2 {
         (self.high - self.low).max(Vec2::ZERO)
     }
 
     pub(crate) fn area(self) -> f32 {
         self.size().element_product()
+    }
+}
+
+/// Along the rows and across them: how many rows, or columns, have lit samples, and how many of these where nothing beside the lit part
+/// emits.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LitEnds {
+    lit: [u32; 2],
+    ends: [u32; 2],
+}
+
+impl LitEnds {
+    /// Adds a mask. Of its sides, left and right, bottom and top, those that are `inner` to the window are no ends.
+    pub(crate) fn add(&mut self, mask: &Mask, inner: [[bool; 2]; 2]) {
+        let (side, width) = (mask.side(), mask.width() as u32);
+        let (mut columns, mut ends) = (row::NONE, row::NONE);
+        for j in (0..side).filter(|j| !mask.is_row_dark(*j)) {
+            let lit = mask.lit(j);
+            let ([first, end], (from, to)) = (row::bounds(&lit), mask.emitting(j));
+            let ends_left = first <= from && !(from == 0 && inner[0][0]);
+            let ends_right = end >= to && !(to == width && inner[0][1]);
+            self.lit[0] += 1;
+            self.ends[0] += u32::from(ends_left || ends_right);
+            columns = row::with(&columns, &lit);
+            for (is_last, other, is_inner) in
+                [(j == 0, j.wrapping_sub(1), inner[1][0]), (j + 1 == side, j + 1, inner[1][1])]
+            {
+                let (from, to) = match (is_last, is_inner) {
+                    (true, true) => (0, width),
+                    (true, false) => (0, 0),
+                    (false, _) => mask.emitting(other),
+                };
+                // Rows are shifted by up to half a sample.
+                let emits = if from < to { row::span(from.saturating_sub(1), (to + 1).min(width)) } else { row::NONE };
+                ends = row::with(&ends, &row::without(&lit, &emits));
+            }
+        }
+        self.lit[1] += row::count(&columns);
+        self.ends[1] += row::count(&ends);
+    }
+
+    /// Whether the lit part is that of an opening: between two opposite sides most of it ends at blockers.
+    pub(crate) fn are_of_an_opening(self) -> bool {
+        (0..2).any(|axis| ENDS * self.ends[axis] < self.lit[axis])
     }
 }
 
@@ -108,12 +167,17 @@ impl NearMasks {
         &self.masks[..self.used]
     }
 
-    /// Draws masks around the lit part of a window, which lies in the rectangle `lit` as far as masks of the whole window show.
+    /// Draws masks around the lit part of a window, which lies in the rectangle `lit` as far as masks of the whole window show. If that is
+    /// [`NOTHING`](Rect::NOTHING), they look for it in the window's quarters.
     pub(crate) fn draw(&mut self, window: &UnitSquare, lit: Rect, mut draw: impl FnMut(&UnitSquare, &mut Mask)) {
         self.clear();
         self.jobs.clear();
         let limit = Rect::of(window);
-        self.jobs.push(Job { window: lit.within(limit), limit });
+        if lit == Rect::NOTHING {
+            self.jobs.extend(limit.quarters().map(|window| Job { window, limit: window }));
+        } else {
+            self.jobs.push(Job { window: lit.within(limit), limit });
+        }
         let smallest = Vec2::splat(window.smallest());
         let mut left = MOST;
         while let Some(job) = self.jobs.pop() {
@@ -227,6 +291,46 @@ mod tests {
     use glam::Vec3;
     use lobe_core::Cone;
     use lobe_core::oracle::Random;
+
+    /// A hole in the middle of a round light ends at blockers on all sides; a slit on two; the part that a straight edge leaves of a disc
+    /// does not, however the edge lies; nor does the corner of a rectangle.
+    #[test]
+    fn openings_are_told_from_penumbrae() {
+        let cone = Cone { axis: Vec3::Z, one_minus_cos: 0.01, distance: f32::INFINITY };
+        let window = UnitSquare::facing(&cone, Vec3::X);
+        let is_opening = |coarse: bool, depth: u32, block: &dyn Fn(&mut Mask)| {
+            let mut mask = Mask::default();
+            mask.set_coarse(coarse);
+            mask.reset(&window, depth, Vec3::Z);
+            block(&mut mask);
+            assert!(mask.lit_count() > 0 && 3 * mask.lit_count() < mask.emitting_count(), "a small part");
+            let mut ends = LitEnds::default();
+            ends.add(&mask, [[false; 2]; 2]);
+            ends.are_of_an_opening()
+        };
+        let disc = window.disc;
+        for (coarse, depth) in [(true, 4), (true, 5), (false, 5), (false, 6)] {
+            let hole = |[x, y]: [f32; 2], [w, h]: [f32; 2]| {
+                let hole = Rect { low: disc * Vec2::new(x - w, y - h), high: disc * Vec2::new(x + w, y + h) };
+                is_opening(coarse, depth, &|mask| block_around(&[hole], mask))
+            };
+            assert!(hole([0.1, -0.2], [0.2, 0.3]), "window");
+            assert!(hole([0.1, 0.0], [0.1, 2.0]) && hole([0.0, 0.3], [2.0, 0.15]), "slits");
+            for step in 0..24_u16 {
+                // Everything on one side of a line that leaves a segment 0.3 to 0.5 of the radius high.
+                let (sin, cos) = (f32::from(step) * 0.27).sin_cos();
+                let far = disc * (0.5 + 0.2 * (f32::from(step) * 0.618).fract());
+                let told = is_opening(coarse, depth, &|mask| {
+                    for j in 0..mask.side() {
+                        let at = (far - sin * mask.row_y(j)) / cos;
+                        let (from, to) = if cos > 0.0 { (f32::NEG_INFINITY, at) } else { (at, f32::INFINITY) };
+                        mask.block_span(j, from, to);
+                    }
+                });
+                assert!(!told, "{step} {coarse} {depth}");
+            }
+        }
+    }
 
     /// Blocks everything except rectangles.
     fn block_around(holes: &[Rect], mask: &mut Mask) {

@@ -1,5 +1,5 @@
 use crate::counts::Counts;
-use crate::near_masks::{LitCounts, NearMasks, Rect, rect};
+use crate::near_masks::{LitCounts, LitEnds, NearMasks, Rect, rect};
 use crate::visible_fraction::{MIRROR, Shown, Sums, image_sums, microfacet_sums, narrowest, sums};
 use crate::{Fineness, Mask, UnitSquare};
 use glam::{UVec2, Vec2, Vec3};
@@ -12,6 +12,8 @@ pub(crate) struct WindowMasks {
     window: UnitSquare,
     masks: Vec<Mask>,
     used: usize,
+    /// Masks side by side, and one above the other.
+    grid: [u32; 2],
     near: NearMasks,
 }
 
@@ -30,7 +32,7 @@ impl WindowMasks {
         mut draw: impl FnMut(&mut Mask),
     ) {
         self.window = *window;
-        self.used = fineness.count();
+        (self.used, self.grid) = (fineness.count(), fineness.grid);
         if self.masks.len() < self.used {
             self.masks.resize_with(self.used, Mask::default);
         }
@@ -45,11 +47,23 @@ impl WindowMasks {
         self.near.clear();
     }
 
-    /// Whether so little is lit that few samples measure its size.
-    pub(crate) fn is_little_lit(&self) -> bool {
+    /// The lit samples and rows of all masks.
+    pub(crate) fn lit_counts(&self) -> LitCounts {
         let mut counts = LitCounts::default();
         self.masks().iter().for_each(|mask| counts.add(mask));
-        counts.are_few()
+        counts
+    }
+
+    /// Whether the lit part is that of an opening: it ends at blockers on two opposite sides at least. The lit part of an ordinary penumbra
+    /// ends at the light's own outline along the rows and across them.
+    pub(crate) fn is_opening(&self) -> bool {
+        let [across, up] = self.grid;
+        let mut ends = LitEnds::default();
+        for (k, mask) in (0..).zip(self.masks()) {
+            let place: [u32; 2] = [k % across, k / across];
+            ends.add(mask, [0, 1].map(|axis| [place[axis] > 0, place[axis] + 1 < [across, up][axis]]));
+        }
+        ends.are_of_an_opening()
     }
 
     /// Whether there are masks around the lit part.
@@ -58,11 +72,12 @@ impl WindowMasks {
     }
 
     /// Lets `draw` block windows around the lit part, in masks with a depth and fineness; each is filled by at least a quarter if
-    /// [`NearMasks`] can do so. `edges`, if known, are two corners of a box around all edges.
+    /// [`NearMasks`] can do so. `edges`, if known, are two corners of a box around all edges. Where no sample is lit, an opening between samples
+    /// is looked for if that is requested (`is_thorough`).
     pub(crate) fn draw_near(
         &mut self,
         edges: Option<[Vec2; 2]>,
-        coarse: bool,
+        [coarse, is_thorough]: [bool; 2],
         mut draw: impl FnMut(&UnitSquare, &mut Mask),
     ) {
         let window = Rect::of(&self.window);
@@ -72,7 +87,7 @@ impl WindowMasks {
                 mask.lit_block().map_or(around, |lit| around.with(rect(mask, &lit)))
             })
         });
-        if around != Rect::NOTHING {
+        if is_thorough || around != Rect::NOTHING {
             self.near.draw(&self.window, around, |square, mask| {
                 mask.set_coarse(coarse);
                 draw(square, mask);

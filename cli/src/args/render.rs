@@ -70,7 +70,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "MS", value_parser = positive, conflicts_with_all = ["tolerance", "depth", "crop", "tiles"])]
     pub(crate) time_budget: Option<f32>,
 
-    /// Let the tolerance be a part of each pixel's own radiance, for rooms lit through a window (CPU)
+    /// Let the tolerance be a part of each pixel's own radiance in the dark ends of penumbrae as well, not in rooms lit through
+    /// a window alone (CPU)
     #[arg(long)]
     pub(crate) own_radiance: bool,
 

@@ -36,8 +36,6 @@ pub struct SkyBuffer {
     blocks: usize,
     /// The fewest surfaces before any sample, as a count.
     fewest: i32,
-    /// The same of all samples, those through which outlines pass as well.
-    fewest_cut: i32,
     /// For each row the longest run of samples with the fewest, times 512, plus its last sample.
     runs: Vec<i32>,
 }
@@ -200,7 +198,6 @@ impl SkyBuffer {
         }
         let least = |lanes: i32x8<S>| <[i32; LANES]>::from(lanes).into_iter().min().unwrap_or(0);
         let fewest = least(low);
-        self.fewest_cut = least(any);
         // Rows that nothing crosses are as the pole is.
         let is_open = (0..self.blocks).any(|block| self.crossed[block] != u8::MAX);
         self.fewest = if is_open { fewest.min(0) } else { fewest };
@@ -208,12 +205,6 @@ impl SkyBuffer {
             // Outlines pass through all samples: the fewest of which something is seen.
             self.fewest = least(any) >> CUTS << CUTS;
         }
-    }
-
-    /// Whether a part of a sample may have fewer surfaces before it than any whole one: an opening that is narrower than samples.
-    #[must_use]
-    pub fn may_open(&self) -> bool {
-        (self.fewest_cut >> CUTS) + ONE / 64 < self.fewest >> CUTS
     }
 
     /// Whether nothing crosses any row: then all samples have the same number of surfaces before them.

@@ -11,8 +11,8 @@ use lobe_core::{BrdfLobe, Coverage, Lobe, MicrofacetsAt, Receiver, Schlick, is_l
 
 /// The widest step between samples that a lobe's sum is good for: this part of the lobe's standard deviation.
 const STEPS: f32 = 1.5;
-/// Less than this part of a sky is seen through few samples.
-const LITTLE: f32 = 1.0 / 64.0;
+/// Less than this part of a sky is seen through few samples: a room lit through its window.
+const LITTLE: f32 = 1.0 / 8.0;
 /// Of a lobe what is below this part of its peak is left out.
 const NOTHING: f32 = 1e-5;
 /// Below this cosine to the pole a normal's horizon may cross meridians near their beginning.
@@ -85,11 +85,11 @@ impl SkyView {
         }
     }
 
-    /// Whether the visible part is so small that samples are too coarse for it, and finer masks are needed. `false` where all is dark for
-    /// certain.
+    /// Whether the visible part is so small that samples are too coarse for it, and finer masks are needed. An opening between two rows
+    /// shows nothing at all; `false` where no outline leaves room for one.
     #[must_use]
     pub fn is_little(&self, seen: Vec3, whole: Vec3) -> bool {
-        let is_dark = self.is_dark && !self.buffer.may_open();
+        let is_dark = self.is_dark && self.buffer.is_empty();
         !is_dark && seen.max_element() < LITTLE * whole.max_element()
     }
 
