@@ -21,9 +21,6 @@ const NOWHERE: Sphere = Sphere { center: Vec3::ZERO, radius: 1e-3 };
 
 type Given<'a> = Option<Bound<'a, PyAny>>;
 
-/// Radius of a point or a spot that states none.
-const POINT: f64 = 0.01;
-
 impl Light {
     fn checked(light: impl Into<lighting::Light>) -> PyResult<Self> {
         let light = light.into();
@@ -67,7 +64,7 @@ impl Light {
 
     /// A small sphere, by its intensity.
     #[staticmethod]
-    #[pyo3(signature = (center, *, intensity, radius = POINT))]
+    #[pyo3(signature = (center, *, intensity, radius = 0.01))]
     fn point(center: &Bound<'_, PyAny>, intensity: &Bound<'_, PyAny>, radius: f64) -> PyResult<Self> {
         let sphere = Self::sphere_of(center, radius)?;
         Self::checked(SphereLight::with_intensity(sphere, color("intensity", intensity)?))
@@ -75,7 +72,7 @@ impl Light {
 
     /// A small sphere that shines into a cone: fully within `inner` degrees of the axis, not at all beyond `angle`.
     #[staticmethod]
-    #[pyo3(signature = (center, direction, *, intensity, angle, inner = 0.0, radius = POINT))]
+    #[pyo3(signature = (center, direction, *, intensity, angle, inner = 0.0, radius = 0.01))]
     fn spot(
         center: &Bound<'_, PyAny>,
         direction: &Bound<'_, PyAny>,

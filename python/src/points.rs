@@ -9,10 +9,10 @@ use crate::values;
 use crate::work::run;
 use cosine_lobes::brdf;
 use cosine_lobes::lobe_core::{NO_OBJECT, Receiver};
-use cosine_lobes::renderer::{self, LayerSet};
+use cosine_lobes::renderer::{self, LayerSet, PointLight};
 use cosine_lobes::scene::{Cancel, ShadingPoints};
 use glam::Vec3;
-use numpy::PyUntypedArray;
+use numpy::{PyArray2, PyUntypedArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -50,35 +50,27 @@ fn objects(
     Ok(vec![place.map_or(NO_OBJECT, |place| place as u32); count])
 }
 
-#[pymethods]
+/// The arguments of points.
+struct Points<'a, 'py> {
+    points: &'a Bound<'py, PyAny>,
+    normals: &'a Bound<'py, PyAny>,
+    views: Option<&'a Bound<'py, PyAny>>,
+    faces: Option<&'a Bound<'py, PyAny>>,
+    material: Option<&'a Bound<'py, PyAny>>,
+    objects: Option<&'a Bound<'py, PyAny>>,
+}
+
 impl Renderer {
-    /// The radiance that points of the caller's reflect toward `views` (their normals when left out), in their order: `(n, 3)`.
-    ///
-    /// `material` is a Material, or one of the scene; when left out white and diffuse, so that π times the result is the irradiance.
-    /// `objects` says which object the points are on: one for all, or an array of numbers, -1 for none. With `layers` a dictionary:
-    /// "beauty", "unshadowed" and "light0", "light1" …
-    #[pyo3(signature = (points, normals, views = None, *, faces = None, material = None, objects = None, layers = false))]
-    #[expect(clippy::too_many_arguments, reason = "each is a keyword")]
-    fn shade<'py>(
-        &self,
-        py: Python<'py>,
-        points: &Bound<'py, PyAny>,
-        normals: &Bound<'py, PyAny>,
-        views: Option<&Bound<'py, PyAny>>,
-        faces: Option<&Bound<'py, PyAny>>,
-        material: Option<&Bound<'py, PyAny>>,
-        objects: Option<&Bound<'py, PyAny>>,
-        layers: bool,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let positions = self::points("points", points)?;
+    fn shade_points(&self, py: Python<'_>, given: &Points<'_, '_>, layers: LayerSet) -> PyResult<PointLight> {
+        let positions = points("points", given.points)?;
         let count = positions.len();
-        let normals = directions("normals", normals, count)?;
-        let views = views.map(|views| directions("views", views, count)).transpose()?;
-        let faces = faces.map(|faces| directions("faces", faces, count)).transpose()?;
+        let normals = directions("normals", given.normals, count)?;
+        let views = given.views.map(|views| directions("views", views, count)).transpose()?;
+        let faces = given.faces.map(|faces| directions("faces", faces, count)).transpose()?;
         let mut held = self.hold(py)?;
         let renderer = &mut held.value.renderer;
-        let reflects = reflects(material, renderer, self.number)?;
-        let objects = self::objects(objects, count, renderer, self.number)?;
+        let reflects = reflects(given.material, renderer, self.number)?;
+        let objects = objects(given.objects, count, renderer, self.number)?;
         let receiver = |i: usize| Receiver {
             position: positions[i],
             normal: normals[i],
@@ -95,24 +87,61 @@ impl Renderer {
             materials: vec![number; count],
             ..ShadingPoints::default()
         };
-        let set = LayerSet { unshadowed: layers, lights: layers, ..LayerSet::NONE };
         let light = run(py, None, |cancel, _| {
             renderer.set_cancel(cancel.clone());
-            let done = renderer.shade_points(points, own.as_ref().map(<[_; 1]>::as_slice), set);
+            let done = renderer.shade_points(points, own.as_ref().map(<[_; 1]>::as_slice), layers);
             renderer.set_cancel(Cancel::new());
             done
         });
-        let light = light?.or_raise()?;
-        let radiance = values::rows(py, &light.radiance)?;
-        if !layers {
-            return Ok(radiance.into_any());
-        }
+        light?.or_raise()
+    }
+}
+
+#[pymethods]
+impl Renderer {
+    /// The radiance that points of the caller's reflect toward `views` (their normals when left out), in their order: `(n, 3)`.
+    ///
+    /// `faces` are the normals of their triangles, where `normals` are smooth ones. `material` is a Material, or one of the scene; when
+    /// left out white and diffuse, so that π times the result is the irradiance. `objects` says which object the points are on: one for
+    /// all, or an array of numbers, -1 for none.
+    #[pyo3(signature = (points, normals, views = None, *, faces = None, material = None, objects = None))]
+    #[expect(clippy::too_many_arguments, reason = "each is a keyword")]
+    fn shade<'py>(
+        &self,
+        py: Python<'py>,
+        points: &Bound<'py, PyAny>,
+        normals: &Bound<'py, PyAny>,
+        views: Option<&Bound<'py, PyAny>>,
+        faces: Option<&Bound<'py, PyAny>>,
+        material: Option<&Bound<'py, PyAny>>,
+        objects: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let given = Points { points, normals, views, faces, material, objects };
+        values::rows(py, &self.shade_points(py, &given, LayerSet::NONE)?.radiance)
+    }
+
+    /// As `shade`, a dictionary: "beauty", "unshadowed", and "light0", "light1" …, the part of each light.
+    #[pyo3(signature = (points, normals, views = None, *, faces = None, material = None, objects = None))]
+    #[expect(clippy::too_many_arguments, reason = "each is a keyword")]
+    fn shade_layers<'py>(
+        &self,
+        py: Python<'py>,
+        points: &Bound<'py, PyAny>,
+        normals: &Bound<'py, PyAny>,
+        views: Option<&Bound<'py, PyAny>>,
+        faces: Option<&Bound<'py, PyAny>>,
+        material: Option<&Bound<'py, PyAny>>,
+        objects: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let given = Points { points, normals, views, faces, material, objects };
+        let set = LayerSet { unshadowed: true, lights: true, ..LayerSet::NONE };
+        let light = self.shade_points(py, &given, set)?;
         let all = PyDict::new(py);
-        all.set_item("beauty", radiance)?;
+        all.set_item("beauty", values::rows(py, &light.radiance)?)?;
         all.set_item("unshadowed", values::rows(py, &light.unshadowed)?)?;
         for (number, part) in light.lights.iter().enumerate() {
             all.set_item(format!("light{number}"), values::rows(py, part)?)?;
         }
-        Ok(all.into_any())
+        Ok(all)
     }
 }

@@ -26,6 +26,8 @@ pub(crate) struct Scene {
     usual: Option<usize>,
 }
 
+/// The size of a picture of a scene that states none, that of scene files.
+const SIZE: (u32, u32) = (960, 540);
 /// The reflectance of an object that states no material.
 const GREY: f32 = 0.5;
 
@@ -96,10 +98,10 @@ impl Scene {
 impl Scene {
     /// An empty scene.
     #[new]
-    #[pyo3(signature = (*, size = (960, 540), camera = None, background = None))]
-    fn new(size: (u32, u32), camera: Option<Camera>, background: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+    #[pyo3(signature = (*, size = None, camera = None, background = None))]
+    fn new(size: Option<(u32, u32)>, camera: Option<Camera>, background: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let mut scene = Self::of(scene::Scene::default(), Animation::default(), Vec::new());
-        scene.set_size(size)?;
+        scene.set_size(size.unwrap_or(SIZE))?;
         if let Some(camera) = camera {
             scene.scene.camera = camera.camera;
         }
@@ -140,13 +142,13 @@ impl Scene {
 
     /// A scene of arrays: `meshes` are dictionaries of the arguments of `add_mesh`.
     #[staticmethod]
-    #[pyo3(signature = (meshes, *, lights, camera, size = (960, 540), background = None, environment = None))]
+    #[pyo3(signature = (meshes, *, lights, camera, size = None, background = None, environment = None))]
     fn from_arrays<'py>(
         py: Python<'py>,
         meshes: Vec<Bound<'py, PyAny>>,
         lights: Vec<Light>,
         camera: Camera,
-        size: (u32, u32),
+        size: Option<(u32, u32)>,
         background: Option<&Bound<'py, PyAny>>,
         environment: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, Self>> {
