@@ -213,7 +213,7 @@ def test_a_sun_is_that_of_its_irradiance():
     assert np.allclose(picture[7], np.array([1, 2, 3]) * 0.5 / np.pi, rtol=2e-3)
 
 
-BAD_LIGHTS = [
+BAD_VALUES = [
     (lambda: cl.Light.sphere((0, 0), 1, radiance=1), "center has 2 numbers: expected three numbers"),
     (lambda: cl.Light.sphere((0, 0, 0, 0), 1, radiance=1), "center has more than 3 numbers"),
     (lambda: cl.Light.sphere((0, np.nan, 0), 1, radiance=1), r"center is \[0, NaN, 0\]: expected finite numbers"),
@@ -225,9 +225,9 @@ BAD_LIGHTS = [
     (lambda: cl.Light.sphere((0, 0, 0), 1, radiance=-1), "radiance is .*: expected finite numbers of at least 0"),
     (lambda: cl.Light.sphere((0, 0, 0), 1, radiance="red"), "radiance is of type str: expected a number, or three"),
     (lambda: cl.Light.sphere((0, 0, 0), 1, radiance=np.inf), "radiance is"),
-    (lambda: cl.Light.rectangle((0, 0, 0), (1, 0, 0), (2, 0, 0), radiance=1), ""),
+    (lambda: cl.Light.rectangle((0, 0, 0), (1, 0, 0), (2, 0, 0), radiance=1), "the light has no area"),
     (lambda: cl.Light.disc((0, 0, 0), (0, 0, 0), 1, radiance=1), r"normal is \[0, 0, 0\]: expected a direction"),
-    (lambda: cl.Light.polygon(np.zeros((2, 3)), radiance=1), ""),
+    (lambda: cl.Light.polygon(np.zeros((2, 3)), radiance=1), "expected 3 to 24 corners"),
     (lambda: cl.Light.sun((0, -1, 0), irradiance=1, angle=500), "angle is 500: expected a number from 0.001 to 120"),
     (lambda: cl.Light.spot((0, 0, 0), (0, 1, 0), intensity=1, angle=20, inner=30), "inner is 30: expected a number from 0 to 20"),
     (lambda: cl.Light.ambient(1).moved(np.eye(3)), "matrix has 3 rows of 3 numbers: expected a 4 x 4 matrix"),
@@ -238,7 +238,7 @@ BAD_LIGHTS = [
     (lambda: cl.Camera((0, 0, 0), (0, 0, 1), fov=180), "fov is 180: expected a number from 0.001 to 179.9"),
     (lambda: cl.Camera((0, 0, 0), (0, 1, 0)), "camera up is parallel"),
     (lambda: cl.Material.lambert(np.nan), "albedo is"),
-    (lambda: cl.Material.phong(exponent=-1), ""),
+    (lambda: cl.Material.phong(exponent=-1), "exponent is -1: it must lie in"),
     (lambda: cl.Material.lafortune([{"exponent": 5}]), 'a lobe has no "scale"'),
     (lambda: cl.Material.lafortune([{"exponent": 5, "size": 1}]), "a lobe has 'size': expected exponent, scale, c, matrix"),
     (lambda: cl.Material.half_vector([{"roughness": 2, "f0": 1}]), "roughness is 2: expected a number from 0 to 1"),
@@ -253,9 +253,9 @@ BAD_LIGHTS = [
     (lambda: cl.Settings(device="tpu"), 'device is "tpu": expected one of cpu, gpu'),
     (lambda: cl.Settings(tolerance=np.nan), "tolerance is NaN"),
     (lambda: cl.Settings(samples=0), "camera rays a pixel is 0"),
-    (lambda: cl.Settings(speed=3), "speed"),
+    (lambda: cl.Settings(speed=3), "unexpected keyword argument 'speed'"),
     (lambda: cl.compare(np.zeros((2, 2, 3)), np.zeros((2, 2))), r"reference has shape \(2, 2\): expected \(height, width, 3\)"),
-    (lambda: cl.compare(np.zeros((2, 2, 3)), np.zeros((2, 3, 3))), ""),
+    (lambda: cl.compare(np.zeros((2, 2, 3)), np.zeros((2, 3, 3))), "sizes differ: 2x2 against 3x2"),
     (lambda: cl.compare(np.zeros((0, 2, 3)), np.zeros((0, 2, 3))), "test has shape"),
     (lambda: cl.compare(np.zeros((1, 1, 3)), np.full((1, 1, 3), np.nan)), r"reference\[0, 0\] is"),
     (lambda: cl.compare(np.zeros((1, 1, 3), np.uint8), np.zeros((1, 1, 3))), "test has dtype uint8: expected float32, float64"),
@@ -264,13 +264,13 @@ BAD_LIGHTS = [
     (lambda: cl.reference(stage(), geometry="magic"), 'geometry is "magic"'),
     (lambda: cl.reference(stage(), spp=0), "spp is 0"),
     (lambda: cl.SphereSet.load("/nowhere/x.json"), "/nowhere/x.json: cannot read"),
-    (lambda: cl.SphereSet.fit(*cube(), count=0), ""),
+    (lambda: cl.SphereSet.fit(*cube(), count=0), "a sphere set needs at least one sphere"),
 ]
 
 
-@pytest.mark.parametrize("number", range(len(BAD_LIGHTS)))
+@pytest.mark.parametrize("number", range(len(BAD_VALUES)))
 def test_wrong_values_are_refused_by_name(number):
-    make, fault = BAD_LIGHTS[number]
+    make, fault = BAD_VALUES[number]
     with pytest.raises((ValueError, TypeError, cl.LobesError), match=fault) as refused:
         make()
     assert "\n" not in str(refused.value) and str(refused.value)
