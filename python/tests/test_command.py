@@ -9,7 +9,7 @@ import pytest
 import cosine_lobes as cl
 from conftest import SCENES, command
 
-SIZE = (64, 36)
+SIZE = (48, 27)
 FILES = [SCENES / f"{name}.toml" for name in ("soft_spheres", "lights", "sky", "textures", "window-room")]
 OPTIONS = [{"visibility": "rays", "samples": 2}, {"tolerance": 0.05}, {"method": "lobes", "threshold": 0.01}]
 CASES = [(path, {}) for path in FILES] + [(FILES[0], options) for options in OPTIONS]
@@ -30,9 +30,9 @@ def assert_channels(path, names, image):
 def test_pictures_are_those_of_the_command(lobes, tmp_path, path, options):
     words = [word for name, value in options.items() for word in (f"--{name}", value)]
     file = tmp_path / "picture.exr"
-    lobes("render", path, "--size", "64x36", "-o", file, "--quiet", *words)
+    lobes("render", path, "--size", "48x27", "-o", file, "--quiet", *words)
     picture = cl.Renderer(cl.Scene.load(path, size=SIZE), **options).render()
-    assert picture.dtype == np.float32 and picture.shape == (36, 64, 3)
+    assert picture.dtype == np.float32 and picture.shape == (27, 48, 3)
     assert np.array_equal(picture, cl.read_exr(file))
     assert_channels(file, "RGB", picture)
     assert picture.max() > 0
@@ -40,7 +40,7 @@ def test_pictures_are_those_of_the_command(lobes, tmp_path, path, options):
 
 def test_layers_are_those_of_the_command(lobes, tmp_path):
     path, file = FILES[0], tmp_path / "picture.exr"
-    lobes("render", path, "--size", "64x36", "-o", file, "--layers", "--quiet")
+    lobes("render", path, "--size", "48x27", "-o", file, "--layers", "--quiet")
     renderer = cl.Renderer(cl.Scene.load(path, size=SIZE))
     layers = renderer.layers()
     assert np.array_equal(layers["beauty"], cl.read_exr(file))
@@ -57,7 +57,7 @@ def test_layers_are_those_of_the_command(lobes, tmp_path):
 
 def test_the_built_in_scene_and_its_exposure(lobes, tmp_path):
     file, png = tmp_path / "picture.exr", tmp_path / "own.png"
-    lobes("render", "--size", "64x36", "-o", file, "-o", tmp_path / "picture.png", "--quiet")
+    lobes("render", "--size", "48x27", "-o", file, "-o", tmp_path / "picture.png", "--quiet")
     renderer = cl.Renderer(cl.Scene.builtin(size=SIZE))
     picture = renderer.render()
     assert np.array_equal(picture, cl.read_exr(file))

@@ -17,6 +17,7 @@ def new_counts(renderer, before):
 
 
 def test_a_light_that_is_dragged_rebuilds_nothing(scene):
+    scene.size = (24, 16)
     renderer = cl.Renderer(scene)
     first = renderer.render()
     before, light = renderer.upkeep, renderer.lights[0]
@@ -29,7 +30,7 @@ def test_a_light_that_is_dragged_rebuilds_nothing(scene):
     assert renderer.light(light).center == pytest.approx((-1, 3, 1), abs=1e-4)
     assert not np.array_equal(out, first)
 
-    fresh = stage()
+    fresh = stage(size=(24, 16))
     fresh_renderer = cl.Renderer(fresh)
     fresh_renderer.set_light(0, renderer.light(0))
     assert np.array_equal(fresh_renderer.render(), out)
