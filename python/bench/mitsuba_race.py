@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import cosine_lobes as cl
+from knot import FLOOR, knot
 
 try:
     import mitsuba as mi
@@ -29,34 +30,11 @@ except ImportError:
 Floats = NDArray[np.float64]
 Image = NDArray[np.float32]
 EYE, TARGET, FOV = (2.4, 2.6, 4.2), (0.0, 0.55, 0.0), 38.0
-ALBEDO = {"floor": 0.5, "knot": (0.7, 0.25, 0.15)}
+ALBEDO: dict[str, Any] = {"floor": 0.5, "knot": (0.7, 0.25, 0.15)}
 LIGHTS: dict[str, Any] = {
     "sphere": {"center": (-2.0, 3.5, 1.5), "radius": 0.5, "radiance": 20.0},
     "rectangle": {"center": (-1.5, 3.5, 1.0), "u": (0.8, 0, 0), "v": (0, 0, 0.5), "radiance": 10.0},
 }
-
-
-def knot(around: int = 600, across: int = 24) -> tuple[Floats, NDArray[np.int64]]:
-    """A trefoil knot as a tube."""
-    t, s = np.meshgrid(np.arange(around) * 2 * np.pi / around, np.arange(across) * 2 * np.pi / across, indexing="ij")
-
-    def curve(t: Floats) -> Floats:
-        ring = 0.62 + 0.26 * np.cos(3 * t)
-        return np.stack([ring * np.cos(2 * t), 0.62 + 0.36 * np.sin(3 * t), ring * np.sin(2 * t)], axis=-1)
-
-    along = curve(t + 1e-4) - curve(t - 1e-4)
-    along /= np.linalg.norm(along, axis=-1, keepdims=True)
-    side = np.cross(along, [0.0, 1.0, 0.0])
-    side /= np.linalg.norm(side, axis=-1, keepdims=True)
-    points = curve(t) + 0.13 * (np.cos(s)[..., None] * side + np.sin(s)[..., None] * np.cross(side, along))
-    number = np.arange(around * across).reshape(around, across)
-    here, next_t = number, np.roll(number, -1, axis=0)
-    quads = np.stack([here, next_t, np.roll(next_t, -1, axis=1), np.roll(here, -1, axis=1)], axis=-1).reshape(-1, 4)
-    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-    return points.reshape(-1, 3), triangles
-
-
-FLOOR = np.array([[-6.0, 0, 6], [6, 0, 6], [6, 0, -6], [-6, 0, -6]]), np.array([[0, 1, 2], [0, 2, 3]])
 
 
 def own_scene(kind: str, size: tuple[int, int]) -> cl.Scene:
@@ -91,7 +69,7 @@ def other_scene(kind: str, size: tuple[int, int], folder: Path) -> Any:
     else:
         matrix = np.eye(4)
         matrix[:3, 0], matrix[:3, 1], matrix[:3, 2], matrix[:3, 3] = light["v"], np.negative(light["u"]), (0, -1, 0), light["center"]
-        lamp = {"type": "rectangle", "to_world": mi.ScalarTransform4f(matrix), "emitter": emitter}
+        lamp = {"type": "rectangle", "to_world": mi.ScalarTransform4f(matrix.tolist()), "emitter": emitter}
     return mi.load_dict(
         {
             "type": "scene",
@@ -162,7 +140,7 @@ def race(kind: str, size: tuple[int, int], targets: list[float], spp: int, folde
 
     def mitsuba(samples: int) -> Image:
         images = [np.array(mi.render(other, spp=min(samples, passes), seed=seed)) for seed in range(max(1, samples // passes))]
-        return np.mean(images, axis=0, dtype=np.float64).astype(np.float32)
+        return np.asarray(np.mean(images, axis=0, dtype=np.float64), np.float32)
 
     theirs, bias = [], 0.0
     for samples in (4, 16, 64, 256, 1024):

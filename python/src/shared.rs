@@ -1,6 +1,7 @@
 //! A value that one thread at a time works with.
 
 use crate::errors::RenderError;
+use crate::work;
 use pyo3::prelude::*;
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread::{self, ThreadId};
@@ -11,8 +12,6 @@ use std::time::Duration;
 pub(crate) struct Shared<T> {
     value: Mutex<T>,
     worker: Mutex<Option<ThreadId>>,
-    /// The process that made it: threads do not survive a fork.
-    process: u32,
 }
 
 /// The value, until it is dropped.
@@ -26,16 +25,12 @@ const PAUSE: Duration = Duration::from_millis(2);
 
 impl<T> Shared<T> {
     pub(crate) fn new(value: T) -> Self {
-        Self { value: Mutex::new(value), worker: Mutex::new(None), process: std::process::id() }
+        Self { value: Mutex::new(value), worker: Mutex::new(None) }
     }
 
     /// Waits for the value.
     pub(crate) fn hold(&self, py: Python<'_>) -> PyResult<Held<'_, T>> {
-        if self.process != std::process::id() {
-            let fault = "the renderer was made before this process was forked: make one in this process, or start processes by \
-                         \"spawn\"";
-            return Err(RenderError::new_err(fault));
-        }
+        work::check_process()?;
         let me = thread::current().id();
         loop {
             match self.value.try_lock() {

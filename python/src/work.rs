@@ -1,11 +1,12 @@
 //! Long work: without the GIL, on a thread of its own, while the calling thread hears Ctrl-C and reports progress.
 
-use crate::errors::LobesWarning;
+use crate::errors::{LobesWarning, RenderError};
 use core::ops::ControlFlow;
 use cosine_lobes::renderer::Event;
 use cosine_lobes::scene::Cancel;
 use cosine_lobes::visibility_shadowmap::MapFineness;
 use pyo3::prelude::*;
+use std::sync::OnceLock;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::Duration;
@@ -59,6 +60,20 @@ impl Reporter {
     }
 }
 
+/// The process that has worked first.
+static PROCESS: OnceLock<u32> = OnceLock::new();
+
+/// Refuses to wait for threads that a fork has left behind.
+pub(crate) fn check_process() -> PyResult<()> {
+    let this = std::process::id();
+    if PROCESS.get().is_none_or(|first| *first == this) {
+        return Ok(());
+    }
+    let fault =
+        "this process was forked from one that has rendered, and its threads were not: start processes by \"spawn\"";
+    Err(RenderError::new_err(fault))
+}
+
 /// Does something with neither the GIL nor the calling thread, which meanwhile raises what signals raise (Ctrl-C), calls
 /// `progress(stage, done)` and issues warnings. An exception of any of these stops the work, and is raised once it has stopped.
 pub(crate) fn run<T: Send>(
@@ -66,6 +81,8 @@ pub(crate) fn run<T: Send>(
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Cancel, &Reporter) -> T + Send,
 ) -> PyResult<T> {
+    PROCESS.get_or_init(std::process::id);
+    check_process()?;
     let cancel = Cancel::new();
     let (sender, receiver) = channel();
     thread::scope(|scope| {
