@@ -59,7 +59,7 @@ impl<T> Drop for Held<'_, T> {
     }
 }
 
-/// Locks what nobody panics with.
+/// Locks a value that no panic leaves half changed.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -27,7 +27,7 @@ pub(crate) struct Reporter(Sender<News>);
 
 impl Reporter {
     pub(crate) fn progress(&self, stage: &'static str, done: f32) {
-        // Nobody listens any more where the caller has an error already.
+        // Fails where the caller has an error already, and listens no more.
         let _ = self.0.send(News::Progress(stage, done));
     }
 
