@@ -222,6 +222,16 @@ class Material:
         ior: Optional[float] = None,
         emission: Optional[_Color] = None,
     ) -> Material: ...
+    def with_images(
+        self,
+        *,
+        color: Optional[NDArray[np.uint8]] = None,
+        specular: Optional[NDArray[np.uint8]] = None,
+        emission: Optional[NDArray[np.uint8]] = None,
+        normal: Optional[NDArray[np.uint8]] = None,
+        roughness: Optional[NDArray[np.uint8]] = None,
+        metallic: Optional[NDArray[np.uint8]] = None,
+    ) -> Material: ...
     @property
     def model(self) -> str: ...
     @property

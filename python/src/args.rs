@@ -115,7 +115,7 @@ pub(crate) fn shape_of(array: &Bound<'_, PyUntypedArray>) -> String {
 }
 
 /// The reason why a value is no array of a shape and of some types.
-fn refuse(name: &str, value: &Bound<'_, PyAny>, shape: &str, types: &str) -> PyErr {
+pub(crate) fn refuse(name: &str, value: &Bound<'_, PyAny>, shape: &str, types: &str) -> PyErr {
     let Ok(array) = value.cast::<PyUntypedArray>() else {
         let kind = type_name(value);
         return PyTypeError::new_err(format!("{name} is of type {kind}: expected a numpy array of shape {shape}"));

@@ -9,6 +9,7 @@ mod edits;
 mod environment;
 mod errors;
 mod handles;
+mod images;
 mod light;
 mod material;
 mod mesh;

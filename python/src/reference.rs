@@ -139,8 +139,12 @@ impl Job {
         let mut reference = Reference::new(job);
         let (all, done) = (reference.work(spp), AtomicU64::new(0));
         reference.advance(spp, cancel.flag(), &|part| {
-            let done = done.fetch_add(part, Ordering::Relaxed) + part;
-            reporter.progress("sampling", done as f32 / all.max(1) as f32);
+            let before = done.fetch_add(part, Ordering::Relaxed);
+            // A thousand reports are enough.
+            let thousandths = |work: u64| 1000 * work / all.max(1);
+            if thousandths(before + part) > thousandths(before) {
+                reporter.progress("sampling", (before + part) as f32 / all.max(1) as f32);
+            }
         });
         if cancel.is_cancelled() {
             return Err(RenderError::Cancelled);

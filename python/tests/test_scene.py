@@ -294,6 +294,71 @@ def test_every_model_of_materials():
         assert cl.Renderer(scene).render().max() > 0, material
 
 
+@pytest.mark.filterwarnings("ignore:.*emits, but lights no other:cosine_lobes.LobesWarning")
+def test_images_are_those_of_files(tmp_path):
+    random = np.random.default_rng(2)
+    names = ["color", "roughness", "metallic", "normal", "emission"]
+    bytes_ = {}
+    for name in names:
+        grey = name in ("roughness", "metallic")
+        image = random.uniform(0, 1, (6, 5, 1) if grey else (6, 5, 3)) * np.ones(3)
+        if name == "normal":
+            image = 0.2 * image + (0.1, 0.1, 0.8)
+        cl.write_png(tmp_path / f"{name}.png", image)
+        bytes_[name] = cl.exposed(image)[..., 0] if grey else cl.exposed(image)
+    text = """
+[image]
+width = 32
+height = 24
+[camera]
+eye = [1.5, 2, 4]
+target = [0, 0.4, 0]
+fov = 40
+[materials.m]
+model = "metallic-roughness"
+base = 0.9
+metallic = 0.5
+roughness = 0.8
+color_map = "color.png"
+normal_map = "normal.png"
+emission_map = "emission.png"
+emission = 0.2
+metallic_map = { file = "metallic.png", channel = "red" }
+roughness_map = { file = "roughness.png", channel = "red" }
+[[lights]]
+kind = "sphere"
+center = [-2, 3, 1]
+radius = 0.4
+radiance = 40
+[[objects]]
+mesh = "quad.obj"
+normals = "face"
+material = "m"
+"""
+    (tmp_path / "scene.toml").write_text(text)
+    positions, triangles = quad((0, 0, 0), (2, 0, 0), (0, 0, -2))
+    uvs = np.array([[0, 0], [2, 0], [2, 2], [0, 2]], np.float32)
+    lines = [f"v {x} {y} {z}" for x, y, z in positions] + [f"vt {u} {1 - v}" for u, v in uvs]
+    lines += ["f " + " ".join(f"{i + 1}/{i + 1}" for i in t) for t in triangles]
+    (tmp_path / "quad.obj").write_text("\n".join(lines) + "\n")
+    material = cl.Material.metallic_roughness(0.9, metallic=0.5, roughness=0.8, emission=0.2).with_images(**bytes_)
+    scene = cl.Scene(size=(32, 24), camera=CAMERA)
+    scene.add_mesh(positions, triangles, uvs=uvs, material=material)
+    scene.add_light(cl.Light.sphere((-2, 3, 1), 0.4, radiance=40))
+    own, loaded = cl.Renderer(scene).render(), cl.Renderer(cl.Scene.load(tmp_path / "scene.toml")).render()
+    assert np.array_equal(own, loaded) and own.max() > 0
+    assert len(np.unique(own[own > 0])) > 500
+    white = cl.Material.lambert(1)
+    with pytest.raises(TypeError, match="color has dtype float64: expected uint8"):
+        white.with_images(color=np.zeros((4, 4, 3)))
+    with pytest.raises(ValueError, match=r"color has shape \(4, 4\): expected \(height, width, 3\)"):
+        white.with_images(color=np.zeros((4, 4), np.uint8))
+    with pytest.raises(ValueError, match=r"roughness has shape \(4, 4, 3\): expected \(height, width\)"):
+        white.with_images(roughness=np.zeros((4, 4, 3), np.uint8))
+    with pytest.raises(ValueError, match="color has 0 x 4 texels: expected 1 to 16384 a side"):
+        white.with_images(color=np.zeros((4, 0, 3), np.uint8))
+
+
 def test_sphere_sets_are_fitted_measured_and_kept(tmp_path):
     positions, triangles = cube()
     heard = []
