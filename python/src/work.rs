@@ -12,7 +12,7 @@ use std::thread;
 use std::time::Duration;
 
 /// Between two looks for signals.
-const PAUSE: Duration = Duration::from_millis(20);
+const PAUSE: Duration = Duration::from_millis(5);
 
 /// News from the work.
 enum News {
