@@ -184,7 +184,7 @@ def test_ctrl_c_stops_a_picture():
 
 def test_ctrl_c_stops_a_reference_and_a_fit():
     main = threading.main_thread().ident
-    for call in (lambda: cl.reference(stage(), spp=1 << 20), lambda: cl.SphereSet.fit(*cube(), count=300)):
+    for call in (lambda: cl.reference(stage(), spp=1 << 20), lambda: cl.SphereSet.fit(*cube(), count=40)):
         timer = threading.Timer(0.2, lambda: signal.pthread_kill(main, signal.SIGINT))
         timer.start()
         with pytest.raises(KeyboardInterrupt):
