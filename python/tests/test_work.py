@@ -165,6 +165,15 @@ def test_a_callback_cannot_use_its_renderer(scene):
     assert np.array_equal(renderer.render(), want)
 
 
+@pytest.fixture
+def ctrl_c():
+    """Ctrl-C as a terminal has it: shells start jobs in the background without."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_stops_a_picture():
     renderer = slow_renderer()
     main = threading.main_thread().ident
@@ -182,6 +191,7 @@ def test_ctrl_c_stops_a_picture():
     assert np.array_equal(renderer.render(), renderer.render())
 
 
+@pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_stops_a_reference_and_a_fit():
     main = threading.main_thread().ident
     for call in (lambda: cl.reference(stage(), spp=1 << 20), lambda: cl.SphereSet.fit(*cube(), count=40)):
