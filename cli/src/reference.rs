@@ -81,7 +81,7 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     gbuffer.add_emission(&mut estimate.unshadowed);
     let picture = gbuffer.picture(&estimate.radiance, scene.background);
     let picture = Picture::new(scene.width as usize, scene.height as usize, picture);
-    let std_error = of_pixels(&estimate.std_error, &gbuffer);
+    let std_error = gbuffer.resolve_errors(&estimate.std_error);
     let layers = [
         ExrLayer::color("unshadowed", &gbuffer.picture(&estimate.unshadowed, scene.background)),
         ExrLayer::color("stderr", &std_error),
@@ -118,43 +118,8 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Standard errors of pixels from those of their points. These are independent: a pixel's variance is the sum of theirs times the
-/// squares of their parts of its rays. In units of the largest, whose square may be no f32.
-fn of_pixels(errors: &[Vec3], gbuffer: &GBuffer) -> Vec<Vec3> {
-    let largest = errors.iter().map(|e| e.max_element()).fold(0.0, f32::max);
-    let unit = if largest > 0.0 { largest } else { 1.0 };
-    let mut variances: Vec<Vec3> = errors.iter().map(|e| (*e / unit) * (*e / unit)).collect();
-    variances.iter_mut().zip(&gbuffer.rays).for_each(|(variance, rays)| *variance *= *rays as f32);
-    let part = 1.0 / gbuffer.samples as f32;
-    gbuffer.resolve(&variances, Vec3::ZERO).iter().map(|v| (*v * part).map(f32::sqrt) * unit).collect()
-}
-
 fn checkpoint_path(output: &Path) -> PathBuf {
     let mut name = output.as_os_str().to_owned();
     name.push(".checkpoint");
     name.into()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// One pixel of as many rays, of which its points stand for so many each.
-    fn pixel(samples: u32, rays: &[u32]) -> GBuffer {
-        let points = if rays.is_empty() { samples as usize } else { rays.len() };
-        GBuffer { width: 1, height: 1, samples, pixels: vec![0; points], rays: rays.to_vec(), ..GBuffer::default() }
-    }
-
-    #[test]
-    fn errors_of_any_radiance() {
-        for size in [1e-30_f32, 1.0, 1e30] {
-            let errors = [Vec3::splat(3.0 * size), Vec3::splat(4.0 * size)];
-            // √(9 + 16)/2, and √((1·3)² + (3·4)²)/4 where the second stands for three of four rays.
-            for (pixel, want) in [(pixel(2, &[]), 2.5), (pixel(4, &[1, 3]), 153.0_f32.sqrt() / 4.0)] {
-                let error = of_pixels(&errors, &pixel)[0] / size;
-                assert!((error - Vec3::splat(want)).length() < 1e-5, "{size}: {error}");
-            }
-        }
-        assert_eq!(of_pixels(&[Vec3::ZERO], &pixel(1, &[])), [Vec3::ZERO]);
-    }
 }

@@ -108,6 +108,21 @@ impl GBuffer {
         picture
     }
 
+    /// Standard errors of pixels from those of their points. Points are independent: a pixel's variance is the sum of theirs times the
+    /// squares of their parts of its rays. Errors of any size, whose squares may be no f32.
+    ///
+    /// # Panics
+    /// When there is not one value a point.
+    #[must_use]
+    pub fn resolve_errors(&self, errors: &[Vec3]) -> Vec<Vec3> {
+        let largest = errors.iter().map(|e| e.max_element()).fold(0.0, f32::max);
+        let unit = if largest > 0.0 { largest } else { 1.0 };
+        let mut variances: Vec<Vec3> = errors.iter().map(|e| (*e / unit) * (*e / unit)).collect();
+        variances.iter_mut().zip(&self.rays).for_each(|(variance, rays)| *variance *= *rays as f32);
+        let part = 1.0 / self.samples as f32;
+        self.resolve(&variances, Vec3::ZERO).iter().map(|v| (*v * part).map(f32::sqrt) * unit).collect()
+    }
+
     /// The same in memory of the caller's.
     ///
     /// # Panics

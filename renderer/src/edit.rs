@@ -2,8 +2,8 @@
 
 use crate::renderer::check_method;
 use crate::{
-    Backend, CustomStrategy, EditError, LightHandle, MaterialHandle, ObjectHandle, RenderError, Renderer, Settings,
-    Stale,
+    Backend, CustomStrategy, EditError, LayerSet, LightHandle, MaterialHandle, ObjectHandle, RenderError, Renderer,
+    Settings, Stale,
 };
 use brdf::Material;
 use glam::{Mat4, Vec3};
@@ -365,6 +365,17 @@ impl Renderer {
     /// [`RenderError::Setting`].
     pub fn set_accuracy(&mut self, accuracy: Accuracy) -> Result<Stale, RenderError> {
         self.set_settings(Settings { accuracy, time_budget: None, ..self.settings.clone() })
+    }
+
+    /// Sets the layers of the next pictures; everything that is kept stays.
+    ///
+    /// # Errors
+    /// [`RenderError::NotOnGpu`] for [layers](LayerSet::is_of_cpu) that the device does not make.
+    pub fn set_layers(&mut self, layers: LayerSet) -> Result<(), RenderError> {
+        let settings = Settings { layers, ..self.settings.clone() };
+        settings.check_device(settings.device)?;
+        self.settings = settings;
+        Ok(())
     }
 
     /// Replaces all settings: strategy, method, device and the others.

@@ -3,13 +3,14 @@
 use crate::bands::Bands;
 use crate::kept_maps::MapRequest;
 use crate::{
-    Backend, EditError, FrameBlockers, LightHandle, LightMask, MaterialHandle, Method, ObjectHandle, RenderError,
-    Renderer, Shader, ShaderTask,
+    Backend, EditError, FrameBlockers, KeptSky, LightHandle, LightMask, MaterialHandle, Method, ObjectHandle,
+    RenderError, Renderer, Shader, ShaderTask,
 };
 use brdf::Material;
 use core::ops::ControlFlow;
 use glam::Vec3;
 use lighting::Light;
+use lobe_core::paper::Tables;
 use lobe_core::{Accuracy, LightId, LightLobes, Receiver, Unshadowed};
 use pictures::Window;
 use render_cpu::{CpuShader, GBuffer, ShadeRequest, World};
@@ -140,6 +141,15 @@ impl Renderer {
         at: Vec3,
         work: impl FnOnce(FrameBlockers<'_>, &Scene, Accuracy) -> Result<R, RenderError>,
     ) -> Result<R, RenderError> {
+        self.blockers_around(core::iter::once(at), |around| work(around.blockers, around.scene, around.accuracy))
+    }
+
+    /// Does something with all that blocks light before some points.
+    pub(crate) fn blockers_around<R>(
+        &mut self,
+        points: impl Iterator<Item = Vec3>,
+        work: impl FnOnce(Around<'_>) -> Result<R, RenderError>,
+    ) -> Result<R, RenderError> {
         self.prepare(&mut |_| ControlFlow::Continue(()))?;
         let hierarchy = self.follow(&mut crate::FrameClocks::default())?;
         let world = World::with_hierarchy(&self.scene, hierarchy);
@@ -149,19 +159,32 @@ impl Renderer {
             let parts = if self.settings.keep_points { &whole[..] } else { &[] };
             let seen = Bands::new(&world, &self.settings, parts, &mut self.kept.points, &self.cancel).bounds()?;
             let (resolution, room) = (self.settings.map_resolution, self.backend.room_for_maps());
-            let around = bounds_with(seen, at);
-            maps = if seen == Some(around) {
-                let request = MapRequest { receivers: around, resolution, room };
-                self.kept.maps.update(&self.plan, &self.scene, request, &self.cancel)?.0
-            } else {
-                self.plan.maps(&self.scene, around, resolution, room)?.0
-            };
+            if let Some(around) = points.fold(seen, |bounds, point| Some(bounds_with(bounds, point))) {
+                maps = if seen == Some(around) {
+                    let request = MapRequest { receivers: around, resolution, room };
+                    self.kept.maps.update(&self.plan, &self.scene, request, &self.cancel)?.0
+                } else {
+                    self.plan.maps(&self.scene, around, resolution, room)?.0
+                };
+            }
         }
         let accuracy = self.chosen.unwrap_or(self.settings.accuracy);
         let (plan, spheres) = (&self.plan, self.spheres.get());
         let blockers = FrameBlockers::new(plan, &world, spheres, maps, &self.silhouettes, accuracy);
-        work(blockers.with(&self.custom.0, &self.settings), &self.scene, accuracy)
+        let blockers = blockers.with(&self.custom.0, &self.settings);
+        let (sky, backend, tables) = (&mut self.sky, &mut self.backend, self.tables.as_ref());
+        work(Around { blockers, scene: &self.scene, accuracy, sky, backend, tables })
     }
+}
+
+/// All that blocks light before some points, and all else that shades them.
+pub(crate) struct Around<'a> {
+    pub(crate) blockers: FrameBlockers<'a>,
+    pub(crate) scene: &'a Scene,
+    pub(crate) accuracy: Accuracy,
+    pub(crate) sky: &'a mut KeptSky,
+    pub(crate) backend: &'a mut Backend,
+    pub(crate) tables: Option<&'a Tables>,
 }
 
 /// The smallest box that contains `bounds` and a point.

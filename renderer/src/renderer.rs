@@ -38,7 +38,7 @@ pub struct Renderer {
     pub(crate) backend: Backend,
     /// Time of the animation in seconds.
     pub(crate) time: f32,
-    tables: Option<Tables>,
+    pub(crate) tables: Option<Tables>,
     sets: SceneSpheres,
     /// Seconds of work that is done once.
     clocks: Clocks,
@@ -57,7 +57,7 @@ pub struct Renderer {
     /// Data of pictures with fewer pixels.
     pub(crate) reduced: Kept,
     canvas: Canvas,
-    sky: KeptSky,
+    pub(crate) sky: KeptSky,
     pub(crate) rows: Rows,
     pub(crate) light_handles: Handles,
     pub(crate) material_handles: Handles,

@@ -77,6 +77,11 @@ impl Stale {
         self.0 & kinds.0 != 0
     }
 
+    /// The names of the kinds.
+    pub fn names(self) -> impl Iterator<Item = &'static str> {
+        Self::NAMES.into_iter().filter(move |(kind, _)| self.has(*kind)).map(|(_, name)| name)
+    }
+
     /// All but these kinds.
     pub(crate) const fn without(self, kinds: Self) -> Self {
         Self(self.0 & !kinds.0)
@@ -99,7 +104,7 @@ impl BitOrAssign for Stale {
 
 impl fmt::Debug for Stale {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_set().entries(Self::NAMES.iter().filter(|(kind, _)| self.has(*kind)).map(|(_, name)| name)).finish()
+        f.debug_set().entries(self.names()).finish()
     }
 }
 

@@ -291,3 +291,22 @@ fn skies_show_in_parts_of_pixels() {
     }
     assert!(partly > 20, "{partly}");
 }
+
+/// One pixel of as many rays, of which its points stand for so many each.
+fn pixel(samples: u32, rays: &[u32]) -> GBuffer {
+    let points = if rays.is_empty() { samples as usize } else { rays.len() };
+    GBuffer { width: 1, height: 1, samples, pixels: vec![0; points], rays: rays.to_vec(), ..GBuffer::default() }
+}
+
+#[test]
+fn errors_of_any_radiance() {
+    for size in [1e-30_f32, 1.0, 1e30] {
+        let errors = [Vec3::splat(3.0 * size), Vec3::splat(4.0 * size)];
+        // √(9 + 16)/2, and √((1·3)² + (3·4)²)/4 where the second stands for three of four rays.
+        for (pixel, want) in [(pixel(2, &[]), 2.5), (pixel(4, &[1, 3]), 153.0_f32.sqrt() / 4.0)] {
+            let error = pixel.resolve_errors(&errors)[0] / size;
+            assert!((error - Vec3::splat(want)).length() < 1e-5, "{size}: {error}");
+        }
+    }
+    assert_eq!(pixel(1, &[]).resolve_errors(&[Vec3::ZERO]), [Vec3::ZERO]);
+}

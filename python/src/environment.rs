@@ -1,0 +1,76 @@
+use crate::args::{color, direction, picture, type_name};
+use crate::errors::OrRaise;
+use cosine_lobes::lighting::{self, EnvironmentMap};
+use cosine_lobes::lobe_core::Sphere;
+use glam::{UVec2, Vec3};
+use numpy::PyUntypedArray;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use std::sync::Arc;
+
+/// The most patches along each side of the environment's cube.
+const MOST_PATCHES: u32 = 16;
+
+/// Light from all around: one radiance, or an image in latitude and longitude of `(height, width, 3)`, the top row first.
+#[pyclass(module = "cosine_lobes", frozen)]
+pub(crate) struct Environment {
+    map: EnvironmentMap,
+    patches: u32,
+}
+
+impl Environment {
+    /// The environment around a scene.
+    pub(crate) fn around(&self, world: Sphere) -> Arc<lighting::Environment> {
+        Arc::new(lighting::Environment::new(self.map.clone(), self.patches, world))
+    }
+}
+
+#[pymethods]
+impl Environment {
+    #[new]
+    #[pyo3(signature = (radiance, *, strength = None, up = None, turn = 0.0, patches = 2))]
+    fn new(
+        radiance: &Bound<'_, PyAny>,
+        strength: Option<&Bound<'_, PyAny>>,
+        up: Option<&Bound<'_, PyAny>>,
+        turn: f64,
+        patches: u32,
+    ) -> PyResult<Self> {
+        let is_image = radiance.cast::<PyUntypedArray>().is_ok_and(|array| {
+            use numpy::PyUntypedArrayMethods;
+            array.ndim() != 1
+        });
+        let map = if is_image {
+            let (width, height, texels) = picture("radiance", radiance)?;
+            EnvironmentMap::new(UVec2::new(width as u32, height as u32), texels).or_raise()?
+        } else {
+            EnvironmentMap::uniform(color("radiance", radiance)?)
+        };
+        if !turn.is_finite() {
+            return Err(PyValueError::new_err(format!("turn is {turn}: expected degrees")));
+        }
+        if !(1..=MOST_PATCHES).contains(&patches) {
+            return Err(PyValueError::new_err(format!("patches is {patches}: expected 1 to {MOST_PATCHES}")));
+        }
+        let strength = strength.map(|strength| color("strength", strength)).transpose()?;
+        let map = strength.map_or(map.clone(), |strength| map.scaled(strength));
+        let up = up.map_or(Ok(Vec3::Y), |up| direction("up", up))?;
+        Ok(Self { map: map.turned(up, turn as f32), patches })
+    }
+
+    fn __repr__(&self) -> String {
+        let size = self.map.size();
+        format!("<Environment of {} x {} texels>", size.x, size.y)
+    }
+}
+
+/// An environment, or none.
+pub(crate) fn optional<'py>(value: &Bound<'py, PyAny>) -> PyResult<Option<PyRef<'py, Environment>>> {
+    if value.is_none() {
+        return Ok(None);
+    }
+    value.extract::<PyRef<'py, Environment>>().map(Some).map_err(|_| {
+        let kind = type_name(value);
+        pyo3::exceptions::PyTypeError::new_err(format!("environment is of type {kind}: expected an Environment"))
+    })
+}

@@ -1,0 +1,159 @@
+use crate::args::{color, matrix3, positive, type_name, vec3, within};
+use crate::errors::OrRaise;
+use crate::values::vector;
+use cosine_lobes::brdf::{
+    self, HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Lambert, MetallicRoughness, ModifiedPhong, Neumann,
+    Phong,
+};
+use cosine_lobes::scene::{Scene, Surface};
+use glam::Vec3;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// How a surface reflects light, and what it emits. Immutable.
+#[pyclass(module = "cosine_lobes", frozen, eq, from_py_object)]
+#[derive(Clone, PartialEq)]
+pub(crate) struct Material {
+    pub(crate) material: brdf::Material,
+    pub(crate) surface: Surface,
+}
+
+type Given<'a> = Option<Bound<'a, PyAny>>;
+
+impl Material {
+    fn checked(material: impl Into<brdf::Material>, emission: &Given<'_>) -> PyResult<Self> {
+        let material = material.into();
+        material.validate().or_raise()?;
+        let surface = Surface { emission: color_or_black("emission", emission)?, ..Surface::default() };
+        Scene::check_material(0, &material, &surface).or_raise()?;
+        Ok(Self { material, surface })
+    }
+}
+
+fn color_or_black(name: &str, value: &Given<'_>) -> PyResult<Vec3> {
+    value.as_ref().map_or(Ok(Vec3::ZERO), |value| color(name, value))
+}
+
+#[pymethods]
+impl Material {
+    /// Ideally diffuse.
+    #[staticmethod]
+    #[pyo3(signature = (albedo, *, emission = None))]
+    fn lambert(albedo: &Bound<'_, PyAny>, emission: Given<'_>) -> PyResult<Self> {
+        Self::checked(Lambert { albedo: color("albedo", albedo)? }, &emission)
+    }
+
+    /// The paper's Phong model, without cosine on the specular term.
+    #[staticmethod]
+    #[pyo3(signature = (*, kd = None, ks = None, exponent, emission = None))]
+    fn phong(kd: Given<'_>, ks: Given<'_>, exponent: f32, emission: Given<'_>) -> PyResult<Self> {
+        let (kd, ks) = (color_or_black("kd", &kd)?, color_or_black("ks", &ks)?);
+        Self::checked(Phong { kd, ks, exponent }, &emission)
+    }
+
+    /// Normalised Phong.
+    #[staticmethod]
+    #[pyo3(signature = (*, kd = None, ks = None, exponent, emission = None))]
+    fn modified_phong(kd: Given<'_>, ks: Given<'_>, exponent: f32, emission: Given<'_>) -> PyResult<Self> {
+        let (kd, ks) = (color_or_black("kd", &kd)?, color_or_black("ks", &ks)?);
+        Self::checked(ModifiedPhong { kd, ks, exponent }, &emission)
+    }
+
+    /// Neumann et al.'s metals.
+    #[staticmethod]
+    #[pyo3(signature = (*, kd = None, ks = None, exponent, emission = None))]
+    fn neumann(kd: Given<'_>, ks: Given<'_>, exponent: f32, emission: Given<'_>) -> PyResult<Self> {
+        let (kd, ks) = (color_or_black("kd", &kd)?, color_or_black("ks", &ks)?);
+        Self::checked(Neumann { kd, ks, exponent }, &emission)
+    }
+
+    /// Lafortune: a list of lobes, each a dictionary with `exponent`, `scale` and `c` (three numbers) or `matrix` (3 × 3).
+    #[staticmethod]
+    #[pyo3(signature = (lobes, *, diffuse = None, emission = None))]
+    fn lafortune(lobes: Vec<Bound<'_, PyDict>>, diffuse: Given<'_>, emission: Given<'_>) -> PyResult<Self> {
+        let lobes = lobes.iter().map(lafortune_lobe).collect::<PyResult<_>>()?;
+        Self::checked(Lafortune { diffuse: color_or_black("diffuse", &diffuse)?, lobes }, &emission)
+    }
+
+    /// Lobes about the half vector: a list of dictionaries with `roughness`, `f0` and, where it is not 1, `f90`.
+    #[staticmethod]
+    #[pyo3(signature = (lobes, *, diffuse = None, emission = None))]
+    fn half_vector(lobes: Vec<Bound<'_, PyDict>>, diffuse: Given<'_>, emission: Given<'_>) -> PyResult<Self> {
+        let lobes = lobes.iter().map(half_vector_lobe).collect::<PyResult<_>>()?;
+        Self::checked(HalfVector { diffuse: color_or_black("diffuse", &diffuse)?, lobes }, &emission)
+    }
+
+    /// glTF's metallic–roughness model.
+    #[staticmethod]
+    #[pyo3(signature = (base, *, metallic = 1.0, roughness = 1.0, ior = None, emission = None))]
+    fn metallic_roughness(
+        base: &Bound<'_, PyAny>,
+        metallic: f32,
+        roughness: f32,
+        ior: Option<f64>,
+        emission: Given<'_>,
+    ) -> PyResult<Self> {
+        let metal = MetallicRoughness::new(color("base", base)?, metallic, roughness).or_raise()?;
+        let Some(ior) = ior else { return Self::checked(metal, &emission) };
+        let ior = within("ior", ior, 1.0, 1e6)?;
+        let f0 = ((ior - 1.0) / (ior + 1.0)).powi(2);
+        Self::checked(metal.with_coat(Vec3::splat(f0), 1.0).or_raise()?, &emission)
+    }
+
+    /// The name of its model.
+    #[getter]
+    fn model(&self) -> &'static str {
+        self.material.name()
+    }
+
+    /// Radiance of its own, which the camera sees.
+    #[getter]
+    fn emission(&self) -> (f32, f32, f32) {
+        vector(self.surface.emission)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Material {}>", self.model())
+    }
+}
+
+/// A key of a lobe.
+fn key<'py>(lobe: &Bound<'py, PyDict>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    lobe.get_item(name)?.ok_or_else(|| PyTypeError::new_err(format!("a lobe has no \"{name}\": {}", lobe)))
+}
+
+fn number(lobe: &Bound<'_, PyDict>, name: &str) -> PyResult<f64> {
+    let value = key(lobe, name)?;
+    let wrong = || PyTypeError::new_err(format!("{name} is of type {}: expected a number", type_name(&value)));
+    value.extract().map_err(|_| wrong())
+}
+
+/// Refuses keys that mean nothing.
+fn only(lobe: &Bound<'_, PyDict>, names: &[&str]) -> PyResult<()> {
+    for name in lobe.keys() {
+        let known = name.extract::<String>().is_ok_and(|name| names.contains(&name.as_str()));
+        if !known {
+            return Err(PyTypeError::new_err(format!("a lobe has {}: expected {}", name.repr()?, names.join(", "))));
+        }
+    }
+    Ok(())
+}
+
+fn lafortune_lobe(lobe: &Bound<'_, PyDict>) -> PyResult<LafortuneLobe> {
+    only(lobe, &["exponent", "scale", "c", "matrix"])?;
+    let (exponent, scale) = (positive("exponent", number(lobe, "exponent")?)?, color("scale", &key(lobe, "scale")?)?);
+    let lobe = match lobe.get_item("matrix")? {
+        Some(matrix) => LafortuneLobe::new(matrix3("matrix", &matrix)?, exponent, scale),
+        None => LafortuneLobe::diagonal(vec3("c", &key(lobe, "c")?)?, exponent, scale),
+    };
+    lobe.validate().or_raise()?;
+    Ok(lobe)
+}
+
+fn half_vector_lobe(lobe: &Bound<'_, PyDict>) -> PyResult<HalfVectorLobe> {
+    only(lobe, &["roughness", "f0", "f90"])?;
+    let roughness = within("roughness", number(lobe, "roughness")?, 0.0, 1.0)?;
+    let f90 = lobe.get_item("f90")?.map_or(Ok(Vec3::ONE), |value| color("f90", &value))?;
+    Ok(HalfVectorLobe::new(roughness, color("f0", &key(lobe, "f0")?)?, f90))
+}

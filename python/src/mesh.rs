@@ -1,0 +1,128 @@
+//! Objects from arrays.
+
+use crate::args::{directions, points, rows, same_count, triangles, type_name};
+use crate::spheres::SphereSet;
+use crate::work::warn;
+use cosine_lobes::lobe_core::Sphere;
+use cosine_lobes::scene::{Mesh, Object, Proxy, Strategy};
+use glam::{Vec2, Vec3};
+use numpy::PyUntypedArray;
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+
+/// Spheres that are fitted to a mesh where none are given.
+const SPHERES: usize = 64;
+
+/// The arrays of a mesh.
+pub(crate) struct Arrays<'a, 'py> {
+    pub(crate) positions: &'a Bound<'py, PyAny>,
+    pub(crate) triangles: &'a Bound<'py, PyAny>,
+    pub(crate) normals: Option<&'a Bound<'py, PyAny>>,
+    pub(crate) uvs: Option<&'a Bound<'py, PyAny>>,
+    pub(crate) colors: Option<&'a Bound<'py, PyAny>>,
+    pub(crate) smooth: bool,
+}
+
+/// Everything else of an object.
+pub(crate) struct Manner<'a, 'py> {
+    pub(crate) name: Option<String>,
+    pub(crate) visible: bool,
+    pub(crate) visibility: Option<&'a str>,
+    pub(crate) spheres: Option<&'a Bound<'py, PyAny>>,
+}
+
+impl Arrays<'_, '_> {
+    /// The mesh. Triangles without an area are left out, with a warning.
+    pub(crate) fn mesh(&self, py: Python<'_>) -> PyResult<Mesh> {
+        let positions = points("positions", self.positions)?;
+        let count = positions.len();
+        let mut mesh = Mesh {
+            triangles: triangles("triangles", self.triangles, count)?,
+            normals: match self.normals {
+                Some(_) if self.smooth => {
+                    return Err(PyValueError::new_err("normals are given: smooth has no say"));
+                }
+                Some(normals) => directions("normals", normals, count)?,
+                None => Vec::new(),
+            },
+            positions,
+            ..Mesh::default()
+        };
+        if let Some(uvs) = self.uvs {
+            let uvs = rows::<2>("uvs", uvs)?;
+            same_count("uvs", uvs.len(), count)?;
+            mesh.uv_sets.push(uvs.into_iter().map(Vec2::from_array).collect());
+        }
+        if let Some(colors) = self.colors {
+            mesh.colors = points("colors", colors)?;
+            same_count("colors", mesh.colors.len(), count)?;
+        }
+        match mesh.remove_degenerate() {
+            0 => {}
+            n => warn(py, &format!("{n} triangles without an area are left out"))?,
+        }
+        if self.smooth {
+            mesh.smooth_normals();
+        }
+        Ok(mesh)
+    }
+}
+
+impl Manner<'_, '_> {
+    /// A mesh as an object.
+    pub(crate) fn mesh(self, mesh: Mesh, material: usize, number: usize) -> PyResult<Object> {
+        let proxy = self.spheres.map_or(Ok(Proxy::Count(SPHERES)), proxy)?;
+        let (name, visible, strategy) = (self.name(number), self.visible, strategy(self.visibility)?);
+        Ok(Object { visible, strategy, ..Object::mesh(name, mesh, material, proxy) })
+    }
+
+    /// Exact spheres as an object.
+    pub(crate) fn spheres(self, spheres: Vec<Sphere>, material: usize, number: usize) -> PyResult<Object> {
+        let (name, visible, strategy) = (self.name(number), self.visible, strategy(self.visibility)?);
+        Ok(Object { visible, strategy, ..Object::spheres(name, spheres, material) })
+    }
+
+    fn name(&self, number: usize) -> String {
+        self.name.clone().unwrap_or_else(|| format!("object {number}"))
+    }
+}
+
+/// A strategy by its name; none for the usual one.
+pub(crate) fn strategy(name: Option<&str>) -> PyResult<Option<Strategy>> {
+    let Some(name) = name else { return Ok(None) };
+    let known: Vec<&str> = Strategy::ALL.iter().map(|strategy| strategy.name()).collect();
+    let wrong = || PyValueError::new_err(format!("visibility is \"{name}\": expected one of {}", known.join(", ")));
+    Strategy::named(name).map(Some).ok_or_else(wrong)
+}
+
+/// Spheres of rows x, y, z, radius.
+pub(crate) fn sphere_rows(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Sphere>> {
+    let spheres: Vec<Sphere> = rows::<4>(name, value)?
+        .into_iter()
+        .map(|[x, y, z, radius]| Sphere { center: Vec3::new(x, y, z), radius })
+        .collect();
+    for (i, sphere) in spheres.iter().enumerate() {
+        sphere.validate().map_err(|fault| PyValueError::new_err(format!("{name}[{i}]: {fault}")))?;
+    }
+    Ok(spheres)
+}
+
+/// The spheres by which a mesh blocks: a number of those that are fitted to it, a set, or rows of an array.
+fn proxy(value: &Bound<'_, PyAny>) -> PyResult<Proxy> {
+    if let Ok(set) = value.cast::<SphereSet>() {
+        return Ok(Proxy::Spheres(set.get().set.spheres.clone()));
+    }
+    if value.cast::<PyUntypedArray>().is_ok() {
+        return Ok(Proxy::Spheres(sphere_rows("spheres", value)?));
+    }
+    match value.extract::<i64>() {
+        Ok(count @ 1..=100_000) => Ok(Proxy::Count(count as usize)),
+        Ok(count) => Err(PyValueError::new_err(format!("spheres is {count}: expected 1 to 100000"))),
+        Err(_) => {
+            let kind = type_name(value);
+            let fault =
+                format!("spheres is of type {kind}: expected a number, a SphereSet or an array of shape (n, 4)");
+            Err(PyTypeError::new_err(fault))
+        }
+    }
+}

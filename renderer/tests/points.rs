@@ -1,0 +1,139 @@
+//! Light at points of the caller's.
+
+use glam::Vec3;
+use lighting::{Environment, EnvironmentMap, FlatLight, SphereLight};
+use lobe_core::{NO_OBJECT, Random, Receiver, Sphere};
+use ray_tracing::{GBuffer, World};
+use renderer::{LayerSet, RenderError, Renderer, Settings};
+use scene::{Animation, Cancel, Object, Proxy, Scene, ShadingPoints, Strategy};
+use test_scenes::{floor_and_ball, globe, material};
+
+const LIGHTS: LayerSet = LayerSet { unshadowed: true, lights: true, ..LayerSet::NONE };
+
+/// A floor, a sphere and a mesh under a sphere light and a rectangle.
+fn stage() -> Scene {
+    let mut scene = floor_and_ball();
+    (scene.width, scene.height) = (96, 54);
+    scene.materials.push(material());
+    let center = Vec3::new(-0.9, 0.8, 0.5);
+    scene.objects.push(Object::mesh("globe", globe(24, center, 0.5, true), 1, Proxy::Count(16)));
+    let panel = FlatLight::rectangle(Vec3::new(-2.0, 2.5, 0.0), Vec3::X * 0.5, Vec3::Z * 0.4, Vec3::ONE);
+    scene.lights.push(panel.expect("a rectangle").into());
+    scene
+}
+
+fn under_a_sky() -> Scene {
+    let mut scene = stage();
+    let world = Sphere { center: Vec3::ZERO, radius: 9.0 };
+    let environment = Environment::new(EnvironmentMap::uniform(Vec3::new(0.3, 0.4, 0.5)), 2, world);
+    scene.lights.extend_from_slice(environment.lights());
+    scene.environment = Some(environment.into());
+    scene
+}
+
+fn renderer(scene: Scene, strategy: Option<Strategy>) -> Renderer {
+    let settings = Settings { strategy, layers: LIGHTS, ..Settings::default() };
+    Renderer::new(scene, Animation::default(), settings).expect("a scene")
+}
+
+/// The points of the picture, in another order, and that order.
+fn shuffled(world: &World<'_>) -> (GBuffer, ShadingPoints, Vec<usize>) {
+    let scene = world.scene();
+    let g = GBuffer::new(world, scene.width, scene.height, 1);
+    let mut order: Vec<usize> = (0..g.len()).collect();
+    let mut random = Random::new(7);
+    (1..order.len()).rev().for_each(|i| order.swap(i, random.bits() as usize % (i + 1)));
+    let points = ShadingPoints {
+        receivers: order.iter().map(|i| g.points.receivers[*i]).collect(),
+        materials: order.iter().map(|i| g.points.materials[*i]).collect(),
+        ..ShadingPoints::default()
+    };
+    (g, points, order)
+}
+
+#[test]
+fn points_of_the_picture_have_its_light() {
+    let cases = [
+        (stage(), None),
+        (stage(), Some(Strategy::Rays)),
+        (stage(), Some(Strategy::Spheres)),
+        (stage(), Some(Strategy::ShadowMap)),
+        (under_a_sky(), None),
+    ];
+    for (scene, strategy) in cases {
+        let mut renderer = renderer(scene, strategy);
+        let image = renderer.render().expect("a picture");
+        let (g, points, order) = renderer.with_world(shuffled);
+        let light = renderer.shade_points(points, None, LIGHTS).expect("light");
+        assert_eq!((light.radiance.len(), light.lights.len()), (g.len(), renderer.scene().lights.len()));
+        for (k, i) in order.iter().enumerate() {
+            let pixel = g.pixels[*i] as usize;
+            let context = format!("{strategy:?}, pixel {pixel}");
+            assert_eq!(light.radiance[k], image.radiance[pixel], "{context}");
+            assert_eq!(light.unshadowed[k], image.layers.unshadowed[pixel], "{context}");
+            for (part, layer) in light.lights.iter().zip(&image.layers.lights) {
+                assert_eq!(part[k], layer[pixel], "{context}");
+            }
+        }
+    }
+}
+
+/// Under a sphere of radiance L the irradiance is π L (r/d)², whatever the tolerance is.
+#[test]
+fn white_points_have_the_irradiance_over_pi() {
+    let mut scene = floor_and_ball();
+    let lamp = Sphere { center: Vec3::new(7.0, 2.0, 0.0), radius: 0.5 };
+    scene.lights = vec![SphereLight::new(lamp, Vec3::splat(3.0)).into()];
+    let mut renderer = renderer(scene, None);
+    let at = Receiver::on_surface(Vec3::new(7.0, 0.0, 0.0), Vec3::Y, Vec3::Y);
+    let points = ShadingPoints { receivers: vec![at], materials: vec![0], ..ShadingPoints::default() };
+    let white = [brdf::Material::lambert(Vec3::ONE)];
+    let light = renderer.shade_points(points, Some(&white), LayerSet::NONE).expect("light");
+    assert!((light.radiance[0].x - 3.0 / 16.0).abs() < 1e-4, "{}", light.radiance[0]);
+    assert!(light.unshadowed.is_empty() && light.lights.is_empty());
+}
+
+#[test]
+fn wrong_points_are_refused() {
+    let mut renderer = renderer(stage(), None);
+    let good = Receiver::on_surface(Vec3::ZERO, Vec3::Y, Vec3::Y);
+    let mut shade = |at: Receiver, materials: Vec<u32>| {
+        let points = ShadingPoints { receivers: vec![at], materials, ..ShadingPoints::default() };
+        match renderer.shade_points(points, None, LayerSet::NONE) {
+            Err(RenderError::Setting { expected, .. }) => Some(expected),
+            Err(error) => panic!("{error}"),
+            Ok(_) => None,
+        }
+    };
+    assert_eq!(shade(good, vec![0]), None);
+    assert_eq!(shade(good, vec![]), Some("one number of a material each"));
+    assert_eq!(shade(good, vec![9]), Some("a material that exists"));
+    assert_eq!(shade(good.on_object(99), vec![0]), Some("an object of the scene, or none"));
+    assert_eq!(shade(Receiver { position: Vec3::NAN, ..good }, vec![0]), Some("finite coordinates"));
+    for bad in [Vec3::ZERO, Vec3::Y * 2.0, Vec3::NAN] {
+        assert_eq!(shade(Receiver { normal: bad, ..good }, vec![0]), Some("unit vectors"));
+        assert_eq!(shade(Receiver { face: bad, ..good }, vec![0]), Some("unit vectors"));
+        assert_eq!(shade(Receiver { view: bad, ..good }, vec![0]), Some("unit vectors"));
+    }
+    assert_eq!(good.object, NO_OBJECT);
+}
+
+#[test]
+fn shading_points_keeps_what_pictures_keep_and_can_be_stopped() {
+    let mut renderer = renderer(stage(), None);
+    let before = renderer.render().expect("a picture");
+    let upkeep = renderer.upkeep();
+    let at = Receiver::on_surface(Vec3::ZERO, Vec3::Y, Vec3::Y);
+    let points = || ShadingPoints { receivers: vec![at; 200], materials: vec![0; 200], ..ShadingPoints::default() };
+    renderer.shade_points(points(), None, LayerSet::NONE).expect("light");
+    let stop = Cancel::new();
+    stop.cancel();
+    renderer.set_cancel(stop);
+    assert!(matches!(renderer.shade_points(points(), None, LayerSet::NONE), Err(RenderError::Cancelled)));
+    renderer.set_cancel(Cancel::new());
+    renderer.set_layers(LayerSet::NONE).expect("layers");
+    let after = renderer.render().expect("a picture");
+    assert!(after.layers.lights.is_empty() && after.radiance == before.radiance);
+    assert_eq!(renderer.upkeep(), upkeep);
+    assert_eq!(renderer.stale().names().count(), 0);
+}
