@@ -4,8 +4,8 @@ use crate::args::picture;
 use crate::errors::OrRaise;
 use crate::values;
 use cosine_lobes::{
-    Comparison, ExrLayer, FlipMap, Output, Picture, ShadowErrors, srgb_bytes, write_exr as write_layers,
-    write_png as write_bytes,
+    Comparison, Display, ExrLayer, ExrPart, FlipMap, ImageFileError, Output, Picture, PictureStream, PngDepth,
+    ShadowErrors, ToneMap, Window, write_exr as write_layers,
 };
 use numpy::ndarray::Array3;
 use numpy::{IntoPyArray, PyArray3};
@@ -86,29 +86,60 @@ pub(crate) fn write_exr(py: Python<'_>, path: PathBuf, image: &Bound<'_, PyAny>)
     .or_raise()
 }
 
-/// The picture as eight-bit sRGB, at a brightness of 2^`exposure`: what PNG files of the command hold.
+/// The tone map of a name, as of the command's `--tone`.
+fn tone_map(name: &str) -> PyResult<ToneMap> {
+    match name {
+        "linear" => Ok(ToneMap::Linear),
+        "soft" => Ok(ToneMap::Soft),
+        "neutral" => Ok(ToneMap::Neutral),
+        "agx" => Ok(ToneMap::Agx),
+        _ => Err(PyValueError::new_err(format!("tone is {name:?}: expected linear, soft, neutral or agx"))),
+    }
+}
+
+/// The picture as eight-bit sRGB, at a brightness of 2^`exposure`, through a tone map, dithered: what PNG files of the command hold.
 #[pyfunction]
-#[pyo3(signature = (image, *, exposure = 0.0))]
+#[pyo3(signature = (image, *, exposure = 0.0, tone = "soft"))]
 pub(crate) fn exposed<'py>(
     py: Python<'py>,
     image: &Bound<'py, PyAny>,
     exposure: f32,
+    tone: &str,
 ) -> PyResult<Bound<'py, PyArray3<u8>>> {
     let picture = read("image", image)?;
-    let bytes = py.detach(|| srgb_bytes(&picture, exposure));
+    let display = Display { exposure, tone: tone_map(tone)?, depth: PngDepth::Eight };
+    let window = Window::whole(picture.width(), picture.height());
+    let bytes = py.detach(|| display.bytes(picture.pixels(), &window));
     let shape = (picture.height(), picture.width(), 3);
     let array = Array3::from_shape_vec(shape, bytes).map_err(|error| PyValueError::new_err(error.to_string()))?;
     Ok(array.into_pyarray(py))
 }
 
-/// Writes a picture as PNG, at a brightness of 2^`exposure`.
+/// Writes a picture as PNG of 8 or 16 bits, at a brightness of 2^`exposure`, through a tone map.
 #[pyfunction]
-#[pyo3(signature = (path, image, *, exposure = 0.0))]
-pub(crate) fn write_png(py: Python<'_>, path: PathBuf, image: &Bound<'_, PyAny>, exposure: f32) -> PyResult<()> {
+#[pyo3(signature = (path, image, *, exposure = 0.0, tone = "soft", bits = 8))]
+pub(crate) fn write_png(
+    py: Python<'_>,
+    path: PathBuf,
+    image: &Bound<'_, PyAny>,
+    exposure: f32,
+    tone: &str,
+    bits: u32,
+) -> PyResult<()> {
     let picture = read("image", image)?;
-    py.detach(|| {
-        let bytes = srgb_bytes(&picture, exposure);
-        write_bytes(Output::create(path)?, picture.width(), picture.height(), &bytes)
-    })
-    .or_raise()
+    let depth = match bits {
+        8 => PngDepth::Eight,
+        16 => PngDepth::Sixteen,
+        _ => return Err(PyValueError::new_err(format!("bits is {bits}: expected 8 or 16"))),
+    };
+    let display = Display { exposure, tone: tone_map(tone)?, depth };
+    let window = Window::whole(picture.width(), picture.height());
+    let write = || -> Result<(), ImageFileError> {
+        let mut stream = PictureStream::new(window.clone());
+        stream.add_png(Output::create(path)?, display)?;
+        // The stream reports the reason when it is finished.
+        let _ = stream.send(ExrPart::of_layers(window, &[ExrLayer::color("beauty", picture.pixels())]));
+        stream.finish()
+    };
+    py.detach(write).or_raise()
 }
