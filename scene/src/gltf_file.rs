@@ -184,7 +184,8 @@ fn document(
         }
         reader.parts_of(n, index, &mut parts, context)?;
     }
-    let Notes { skipped, reduced, uneven } = reader.notes;
+    let Notes { skipped, reduced, uneven, broken } = reader.notes;
+    context.tell_broken(path, broken);
     if skipped > 0 {
         context.warn(path, format!("{skipped} primitives that are points or lines were left out"));
     }
@@ -269,6 +270,7 @@ struct Notes {
     skipped: usize,
     reduced: usize,
     uneven: usize,
+    broken: usize,
 }
 
 struct Reader<'a> {
@@ -329,7 +331,8 @@ impl Reader<'_> {
             if let Some(cut_out) = material.as_ref().and_then(|(_, look): &(usize, Look)| look.cut_out.as_ref()) {
                 context.cut_out(self.images.path(), &name, cut_out, &mut mesh, rig.is_some());
             }
-            parts.push(Part { name, mesh, material, rig });
+            let is_bare = mesh.normals.is_empty();
+            parts.push(Part { name, mesh, material, rig, is_bare });
         }
         Ok(())
     }
@@ -344,7 +347,8 @@ impl Reader<'_> {
         influences: Option<Influences>,
     ) -> Result<(Mesh, Option<(Deformer, Carrier)>), String> {
         let bone = &self.skeleton.bones[n];
-        let Shapes { mut mesh, targets, normal_targets } = shapes;
+        let Shapes { mut mesh, targets, normal_targets, broken } = shapes;
+        self.notes.broken += broken;
         if targets.len() != bone.rest_weights.len() {
             let (k, first) = (targets.len(), bone.rest_weights.len());
             return Err(format!("{k} morph targets, the first primitive has {first}"));
