@@ -86,7 +86,7 @@ fn requirement(scene: &Scene, animation: &Animation, plan: &Plan, number: usize)
         SphereSource::Nothing => 0,
         _ => count,
     };
-    let advice = advise(scene, animation, number, quality.as_ref());
+    let advice = advise(scene, animation, number, plan.of(number), quality.as_ref());
     Ok(Requirement { strategy: plan.of(number), spheres, advice, quality })
 }
 

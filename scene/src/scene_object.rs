@@ -74,10 +74,14 @@ fn objects(
         }
     };
     let visible = t.get("visible").map_or(Ok(true), |v| v.boolean())?;
-    let strategy = t.get("visibility").map(read_strategy).transpose()?;
+    let mut strategy = t.get("visibility").map(read_strategy).transpose()?;
     let (stand, place) = transform(&mut t, &origins)?;
     let proxy_key = t.get("proxy");
     let proxy = proxy_key.map(|v| read_proxy(v, path, origins.own)).transpose()?;
+    if proxy == Some(Proxy::None) {
+        // Who says that nothing stands for it says that it blocks nothing.
+        strategy = strategy.or(Some(Strategy::None));
+    }
     let keys = Keys::read(&mut t)?;
     t.finish()?;
 
