@@ -77,13 +77,23 @@ impl Plane {
     }
 
     fn has_light_before(&self, light: &Light) -> bool {
+        let has_sphere = |center: Vec3, radius: f32| {
+            let deepest = center.as_dvec3() - self.normal * f64::from(radius);
+            self.has_before(deepest.as_vec3(), 1e-5 * radius)
+        };
         match light {
-            Light::Flat(flat) if flat.as_disc().1.is_none() => flat.corners().iter().all(|p| self.has_before(*p, 0.0)),
+            Light::Flat(flat) => match flat.as_disc() {
+                (_, None) => flat.corners().iter().all(|p| self.has_before(*p, 0.0)),
+                (center, Some(radius)) => {
+                    let across = self.normal.cross(flat.normal().as_dvec3()).length() as f32;
+                    has_sphere(center, radius * across)
+                }
+            },
+            Light::Tube(tube) => tube.ends.iter().all(|end| has_sphere(*end, tube.radius)),
             // A light at infinity is where the corner sees it.
             _ => {
                 let Sphere { center, radius } = light.bounds_from(&Sphere { center: self.corner, radius: 0.0 });
-                let deepest = center.as_dvec3() - self.normal * f64::from(radius);
-                self.has_before(deepest.as_vec3(), 1e-5 * radius)
+                has_sphere(center, radius)
             }
         }
     }
@@ -132,7 +142,7 @@ mod tests {
     fn lights_are_where_they_are_seen() {
         let mut scene = scene();
         let world = Sphere { center: Vec3::Y * 50.0, radius: 3.0 };
-        let sun = |y: f32| Light::from(SunLight::new(Vec3::new(1.0, y, 0.0).normalize(), 0.01, Vec3::ONE, world));
+        let sun = |y: f32| Light::from(SunLight::new(Vec3::new(1.0, y, 0.0).normalize(), 0.6, Vec3::ONE, world));
         for (y, want) in [(0.02, true), (0.005, false), (-0.02, false)] {
             scene.lights = vec![sun(y)];
             assert_eq!(Backdrops::new(&scene).has(0), want, "{y}");
