@@ -8,7 +8,7 @@ use crate::gltf_buffers::Buffers;
 use crate::gltf_light::{PlacedLight, read_light};
 use crate::gltf_material::read_material;
 use crate::gltf_mesh::{Influences, Shapes, read_influences, read_primitive, read_skin};
-use crate::gltf_nodes::{read_camera, shown_nodes, skeleton};
+use crate::gltf_nodes::{fine_locals, read_camera, shown_nodes, skeleton};
 use crate::gltf_texture::Images;
 use crate::look::Look;
 use crate::mesh::MAX_COORDINATE;
@@ -151,6 +151,7 @@ fn document(
     // The tree comes first, so that a wrong reference of a node is reported as that node's fault.
     let mut skeleton = animated(path, root, json, &buffers, wanted, context)?;
     skeleton.origin = context.origin;
+    skeleton.refine(|| fine_locals(json));
     let shown = shown_nodes(root)?;
     let mut reader = Reader {
         root,
