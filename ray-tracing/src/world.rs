@@ -338,14 +338,15 @@ mod tests {
             let g = GBuffer::new(&world, 90, 60, 1);
             let hidden = |r: &lobe_core::Receiver, light: Vec3| {
                 let from = world.leave(r.position, r.face);
-                world.occluded(from, (light - from).normalize(), light.distance(from))
+                let is_below = r.face.dot(light - from) <= 0.0;
+                is_below || world.occluded(from, (light - from).normalize(), light.distance(from))
             };
             // One before the wall, and one behind it.
             let lights = [Vec3::new(2.0, 3.0, 1.0), Vec3::new(-0.6, 1.1, -2.5)];
             let points = g.points.receivers.iter().map(|r| (r.object, lights.map(|l| hidden(r, l)), r.position));
             g.pixels.iter().copied().zip(points).collect::<std::collections::HashMap<_, _>>()
         };
-        let near = look(50.0);
+        let (near, eye) = (look(50.0), airfield(50.0).camera.eye);
         let counts = [0, 1, 2].map(|o| near.values().filter(|p| p.0 == o).count());
         assert!(counts.iter().all(|n| *n > 100), "{counts:?}");
         let hidden = [0, 1].map(|k| near.values().filter(|p| p.1[k]).count());
@@ -353,13 +354,13 @@ mod tests {
         for size in [1e3, 1e4, 1e5, 1e6, 1e7] {
             let far = look(size);
             let is_same = |(pixel, a): (&u32, &(u32, [bool; 2], Vec3))| {
-                far.get(pixel)
-                    .is_some_and(|b| (a.0, a.1) == (b.0, b.1) && a.2.distance(b.2) < 1e-4 * a.2.length().max(1.0))
+                far.get(pixel).is_some_and(|b| (a.0, a.1) == (b.0, b.1) && a.2.distance(b.2) < 3e-4 * a.2.distance(eye))
             };
             // At 50 the floor ends within the picture.
             let within = |p: &(&u32, &(u32, [bool; 2], Vec3))| p.1.2.abs().max_element() < 20.0;
             let different = near.iter().filter(within).filter(|p| !is_same(*p)).count();
-            assert!(different <= 2, "{size}: {different} of {}", near.len());
+            // At edges: those that are not giants yet reach 1e-6 of their length too far.
+            assert!(different <= 10, "{size}: {different} of {}", near.len());
         }
     }
 
