@@ -83,13 +83,25 @@ fn is_flat(mesh: &Mesh) -> bool {
 
 /// Advice for an object of a scene. `set` is the quality of its sphere set, where known: a bad one speaks
 /// against spheres, a good one does not speak for them.
-pub(crate) fn advise(scene: &Scene, animation: &Animation, number: usize, set: Option<&SetQuality>) -> Advice {
+///
+/// `taken`: the strategy that pictures take at the scene's moment.
+pub(crate) fn advise(
+    scene: &Scene,
+    animation: &Animation,
+    number: usize,
+    taken: Strategy,
+    set: Option<&SetQuality>,
+) -> Advice {
     let object = &scene.objects[number];
     let advice = |strategy, reason: String| Advice { strategy, reason };
     let mesh = match &object.shape {
         Shape::Spheres(_) => return advice(Strategy::Spheres, "spheres are exact, and cheapest".to_owned()),
         Shape::Mesh(mesh) => mesh,
     };
+    if object.strategy.is_none() && taken == Strategy::None {
+        let reason = "a backdrop: lights and all that is seen are in front of it";
+        return advice(Strategy::None, reason.to_owned());
+    }
     if is_backdrop(scene, animation, number, mesh) {
         let reason = "a backdrop: lights, camera and all that casts shadows are in front of it";
         return advice(Strategy::None, reason.to_owned());
@@ -131,9 +143,14 @@ fn about_spheres(mesh: &Mesh) -> String {
     }
 }
 
-/// Whether an object casts no shadow in the scene file: it has neither a proxy nor a strategy that needs none.
+/// Whether an object casts no shadow in the scene file.
 fn casts_nothing(object: &Object) -> bool {
-    object.strategy.map_or(object.proxy == Proxy::None, |s| s == Strategy::None)
+    let has_spheres = object.proxy != Proxy::None;
+    match object.strategy {
+        None => !has_spheres && matches!(object.shape, Shape::Spheres(_)),
+        Some(Strategy::Spheres) => !has_spheres,
+        Some(strategy) => strategy == Strategy::None,
+    }
 }
 
 /// Whether an object is a backdrop: a floor, a wall, a cove, the inside of a room. Camera, lights and the boxes of all other

@@ -38,7 +38,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
         say(schema());
         return Ok(());
     }
-    let (scene, animation) = input::load(args.file.as_deref(), args.clip.as_deref(), false)?;
+    let (scene, animation) = input::load(args.file.as_deref(), args.clip.as_deref(), args.normals.wish(), false)?;
     let plan = Plan::new(None, &scene);
     let requirement = |number| requirement(&scene, &animation, &plan, number);
     let objects = (0..scene.objects.len()).map(requirement).collect::<Result<Vec<_>, Failure>>()?;
@@ -86,7 +86,7 @@ fn requirement(scene: &Scene, animation: &Animation, plan: &Plan, number: usize)
         SphereSource::Nothing => 0,
         _ => count,
     };
-    let advice = advise(scene, animation, number, quality.as_ref());
+    let advice = advise(scene, animation, number, plan.of(number), quality.as_ref());
     Ok(Requirement { strategy: plan.of(number), spheres, advice, quality })
 }
 

@@ -8,7 +8,7 @@ use crate::moment;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Geometry, REPLICATES, Reference, ReferenceJob};
 use cosine_lobes::renderer::{Plan, exposure};
-use cosine_lobes::scene::{BlockerSet, Strategy};
+use cosine_lobes::scene::{BlockerSet, Scene, Strategy};
 use cosine_lobes::{ExrLayer, Picture};
 use glam::Vec3;
 use serde_json::json;
@@ -30,18 +30,15 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         )));
     }
     let files = Files::create(&args.output, None)?;
-    let plan = Plan::new((args.geometry != Choice::Scene).then_some(Strategy::Spheres), &scene);
-    let solid = plan.by_surfaces(&scene);
-    let geometry = match args.geometry {
-        _ if args.unshadowed => Geometry::None,
-        Choice::Mesh => Geometry::Mesh,
-        Choice::Scene if solid.contains(&true) => Geometry::Mixed(&solid),
-        Choice::Scene | Choice::Spheres => Geometry::Spheres,
-    };
+    let planned = |scene: &Scene| Plan::new((args.geometry != Choice::Scene).then_some(Strategy::Spheres), scene);
     let mut blockers = BlockerSet::default();
-    let spheres = match geometry {
-        Geometry::Spheres | Geometry::Mixed(_) => Some(input::make_spheres(&mut scene, &animation, &plan, view.quiet)?),
-        Geometry::Mesh | Geometry::None => None,
+    let takes_spheres = !args.unshadowed && args.geometry != Choice::Mesh;
+    let spheres = match takes_spheres {
+        true => {
+            let plan = planned(&scene);
+            Some(input::make_spheres(&mut scene, &animation, &plan, view.quiet)?)
+        }
+        false => None,
     };
     let exposure = match view.exposure {
         None if files.has_png() => exposure(&World::new(&scene)),
@@ -51,6 +48,13 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     if let Some(spheres) = spheres {
         spheres.pose(&scene, Some((&animation, moment.time)), &mut blockers)?;
     }
+    let solid = planned(&scene).by_surfaces(&scene);
+    let geometry = match args.geometry {
+        _ if args.unshadowed => Geometry::None,
+        Choice::Mesh => Geometry::Mesh,
+        Choice::Scene if solid.contains(&true) => Geometry::Mixed(&solid),
+        Choice::Scene | Choice::Spheres => Geometry::Spheres,
+    };
     let world = World::new(&scene);
     let whole = [0..scene.width, 0..scene.height];
     let gbuffer = GBuffer::sampled(&world, [scene.width, scene.height], view.samples(), whole, &STOP);

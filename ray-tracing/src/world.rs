@@ -17,7 +17,7 @@ pub(crate) use self::build::build;
 pub(crate) use self::camera_rays::{Rays, SIDE};
 pub use self::hierarchy::{Hierarchy, Update};
 pub(crate) use self::packet::{NOTHING, RayPacket};
-use self::primitive::{Corners, Plane};
+use self::primitive::{Corners, Exact};
 pub use self::query::{Primitive, Region};
 pub(crate) use self::surface::RayHits;
 pub(crate) use self::tree::{Tree, hierarchy_scale};
@@ -115,7 +115,7 @@ impl<'s> World<'s> {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
         self.hierarchy
             .triangles
-            .any(ray, |c, r| if by(c.object) { c.meet(r, |_| self.distance_to_plane(c, &ray)) } else { f32::INFINITY })
+            .any(ray, |c, r| if by(c.object) { c.meet(r, |_| self.exact_distance(c, &ray)) } else { f32::INFINITY })
             || self.hierarchy.spheres.any(ray, |b, r| if b.blocks && by(b.object) { b.meet(r) } else { f32::INFINITY })
     }
 
@@ -131,16 +131,15 @@ impl<'s> World<'s> {
         position + face_normal * (5e-7 * position.abs().max_element())
     }
 
-    /// Distance along the ray to a triangle's plane.
+    /// Distance along the ray to a triangle, in f64.
     #[cold]
-    fn distance_to_plane(&self, corners: &Corners, ray: &Ray) -> f32 {
-        self.plane(corners).distance(ray)
+    fn exact_distance(&self, corners: &Corners, ray: &Ray) -> f32 {
+        self.exact(corners).distance(ray)
     }
 
-    /// A triangle's plane, from the corners as they are in the scene.
-    fn plane(&self, corners: &Corners) -> Plane {
-        let [a, b, c] = self.positions(corners);
-        Plane { corner: a, normal: (b - a).cross(c - a) }
+    /// A triangle in f64, from the corners as they are in the scene.
+    fn exact(&self, corners: &Corners) -> Exact {
+        Exact::new(self.positions(corners))
     }
 
     /// The corners of a triangle.
@@ -308,6 +307,60 @@ mod tests {
         for x in [-0.9_f32, -0.3, 0.0, 0.4, 0.7] {
             let hidden = |y: f32| world.occluded(world.leave(Vec3::new(x, y, 0.3), Vec3::Y), direction, 100.0);
             assert!(hidden(0.0) && !hidden(gap), "{x}");
+        }
+    }
+
+    /// A ball on a floor, and a wall with a corner beside them; f32 has the planes and the edges near the ball exactly, whatever their size.
+    fn airfield(size: f32) -> Scene {
+        let quad = |corners: [Vec3; 4]| Mesh {
+            positions: corners.to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        };
+        let (s, v) = (size, Vec3::new);
+        let floor = quad([v(-0.9 * s, 0.0, -0.7 * s), v(s, 0.0, -0.6 * s), v(0.8 * s, 0.0, s), v(-s, 0.0, 0.9 * s)]);
+        let wall = quad([v(-s, 0.5, -1.0), v(0.25, 0.5, -1.0), v(0.25, s, -1.0), v(-s, s, -1.0)]);
+        let mut scene = floor_and_ball();
+        (scene.camera.eye, scene.camera.target) = (v(1.0, 2.0, 4.0), v(0.0, 0.4, 0.0));
+        let ball = test_scenes::globe(40, v(0.0, 0.5, 0.0), 0.5, false);
+        let objects = [("floor", floor), ("wall", wall), ("ball", ball)];
+        let object = |(name, mesh)| scene::Object::mesh(name, mesh, 0, scene::Proxy::None);
+        scene.objects = objects.into_iter().map(object).collect();
+        scene
+    }
+
+    /// What is seen, and which points see two lights, does not depend on how far floor and wall reach.
+    #[test]
+    fn giants_are_met_where_they_are() {
+        let look = |size: f32| {
+            let scene = airfield(size);
+            let world = World::new(&scene);
+            let g = GBuffer::new(&world, 90, 60, 1);
+            let hidden = |r: &lobe_core::Receiver, light: Vec3| {
+                let from = world.leave(r.position, r.face);
+                let is_below = r.face.dot(light - from) <= 0.0;
+                is_below || world.occluded(from, (light - from).normalize(), light.distance(from))
+            };
+            // One before the wall, and one behind it.
+            let lights = [Vec3::new(2.0, 3.0, 1.0), Vec3::new(-0.6, 1.1, -2.5)];
+            let points = g.points.receivers.iter().map(|r| (r.object, lights.map(|l| hidden(r, l)), r.position));
+            g.pixels.iter().copied().zip(points).collect::<std::collections::HashMap<_, _>>()
+        };
+        let (near, eye) = (look(50.0), airfield(50.0).camera.eye);
+        let counts = [0, 1, 2].map(|o| near.values().filter(|p| p.0 == o).count());
+        assert!(counts.iter().all(|n| *n > 100), "{counts:?}");
+        let hidden = [0, 1].map(|k| near.values().filter(|p| p.1[k]).count());
+        assert!(hidden.iter().all(|n| *n > 50 && *n < near.len() - 50), "{hidden:?} of {}", near.len());
+        for size in [1e3, 1e4, 1e5, 1e6, 1e7] {
+            let far = look(size);
+            let is_same = |(pixel, a): (&u32, &(u32, [bool; 2], Vec3))| {
+                far.get(pixel).is_some_and(|b| (a.0, a.1) == (b.0, b.1) && a.2.distance(b.2) < 3e-4 * a.2.distance(eye))
+            };
+            // At 50 the floor ends within the picture.
+            let within = |p: &(&u32, &(u32, [bool; 2], Vec3))| p.1.2.abs().max_element() < 20.0;
+            let different = near.iter().filter(within).filter(|p| !is_same(*p)).count();
+            // At edges: those that are not giants yet reach 1e-6 of their length too far.
+            assert!(different <= 10, "{size}: {different} of {}", near.len());
         }
     }
 

@@ -24,6 +24,7 @@
 //! # Features
 //! `gpu`: shading on a GPU through wgpu. Without it wgpu is not compiled.
 
+mod backdrops;
 mod backend;
 mod bands;
 mod budget;

@@ -1,4 +1,5 @@
 use crate::RenderError;
+use crate::backdrops::Backdrops;
 use glam::Vec3;
 use lighting::Light;
 use lobe_core::{LightLobes, Sphere};
@@ -18,26 +19,30 @@ pub struct Plan {
 
 impl Plan {
     /// Uses `strategy` for all objects; without it each object's own strategy from the scene; without that silhouettes for meshes,
-    /// and spheres for sphere objects and sphere sets.
+    /// and spheres for sphere objects and sphere sets. Everything blocks light, seen or not, except [`Strategy::None`] and, by
+    /// [`Strategy::Spheres`], what has no spheres.
+    ///
+    /// A floor or wall without a strategy of its own is left out at moments when no visible surface and no light is behind it: it hides
+    /// nothing then.
     #[must_use]
     pub fn new(strategy: Option<Strategy>, scene: &Scene) -> Self {
-        let of = |o: &Object| {
+        let backdrops = Backdrops::new(scene);
+        let of = |(number, o): (usize, &Object)| {
             // Exact, unless the object already has spheres.
             let usual = match (&o.proxy, &o.shape) {
-                (Proxy::Count(_), Shape::Mesh(_)) => Strategy::Silhouettes,
+                (Proxy::Count(_) | Proxy::None, Shape::Mesh(_)) => Strategy::Silhouettes,
                 _ => Strategy::Spheres,
             };
-            let strategy = strategy.or(o.strategy).unwrap_or(usual);
-            let blocks = match strategy {
-                Strategy::Spheres => o.proxy != Proxy::None,
-                Strategy::None => false,
-                Strategy::Custom(_) => true,
+            let blocks = match strategy.or(o.strategy) {
+                None if usual == Strategy::Silhouettes => !backdrops.has(number),
+                None | Some(Strategy::Spheres) => o.proxy != Proxy::None,
+                Some(Strategy::None) => false,
                 // Objects without a proxy block too, by their true geometry.
-                _ => o.visible || o.proxy != Proxy::None,
+                Some(_) => true,
             };
-            if blocks { strategy } else { Strategy::None }
+            if blocks { strategy.or(o.strategy).unwrap_or(usual) } else { Strategy::None }
         };
-        Self { objects: scene.objects.iter().map(of).collect() }
+        Self { objects: scene.objects.iter().enumerate().map(of).collect() }
     }
 
     /// The strategy of an object.

@@ -226,11 +226,7 @@ impl Renderer {
             true => ControlFlow::Break(()),
             false => listener(event),
         };
-        if self.stale.has(Stale::PLAN) {
-            self.plan = Plan::new(self.settings.strategy, &self.scene);
-            self.stale = self.stale.without(Stale::PLAN);
-            [&mut self.kept, &mut self.reduced].into_iter().for_each(|kept| kept.maps.clear());
-        }
+        self.follow_plan();
         if self.stale.has(Stale::SETS) {
             // Sets are fitted to objects at their initial places.
             self.rows.swap_rest(&mut self.scene);
@@ -254,6 +250,23 @@ impl Renderer {
             self.tables = Some(seconds(&mut self.clocks.tables, || paper_tables(cache, listener))?);
         }
         Ok(())
+    }
+
+    /// Updates the plan: strategies may have changed, and things that move go behind floors and come from there.
+    fn follow_plan(&mut self) {
+        if !self.stale.has(Stale::PLAN | Stale::HIERARCHY | Stale::LIGHTS) {
+            return;
+        }
+        if self.scene.fit_lights() {
+            self.mark(Stale::LIGHTS | Stale::MAPS);
+        }
+        let plan = Plan::new(self.settings.strategy, &self.scene);
+        let is_new = core::mem::replace(&mut self.plan, plan) != self.plan;
+        if is_new || self.stale.has(Stale::PLAN) {
+            [&mut self.kept, &mut self.reduced].into_iter().for_each(|kept| kept.maps.clear());
+            self.mark(Stale::SHADING | Stale::SPHERES | Stale::SILHOUETTES);
+        }
+        self.stale = self.stale.without(Stale::PLAN);
     }
 
     /// The [exposure](crate::exposure) of the scene at the first moment of its animation, whatever the present time: the same for

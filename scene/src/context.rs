@@ -3,9 +3,11 @@
 use crate::animation::{Body, Mover};
 use crate::cut_out::CutOut;
 use crate::deformer::BoundSphere;
-use crate::files::Source;
+use crate::files::{Source, extension};
+use crate::normals::hide_edges;
+use crate::part::Part;
 use crate::skeleton::Skeleton;
-use crate::{Animation, Mesh, Pose, Proxy, SceneError};
+use crate::{Animation, Mesh, Normals, Pose, Proxy, SceneError};
 use glam::DVec3;
 use std::path::Path;
 
@@ -24,6 +26,8 @@ pub(crate) struct Context {
     pub(crate) origin: DVec3,
     /// The objects whose emission is a light.
     pub(crate) emitters: Vec<usize>,
+    /// The normals of meshes for which the scene file names none.
+    pub(crate) normals: Normals,
 }
 
 impl Context {
@@ -41,6 +45,39 @@ impl Context {
         let mut pose = Pose::default();
         mover.pose(0.0, skeleton, &worlds, &mut pose);
         spheres.iter().map(|&b| deformer.bind_sphere(b, &mesh.positions, &pose.joints)).collect()
+    }
+
+    /// A context of the same files and wishes, of which nothing is read yet.
+    pub(crate) fn anew(&self) -> Self {
+        Self { files: self.files.clone(), normals: self.normals, ..Self::default() }
+    }
+
+    /// Warns of normals without a direction.
+    pub(crate) fn tell_broken(&mut self, path: &Path, count: usize) {
+        if count > 0 {
+            self.warn(path, format!("{count} normals have no direction: smooth ones replace them"));
+        }
+    }
+
+    /// Warns of smooth normals where the file has none: those that are requested, and those that hide edges. A scene file that
+    /// asks for them is told of edges only.
+    pub(crate) fn tell_smoothed(&mut self, path: &Path, parts: &[Part], wish: Normals, in_file: bool) {
+        let bare = || parts.iter().filter(|part| part.is_bare);
+        let hides = || bare().any(|part| hide_edges(&part.mesh));
+        match wish {
+            Normals::Smooth { crease } if bare().next().is_some() => {
+                let hides = hides();
+                let edges = if hides { ", edges included: a smaller crease angle keeps these" } else { "" };
+                let crease = if crease < 180.0 { format!(" within {crease}°") } else { String::new() };
+                if hides || !in_file {
+                    self.warn(path, format!("has no normals: they are made smooth{crease}{edges}"));
+                }
+            }
+            Normals::File if extension(path) == "ply" && hides() => {
+                self.warn(path, "has no normals: they are smooth over shared vertices, edges included");
+            }
+            Normals::File | Normals::Face | Normals::Smooth { .. } => {}
+        }
     }
 
     pub(crate) fn warn(&mut self, path: &Path, message: impl std::fmt::Display) {

@@ -1,6 +1,7 @@
 //! Meshes carried by joints.
 
 use crate::Mesh;
+use crate::creases::{Split, picked};
 use crate::mesh::MAX_COORDINATE;
 use glam::{Mat3, Mat4, Vec3};
 use lobe_core::Sphere;
@@ -18,8 +19,8 @@ pub(crate) struct Deformer {
     pub(crate) targets: Vec<Vec<Vec3>>,
     /// The same of the normals; empty for targets without.
     pub(crate) normal_targets: Vec<Vec<Vec3>>,
-    /// The groups of vertices with a common normal, where normals follow from the triangles in every pose.
-    pub(crate) smooth: Option<Vec<u32>>,
+    /// The groups of vertices with a common normal or its opposite, where normals follow from the triangles in every pose.
+    pub(crate) smooth: Option<Vec<(u32, bool)>>,
 }
 
 impl Deformer {
@@ -49,7 +50,25 @@ impl Deformer {
             bind.smooth_normals();
             self.normals = bind.normals;
         } else {
-            self.smooth = Some(bind.same_places());
+            self.smooth = Some(bind.same_places().into_iter().map(|place| (place, false)).collect());
+        }
+    }
+
+    /// Takes the vertices of a mesh that was split, `mesh`, and smooth normals within its creases.
+    pub(crate) fn split(&mut self, split: &Split, mesh: &Mesh) {
+        self.drop_normals();
+        let sources = &split.sources;
+        self.positions = picked(&self.positions, sources);
+        self.joints = picked(&self.joints, sources);
+        self.weights = picked(&self.weights, sources);
+        self.targets.iter_mut().for_each(|target| *target = picked(target, sources));
+        if self.is_rigid() && self.targets.is_empty() {
+            let triangles = mesh.triangles.clone();
+            let mut bind = Mesh { positions: self.positions.clone(), triangles, ..Mesh::default() };
+            bind.smooth_normals_of(&split.groups);
+            self.normals = bind.normals;
+        } else {
+            self.smooth = Some(split.groups.clone());
         }
     }
 
@@ -99,7 +118,7 @@ impl Deformer {
             }
         }
         if let Some(groups) = &self.smooth {
-            mesh.smooth_normals_in(groups);
+            mesh.smooth_normals_of(groups);
         }
     }
 

@@ -8,7 +8,7 @@ use crate::gltf_buffers::Buffers;
 use crate::gltf_light::{PlacedLight, read_light};
 use crate::gltf_material::read_material;
 use crate::gltf_mesh::{Influences, Shapes, read_influences, read_primitive, read_skin};
-use crate::gltf_nodes::{read_camera, shown_nodes, skeleton};
+use crate::gltf_nodes::{fine_locals, read_camera, shown_nodes, skeleton};
 use crate::gltf_texture::Images;
 use crate::look::Look;
 use crate::mesh::MAX_COORDINATE;
@@ -151,6 +151,7 @@ fn document(
     // The tree comes first, so that a wrong reference of a node is reported as that node's fault.
     let mut skeleton = animated(path, root, json, &buffers, wanted, context)?;
     skeleton.origin = context.origin;
+    skeleton.refine(|| fine_locals(json));
     let shown = shown_nodes(root)?;
     let mut reader = Reader {
         root,
@@ -184,7 +185,8 @@ fn document(
         }
         reader.parts_of(n, index, &mut parts, context)?;
     }
-    let Notes { skipped, reduced, uneven } = reader.notes;
+    let Notes { skipped, reduced, uneven, broken } = reader.notes;
+    context.tell_broken(path, broken);
     if skipped > 0 {
         context.warn(path, format!("{skipped} primitives that are points or lines were left out"));
     }
@@ -269,6 +271,7 @@ struct Notes {
     skipped: usize,
     reduced: usize,
     uneven: usize,
+    broken: usize,
 }
 
 struct Reader<'a> {
@@ -329,7 +332,8 @@ impl Reader<'_> {
             if let Some(cut_out) = material.as_ref().and_then(|(_, look): &(usize, Look)| look.cut_out.as_ref()) {
                 context.cut_out(self.images.path(), &name, cut_out, &mut mesh, rig.is_some());
             }
-            parts.push(Part { name, mesh, material, rig });
+            let is_bare = mesh.normals.is_empty();
+            parts.push(Part { name, mesh, material, rig, is_bare });
         }
         Ok(())
     }
@@ -344,7 +348,8 @@ impl Reader<'_> {
         influences: Option<Influences>,
     ) -> Result<(Mesh, Option<(Deformer, Carrier)>), String> {
         let bone = &self.skeleton.bones[n];
-        let Shapes { mut mesh, targets, normal_targets } = shapes;
+        let Shapes { mut mesh, targets, normal_targets, broken } = shapes;
+        self.notes.broken += broken;
         if targets.len() != bone.rest_weights.len() {
             let (k, first) = (targets.len(), bone.rest_weights.len());
             return Err(format!("{k} morph targets, the first primitive has {first}"));

@@ -16,6 +16,8 @@ pub(crate) struct Shapes {
     pub(crate) targets: Vec<Vec<Vec3>>,
     /// The same of the normals; empty for targets without.
     pub(crate) normal_targets: Vec<Vec<Vec3>>,
+    /// Normals that had no direction.
+    pub(crate) broken: usize,
 }
 
 /// The joints that carry the vertices of a primitive.
@@ -104,10 +106,8 @@ pub(crate) fn read_primitive(buffers: &Buffers<'_>, primitive: &Primitive) -> Re
     if let Some(bad) = mesh.positions.iter().position(|p| !p.is_finite()) {
         return Err(format!("position {bad} is not finite"));
     }
-    if !mesh.normals.is_empty() {
-        mesh.repair_normals();
-    }
-    Ok(Some(Shapes { mesh, targets, normal_targets }))
+    let broken = mesh.repair_normals();
+    Ok(Some(Shapes { mesh, targets, normal_targets, broken }))
 }
 
 /// The joints of a skin and their inverse bind matrices.

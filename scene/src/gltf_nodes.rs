@@ -3,8 +3,8 @@
 use crate::Camera;
 use crate::animation::node_camera;
 use crate::placement::Clock;
-use crate::skeleton::{Bone, Local, Skeleton};
-use glam::{DVec3, Mat4, Quat, Vec3};
+use crate::skeleton::{Bone, FineLocal, Local, Skeleton};
+use glam::{DMat4, DQuat, DVec3, Mat4, Quat, Vec3};
 use gltf::json::{Index, Node, Root};
 
 /// All nodes, at rest.
@@ -21,9 +21,11 @@ pub(crate) fn skeleton(root: &Root) -> Result<Skeleton, String> {
     }
     let mut bones = Vec::with_capacity(n);
     for (node, parent) in root.nodes.iter().zip(&parents) {
+        let local = local(node);
         bones.push(Bone {
             parent: *parent,
-            local: local(node),
+            fine: local.fine(),
+            local,
             rest: Mat4::NAN,
             scale: None,
             rotation: None,
@@ -49,7 +51,13 @@ pub(crate) fn skeleton(root: &Root) -> Result<Skeleton, String> {
         let lost = bones.iter().position(|b| b.rest.is_nan()).unwrap_or(0);
         return Err(format!("node cycle at node {lost}"));
     }
-    Ok(Skeleton { bones, order, origin: DVec3::ZERO, clock: Clock { first: 0.0, last: 0.0, repeats: true } })
+    Ok(Skeleton {
+        bones,
+        order,
+        origin: DVec3::ZERO,
+        is_fine: false,
+        clock: Clock { first: 0.0, last: 0.0, repeats: true },
+    })
 }
 
 fn local(node: &Node) -> Local {
@@ -63,6 +71,30 @@ fn local(node: &Node) -> Local {
     let rotation = if q.length() > 1e-10 { q.normalize() } else { Quat::IDENTITY };
     let scale = Vec3::from_array(node.scale.unwrap_or([1.0; 3]));
     Local::Parts { scale, rotation, translation: Vec3::from_array(node.translation.unwrap_or([0.0; 3])) }
+}
+
+/// The transforms of all nodes as the JSON spells them; none for nodes that spell none.
+pub(crate) fn fine_locals(json: &[u8]) -> Option<Vec<Option<FineLocal>>> {
+    let value: gltf::json::Value = gltf::json::deserialize::from_slice(json).ok()?;
+    let numbers = |node: &gltf::json::Value, key: &str| -> Option<Vec<f64>> {
+        node.get(key)?.as_array()?.iter().map(gltf::json::Value::as_f64).collect()
+    };
+    let local = |node: &gltf::json::Value| {
+        if let Some(m) = numbers(node, "matrix") {
+            let mut m = DMat4::from_cols_array(m.as_slice().try_into().ok()?);
+            (m.x_axis.w, m.y_axis.w, m.z_axis.w, m.w_axis.w) = (0.0, 0.0, 0.0, 1.0);
+            return Some(FineLocal::Matrix(m));
+        }
+        let vector = |key, rest| numbers(node, key).map_or(Some(rest), |v| Some(DVec3::from_array(v.try_into().ok()?)));
+        let rotation = match numbers(node, "rotation") {
+            None => DQuat::IDENTITY,
+            Some(q) => DQuat::from_array(q.try_into().ok()?),
+        };
+        let rotation = if rotation.length() > 1e-10 { rotation.normalize() } else { DQuat::IDENTITY };
+        let (scale, translation) = (vector("scale", DVec3::ONE)?, vector("translation", DVec3::ZERO)?);
+        Some(FineLocal::Parts { scale, rotation, translation })
+    };
+    Some(value.get("nodes")?.as_array()?.iter().map(local).collect())
 }
 
 /// The morph weights of a node: its own, else its mesh's, else zeros, one for each target of its first primitive.

@@ -42,8 +42,8 @@
 //! [`load_animated`] gives an [`Animation`] with the scene: key frames of objects, lights and the camera of a scene file, and
 //! one clip of each glTF file (node transforms, skins, morph weights; steps, lines and cubic splines). A mesh file alone
 //! plays its first clip, or the one that [`load_clip`] names. A scene file may name a clip; else it plays the first one, too. A skinned
-//! vertex keeps its four largest weights. Normals are transformed by the inverse transpose of the vertex's matrix; where the file has
-//! none, smooth ones follow from the triangles of each pose.
+//! vertex keeps its four largest weights. Normals are transformed by the inverse transpose of the vertex's matrix; [smooth ones](Normals) that are
+//! requested follow from the triangles of each pose.
 //!
 //! A broken clip (times not in order, NaN, too few values, nodes that do not exist, rotations of length 0 …) is an error
 //! if it is the one that is played; else it is left out with a warning. Channels with unsupported targets
@@ -67,6 +67,7 @@ mod clock;
 mod coherence;
 #[cfg(feature = "files")]
 mod context;
+mod creases;
 #[cfg(feature = "files")]
 mod cut_out;
 #[cfg(feature = "files")]
@@ -118,8 +119,11 @@ mod mesh_tests;
 mod motion_tests;
 #[cfg(feature = "files")]
 mod mtl;
+mod normals;
 #[cfg(feature = "files")]
 mod obj;
+#[cfg(feature = "files")]
+mod obj_normals;
 mod origin;
 #[cfg(feature = "files")]
 mod part;
@@ -166,8 +170,11 @@ pub use crate::error::SceneError;
 #[cfg(feature = "files")]
 pub use crate::files::{Disk, Files};
 #[cfg(feature = "files")]
-pub use crate::load::{load, load_animated, load_clip, load_from, load_objects, load_with_warnings, obj_mesh};
+pub use crate::load::{
+    LoadOptions, load, load_animated, load_clip, load_from, load_objects, load_with, load_with_warnings, obj_mesh,
+};
 pub use crate::mesh::Mesh;
+pub use crate::normals::Normals;
 pub use crate::scene::{Object, Proxy, Scene, Shape};
 #[cfg(feature = "files")]
 pub use crate::scene_file::SCHEMA_EXAMPLE;

@@ -4,9 +4,8 @@ use crate::context::Context;
 use crate::files::{Files, Source, extension};
 use crate::mesh_file::file_parts;
 use crate::mesh_scene::{Bare, MESH_OR_SCENE, bare, bare_objects};
-use crate::part::Normals;
 use crate::placement::Placement;
-use crate::{Animation, Mesh, Object, Scene, SceneError, Shape, Surface, obj, scene_file};
+use crate::{Animation, Mesh, Normals, Object, Scene, SceneError, Shape, Surface, obj, scene_file};
 use glam::{Mat4, Vec3};
 use std::path::Path;
 use std::sync::Arc;
@@ -82,6 +81,52 @@ pub fn load_from(
     load_any(path.as_ref(), clip, Context { files: Source(files), ..Context::default() })
 }
 
+/// The choices in how a scene is loaded.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct LoadOptions {
+    /// The clip of a glTF file, as for [`load_clip`].
+    pub clip: Option<String>,
+    /// The normals of the model, or of those models of a scene file for which it names none.
+    pub normals: Normals,
+}
+
+impl LoadOptions {
+    /// The defaults.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Plays that clip.
+    #[must_use]
+    pub fn with_clip(self, clip: Option<impl Into<String>>) -> Self {
+        Self { clip: clip.map(Into::into), ..self }
+    }
+
+    /// Takes those normals.
+    #[must_use]
+    pub const fn with_normals(mut self, normals: Normals) -> Self {
+        self.normals = normals;
+        self
+    }
+}
+
+/// As [`load_animated`], with choices.
+///
+/// # Errors
+/// As [`load_clip`].
+///
+/// ```no_run
+/// use scene::{LoadOptions, Normals};
+/// let options = LoadOptions::new().with_normals(Normals::Smooth { crease: 40.0 });
+/// let (scene, _animation, _warnings) = scene::load_with("machine.ply", &options)?;
+/// # Ok::<(), scene::SceneError>(())
+/// ```
+pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<(Scene, Animation, Vec<String>), SceneError> {
+    load_any(path.as_ref(), options.clip.as_deref(), Context { normals: options.normals, ..Context::default() })
+}
+
 /// The objects of a mesh file (`.obj`, `.ply`, `.gltf`, `.glb`) alone, at the first moment of its first clip or of the one
 /// named as for [`load_clip`]: no floor, light or camera is added. An object's number is that of the animation; its material
 /// is a number only.
@@ -100,7 +145,7 @@ pub fn load_objects(
 ) -> Result<(Vec<Object>, Animation, Vec<String>), SceneError> {
     let (path, mut context) = (path.as_ref(), Context::default());
     let file = file_parts(path, clip, &mut context, MESH_OR_SCENE)?;
-    let Bare { mut objects, animation, .. } = bare_objects(file, &mut context);
+    let Bare { mut objects, animation, .. } = bare_objects(path, file, &mut context);
     animation.move_objects(0.0, &animation.worlds(0.0), &mut objects);
     for object in &objects {
         if let Shape::Mesh(mesh) = &object.shape {
@@ -110,8 +155,7 @@ pub fn load_objects(
     Ok((objects, animation, context.warnings))
 }
 
-/// The mesh of an OBJ file's text, for meshes that a program carries in itself: all its parts as one, smooth normals where the text
-/// has none, without materials. Messages call the text `name`.
+/// The mesh of an OBJ file's text, for meshes that a program carries in itself: all its parts as one, without materials. Messages call the text `name`.
 ///
 /// # Errors
 /// [`SceneError`], one line with the name and the line.

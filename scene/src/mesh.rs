@@ -1,3 +1,4 @@
+use crate::normals::{angle_at, is_usable};
 use crate::{Bounds, SceneError};
 use glam::{DVec3, Mat3, Mat4, Vec2, Vec3};
 use std::collections::{HashMap, HashSet};
@@ -135,6 +136,27 @@ impl Mesh {
         self.smooth_normals_in(&groups);
     }
 
+    /// As [`smooth_normals`](Self::smooth_normals), but not across edges where faces meet at more than `crease` degrees: vertices on
+    /// these are split.
+    ///
+    /// # Panics
+    /// When a triangle refers to a vertex that does not exist.
+    ///
+    /// ```
+    /// use scene::{Mesh, glam::Vec3};
+    /// let mut cube = Mesh::cuboid(Vec3::ZERO, Vec3::ONE);
+    /// cube.smooth_normals_within(60.0);
+    /// assert!(cube.normals.iter().all(|n| n.abs().max_element() == 1.0));
+    /// ```
+    pub fn smooth_normals_within(&mut self, crease: f32) {
+        if crease >= 180.0 {
+            self.smooth_normals();
+        } else {
+            let groups = crate::creases::split(self, crease).groups;
+            self.smooth_normals_of(&groups);
+        }
+    }
+
     /// For each vertex the number of its place: the same for vertices with the same position.
     pub(crate) fn same_places(&self) -> Vec<u32> {
         let mut first: HashMap<[u32; 3], u32> = HashMap::with_capacity(self.positions.len());
@@ -149,46 +171,52 @@ impl Mesh {
 
     /// Smooth normals, shared by the vertices of a group: numbers from 0, each less than the number of vertices.
     pub(crate) fn smooth_normals_in(&mut self, groups: &[u32]) {
-        let mut sums = vec![DVec3::ZERO; groups.iter().map(|&g| g as usize + 1).max().unwrap_or(0)];
+        let groups: Vec<(u32, bool)> = groups.iter().map(|&group| (group, false)).collect();
+        self.smooth_normals_of(&groups);
+    }
+
+    /// The same, where some vertices of a group have the opposite normal.
+    pub(crate) fn smooth_normals_of(&mut self, groups: &[(u32, bool)]) {
+        let mut sums = vec![DVec3::ZERO; groups.iter().map(|&(g, _)| g as usize + 1).max().unwrap_or(0)];
         let mut some_face = vec![DVec3::Y; sums.len()];
         for &t in &self.triangles {
             let normal = self.face_cross(t).normalize_or_zero();
             if normal == DVec3::ZERO {
                 continue;
             }
+            let corners = t.map(|i| self.positions[i as usize].as_dvec3());
             for k in 0..3 {
-                let p = |i: usize| self.positions[t[(k + i) % 3] as usize].as_dvec3();
-                let (to_next, to_last) = (p(1) - p(0), p(2) - p(0));
-                let angle = to_next.cross(to_last).length().atan2(to_next.dot(to_last));
-                let g = groups[t[k] as usize] as usize;
-                sums[g] += angle * normal;
-                some_face[g] = normal;
+                let (g, is_opposite) = groups[t[k] as usize];
+                let normal = if is_opposite { -normal } else { normal };
+                sums[g as usize] += angle_at(k, &corners) * normal;
+                some_face[g as usize] = normal;
             }
         }
-        let normal = |&g: &u32| {
+        let normal = |&(g, is_opposite): &(u32, bool)| {
             let (sum, face) = (sums[g as usize], some_face[g as usize]);
             // Below 1e-6 the sum is the rounding error of normals that cancel.
             let normal = if sum.length() > 1e-6 { sum.normalize().as_vec3() } else { face.as_vec3() };
-            normal.normalize()
+            if is_opposite { -normal.normalize() } else { normal.normalize() }
         };
         self.normals.clear();
         self.normals.extend(groups.iter().map(normal));
     }
 
-    /// Makes given normals unit vectors; normals of length 0 or not finite become smooth normals.
-    pub(crate) fn repair_normals(&mut self) {
-        let usable = |n: &Vec3| n.is_finite() && n.length() > 1e-20;
-        if self.normals.iter().all(usable) {
+    /// Makes given normals unit vectors; normals of length 0 or not finite become smooth normals. Returns their number.
+    pub(crate) fn repair_normals(&mut self) -> usize {
+        let broken = self.normals.iter().filter(|n| !is_usable(n)).count();
+        if broken == 0 {
             self.normals.iter_mut().for_each(|n| *n = n.normalize());
-            return;
+            return 0;
         }
         let given = std::mem::take(&mut self.normals);
         self.smooth_normals();
         for (n, given) in self.normals.iter_mut().zip(given) {
-            if usable(&given) {
+            if is_usable(&given) {
                 *n = given.normalize();
             }
         }
+        broken
     }
 
     /// Moves the mesh; the last row of the matrix is taken as (0, 0, 0, 1). Normals go with the inverse transpose (the

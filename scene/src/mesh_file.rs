@@ -3,6 +3,7 @@
 use crate::context::{Context, counted};
 use crate::files::extension;
 use crate::gltf_file::Read;
+use crate::normals::turn_strays;
 use crate::part::Part;
 use crate::{Bounds, SceneError, gltf_file, obj, ply};
 use glam::DVec3;
@@ -63,11 +64,11 @@ pub(crate) fn file_parts(
             return Err(SceneError::file(path, "looks like a PLY file: expected the ending .ply"));
         }
         "obj" => meshes(obj::parse(path, &obj::obj_text(path, bytes)?, context)?),
-        "ply" => meshes(vec![ply::parse(path, &bytes, context.origin)?]),
+        "ply" => meshes(vec![ply::parse(path, &bytes, context)?]),
         "glb" if is(b"\x89PNG") => return Err(SceneError::file(path, "not a GLB file: looks like a PNG image")),
         _ => gltf_file::parse(path, &bytes, clip, context)?,
     };
-    let mut dropped = 0;
+    let (mut dropped, mut turned, mut mixed) = (0, 0, 0);
     let parts = &mut file.parts;
     for part in parts.iter_mut() {
         // Indices first: the geometry below relies on them.
@@ -75,6 +76,16 @@ pub(crate) fn file_parts(
             part.mesh.validate().map_err(|e| SceneError::file(path, format!("{}: {e}", part.name)))?;
         }
         dropped += part.clean();
+        if part.rig.is_none() {
+            let [own_turned, own_mixed] = turn_strays(&mut part.mesh);
+            (turned, mixed) = (turned + own_turned, mixed + own_mixed);
+        }
+    }
+    if turned > 0 {
+        context.warn(path, format!("{turned} normals point against all of their faces: they are turned round"));
+    }
+    if mixed > 0 {
+        context.warn(path, format!("{mixed} faces have normals to both sides: their shading changes across them"));
     }
     parts.retain(|part| !part.mesh.triangles.is_empty());
     let mut what = counted(dropped, "triangle", "having no area");

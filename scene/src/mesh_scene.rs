@@ -7,7 +7,7 @@ use crate::gltf_file::Read;
 use crate::gltf_light::PlacedLight;
 use crate::look::Look;
 use crate::mesh_file::near_parts;
-use crate::part::{Normals, share_out};
+use crate::part::share_out;
 use crate::placement::Placement;
 use crate::{Animation, Bounds, Camera, Mesh, Object, Proxy, Scene, SceneError};
 use brdf::ModifiedPhong;
@@ -27,11 +27,12 @@ pub(crate) struct Bare {
     lights: Vec<PlacedLight>,
 }
 
-pub(crate) fn bare_objects(file: Read, context: &mut Context) -> Bare {
+pub(crate) fn bare_objects(path: &Path, file: Read, context: &mut Context) -> Bare {
     let Read { mut parts, camera, moving_camera, lights } = file;
     let mut animation = Animation { origin: context.origin, camera: moving_camera, ..context.animation() };
     let here = Placement::Fixed(Mat4::IDENTITY);
-    animation.movers = parts.iter_mut().map(|part| part.place(Normals::File, &here)).collect();
+    animation.movers = parts.iter_mut().map(|part| part.place(context.normals, &here)).collect();
+    context.tell_smoothed(path, &parts, context.normals, false);
     let floor = ModifiedPhong { kd: Vec3::splat(0.32), ks: Vec3::splat(0.18), exponent: 50.0 };
     let mut looks: Vec<Look> = vec![floor.into(), default_material().into()];
     let mut keys: Vec<(usize, usize)> = Vec::new();
@@ -71,7 +72,7 @@ fn swept_bounds(animation: &Animation, objects: &mut [Object]) -> Bounds {
 /// A mesh file as a scene of its own. Floor, light and camera suit the whole animation.
 pub(crate) fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
     let file = near_parts(path, clip, context, MESH_OR_SCENE)?;
-    let Bare { mut objects, looks, mut animation, camera, lights: own } = bare_objects(file, context);
+    let Bare { mut objects, looks, mut animation, camera, lights: own } = bare_objects(path, file, context);
     let bounds = swept_bounds(&animation, &mut objects);
     let radius = bounds.radius();
     let (width, height) = DEFAULT_SIZE;

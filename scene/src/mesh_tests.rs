@@ -1,7 +1,7 @@
 use crate::context::Context;
 use crate::{Mesh, obj, ply};
 use core::f32::consts::FRAC_1_SQRT_2;
-use glam::{DVec3, Mat4, Quat, Vec3};
+use glam::{Mat4, Quat, Vec3};
 use std::path::Path;
 
 fn read_obj(text: &str) -> Result<Mesh, String> {
@@ -11,7 +11,7 @@ fn read_obj(text: &str) -> Result<Mesh, String> {
 }
 
 fn read_ply(bytes: &[u8]) -> Result<Mesh, String> {
-    ply::parse(Path::new("m.ply"), bytes, DVec3::ZERO).map(|p| p.mesh).map_err(|e| e.to_string())
+    ply::parse(Path::new("m.ply"), bytes, &mut Context::default()).map(|p| p.mesh).map_err(|e| e.to_string())
 }
 
 const CUBE: &str = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\

@@ -1,7 +1,8 @@
-//! Wavefront OBJ: positions, normals, texture coordinates, colours, polygons by material. Lines and curves are ignored.
+//! Wavefront OBJ: positions, normals, smoothing groups, texture coordinates, colours, polygons by material. Lines and curves are ignored.
 
 use crate::context::{Context, counted};
 use crate::look::Look;
+use crate::obj_normals::{self, smoothing_group};
 use crate::part::Part;
 use crate::texture::{srgb_decoded, unit};
 use crate::{Mesh, SceneError, mtl};
@@ -12,7 +13,13 @@ use std::collections::HashMap;
 use std::path::Path;
 
 /// A corner of a face: position, and normal and texture coordinates where given.
-type Corner = (u32, Option<u32>, Option<u32>);
+pub(crate) type Corner = (u32, Option<u32>, Option<u32>);
+
+/// A triangle, and the smoothing group that it is in; 0 for none.
+pub(crate) struct Face {
+    pub(crate) corners: [Corner; 3],
+    pub(crate) group: u32,
+}
 
 /// The lists that corners refer to.
 #[derive(Default)]
@@ -48,8 +55,8 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
     let mut lists = Lists::default();
     // Triangles by material, in the order of first use.
     let mut names: Vec<String> = vec![String::new()];
-    let mut groups: Vec<Vec<[Corner; 3]>> = vec![Vec::new()];
-    let mut group = 0;
+    let mut groups: Vec<Vec<Face>> = vec![Vec::new()];
+    let (mut group, mut smoothing) = (0, 0);
     let (mut short, mut infinite) = (0, 0);
     let mut libraries: Vec<String> = Vec::new();
 
@@ -101,7 +108,9 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
                 } else if !face.iter().all(|c| lists.positions[c.0 as usize].is_finite()) {
                     infinite += 1;
                 } else {
-                    triangulate(&face, &lists.positions, &mut groups[group]);
+                    triangulate(&face, &lists.positions, &mut |corners| {
+                        groups[group].push(Face { corners, group: smoothing });
+                    });
                 }
             }
             Some("usemtl") => {
@@ -112,6 +121,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
                     groups.push(Vec::new());
                 }
             }
+            Some("s") => smoothing = smoothing_group(words),
             Some("mtllib") => libraries.extend(words.map(str::to_owned)),
             _ => {}
         }
@@ -131,10 +141,15 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
     ];
     left_out.retain(|what| !what.is_empty());
     context.left_out(path, groups.iter().all(Vec::is_empty), &left_out.join(", "))?;
+    let is_bare = groups.iter().flatten().all(|face| face.corners.iter().all(|c| c.1.is_none()));
+    let broken = obj_normals::complete(&mut groups, &lists.positions, &mut lists.normals);
+    if broken > 0 {
+        context.warn(path, format!("{broken} corners have normals without a direction: they get those of their faces"));
+    }
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     let has_colors = lists.colors.len() == lists.positions.len();
     // Names that no library has mean nothing: their faces stay together.
-    let mut unnamed: Vec<[Corner; 3]> = Vec::new();
+    let mut unnamed: Vec<Face> = Vec::new();
     let mut parts: Vec<Part> = Vec::new();
     for (number, (material, corners)) in names.into_iter().zip(groups).enumerate() {
         match looks.get(&material) {
@@ -155,6 +170,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
         let mesh = assemble(&lists, &unnamed, true, has_colors);
         parts.insert(0, Part::fixed(name.clone(), mesh, look));
     }
+    parts.iter_mut().for_each(|part| part.is_bare = is_bare);
     if let [part] = &mut parts[..] {
         part.name = name;
     }
@@ -163,16 +179,17 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
 
 /// One vertex for each combination of position, normal and texture coordinates in use; these last where all corners have them and
 /// they are wanted.
-fn assemble(lists: &Lists, corners: &[[Corner; 3]], wants_uvs: bool, has_colors: bool) -> Mesh {
-    let with_normals = corners.iter().flatten().all(|c| c.1.is_some());
-    let with_uvs = wants_uvs && corners.iter().flatten().all(|c| c.2.is_some());
+fn assemble(lists: &Lists, faces: &[Face], wants_uvs: bool, has_colors: bool) -> Mesh {
+    let mut corners = faces.iter().flat_map(|face| &face.corners);
+    let with_normals = corners.clone().all(|c| c.1.is_some());
+    let with_uvs = wants_uvs && corners.all(|c| c.2.is_some());
     let mut mesh = Mesh::default();
     let mut uvs = Vec::new();
     // Without normals and texture coordinates a position is one vertex; else one for each combination.
     let mut places = vec![u32::MAX; if with_normals || with_uvs { 0 } else { lists.positions.len() }];
     let mut index: HashMap<Corner, u32> = HashMap::new();
-    for triangle in corners {
-        let triangle = triangle.map(|(p, n, t)| {
+    for face in faces {
+        let triangle = face.corners.map(|(p, n, t)| {
             let key = (p, n.filter(|_| with_normals), t.filter(|_| with_uvs));
             let place = match places.get_mut(p as usize) {
                 Some(place) => place,
@@ -278,9 +295,9 @@ fn corner(word: &str, lists: &Lists) -> Result<Corner, String> {
 }
 
 /// Cuts a polygon into triangles: ears first in the plane of its normal, so that concave ones keep their area.
-fn triangulate(face: &[Corner], positions: &[Vec3], out: &mut Vec<[Corner; 3]>) {
+fn triangulate(face: &[Corner], positions: &[Vec3], out: &mut impl FnMut([Corner; 3])) {
     if face.len() == 3 {
-        out.push([face[0], face[1], face[2]]);
+        out([face[0], face[1], face[2]]);
         return;
     }
     let p = |i: usize| positions[face[i].0 as usize].as_dvec3();
@@ -314,8 +331,8 @@ fn triangulate(face: &[Corner], positions: &[Vec3], out: &mut Vec<[Corner; 3]>) 
         // A polygon that crosses itself may have no ear: cut any corner then.
         let ear = (0..m).find(|&i| is_ear(i)).unwrap_or(0);
         let (a, b, c) = around(ear);
-        out.push([face[a], face[b], face[c]]);
+        out([face[a], face[b], face[c]]);
         left.remove(ear);
     }
-    out.push([face[left[0]], face[left[1]], face[left[2]]]);
+    out([face[left[0]], face[left[1]], face[left[2]]]);
 }

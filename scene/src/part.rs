@@ -1,11 +1,11 @@
 //! A mesh of a file before it is an object: its look, its rig and its place.
 
-use crate::Mesh;
 use crate::animation::{Body, Mover};
 use crate::deformer::Deformer;
 use crate::look::Look;
 use crate::placement::Placement;
 use crate::skeleton::Carrier;
+use crate::{Mesh, Normals, creases};
 
 /// A mesh of a file, with the look that the file gives it: a number that is the same for the same look, and it.
 pub(crate) struct Part {
@@ -14,20 +14,14 @@ pub(crate) struct Part {
     pub(crate) material: Option<(usize, Look)>,
     /// The joints that move it, if its file has any.
     pub(crate) rig: Option<(Deformer, Carrier)>,
-}
-
-/// The normals that a mesh gets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Normals {
-    /// The file's; smooth ones where it has none.
-    File,
-    Face,
-    Smooth,
+    /// Whether its file says nothing about its normals.
+    pub(crate) is_bare: bool,
 }
 
 impl Part {
     pub(crate) fn fixed(name: String, mesh: Mesh, material: Option<(usize, Look)>) -> Self {
-        Self { name, mesh, material, rig: None }
+        let is_bare = mesh.normals.is_empty();
+        Self { name, mesh, material, rig: None, is_bare }
     }
 
     /// Removes the triangles that never have an area and returns their number. Removes repeated triangles, too.
@@ -43,23 +37,27 @@ impl Part {
 
     /// Gives the mesh its normals and its first pose; returns its motion, if it moves.
     pub(crate) fn place(&mut self, normals: Normals, placement: &Placement) -> Option<Mover> {
-        let smooth = match normals {
-            Normals::File => self.mesh.normals.is_empty(),
-            Normals::Face => {
-                self.mesh.normals.clear();
-                false
+        match normals {
+            Normals::File => {}
+            Normals::Face => self.mesh.normals.clear(),
+            Normals::Smooth { crease } if crease < 180.0 => {
+                let split = creases::split(&mut self.mesh, crease);
+                self.mesh.smooth_normals_of(&split.groups);
+                if let Some((deformer, _)) = &mut self.rig {
+                    deformer.split(&split, &self.mesh);
+                }
             }
-            Normals::Smooth => true,
-        };
-        if smooth {
-            self.mesh.smooth_normals();
+            Normals::Smooth { .. } => {
+                self.mesh.smooth_normals();
+                if let Some((deformer, _)) = &mut self.rig {
+                    deformer.smooth_normals(&self.mesh);
+                }
+            }
         }
         let body = match self.rig.take() {
             Some((mut deformer, carrier)) => {
-                match normals {
-                    Normals::Face => deformer.drop_normals(),
-                    _ if smooth => deformer.smooth_normals(&self.mesh),
-                    _ => {}
+                if normals == Normals::Face {
+                    deformer.drop_normals();
                 }
                 Some(Body::Mesh(Box::new(deformer), Some(carrier)))
             }

@@ -1,5 +1,6 @@
 //! Stanford PLY: ascii and binary, positions, normals, colours, texture coordinates, polygons. Other elements and properties are skipped.
 
+use crate::context::Context;
 use crate::part::Part;
 use crate::texture::{srgb_decoded, unit};
 use crate::{Mesh, SceneError};
@@ -129,8 +130,9 @@ fn take_line<'a>(bytes: &mut &'a [u8]) -> &'a [u8] {
     line
 }
 
-/// Positions are relative to `origin`.
-pub(crate) fn parse(path: &Path, bytes: &[u8], origin: DVec3) -> Result<Part, SceneError> {
+/// Positions are relative to the context's origin.
+pub(crate) fn parse(path: &Path, bytes: &[u8], context: &mut Context) -> Result<Part, SceneError> {
+    let origin = context.origin;
     let mut rest = bytes;
     let mut line = 0;
     let (format, elements) = header(&mut rest, &mut line, bytes.len()).map_err(|message| match line {
@@ -151,10 +153,14 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], origin: DVec3) -> Result<Part, Sc
     if mesh.triangles.is_empty() {
         return Err(SceneError::file(path, "no triangles"));
     }
-    if mesh.normals.len() == mesh.positions.len() {
-        mesh.repair_normals();
+    let is_bare = mesh.normals.len() != mesh.positions.len();
+    if is_bare {
+        // Faces that share a vertex share all that it has.
+        let vertices: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+        mesh.remove_doubles(false);
+        mesh.smooth_normals_in(&vertices);
     } else {
-        mesh.normals.clear();
+        context.tell_broken(path, mesh.repair_normals());
     }
     if mesh.colors.len() != mesh.positions.len() {
         mesh.colors.clear();
@@ -163,7 +169,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], origin: DVec3) -> Result<Part, Sc
     mesh.uv_sets.retain(|set| set.len() == count);
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     let look = (!mesh.colors.is_empty()).then(|| (0, Lambert { albedo: Vec3::ONE }.into()));
-    Ok(Part::fixed(name, mesh, look))
+    Ok(Part { is_bare, ..Part::fixed(name, mesh, look) })
 }
 
 fn header(rest: &mut &[u8], line: &mut usize, size: usize) -> Result<(Format, Vec<Element>), String> {

@@ -18,7 +18,7 @@ pub enum Shape {
 /// How an object blocks light in the `spheres` strategy.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Proxy {
-    /// It blocks nothing (floors and walls that nothing is behind).
+    /// No spheres: by this strategy it blocks nothing.
     None,
     /// So many inner spheres built from the mesh.
     Count(usize),
@@ -103,6 +103,13 @@ impl Shape {
 }
 
 impl Object {
+    /// Whether rays may meet it: it is seen, or blocks light unseen.
+    #[must_use]
+    pub fn is_met(&self) -> bool {
+        let is_mesh = matches!(self.shape, Shape::Mesh(_));
+        self.visible || self.proxy != Proxy::None || is_mesh && self.strategy != Some(Strategy::None)
+    }
+
     /// Exact spheres that cast exact shadows: the proxy is the shape.
     #[must_use]
     pub fn spheres(name: impl Into<String>, spheres: Vec<Sphere>, material: usize) -> Self {

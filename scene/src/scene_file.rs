@@ -41,7 +41,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<(S
     if origin == DVec3::ZERO || 2 * count <= all {
         return Ok((scene, animation));
     }
-    *context = Context::default();
+    *context = context.anew();
     parse_from(path, text, origin, context)
 }
 

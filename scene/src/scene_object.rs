@@ -8,11 +8,11 @@ use crate::deformer::BoundSphere;
 use crate::keys::{Keys, Stand, read_rotation, read_scale};
 use crate::mesh_file::mesh_parts;
 use crate::origin::{Origins, relative};
-use crate::part::{Normals, Part, share_out};
+use crate::part::{Part, share_out};
 use crate::placement::Placement;
 use crate::scene_material::Materials;
 use crate::toml_reader::{Table, Value};
-use crate::{Mesh, Object, Proxy, SceneError, Shape, Strategy};
+use crate::{Mesh, Normals, Object, Proxy, SceneError, Shape, Strategy};
 use glam::{DVec3, Mat4, Vec3};
 use lobe_core::Sphere;
 use std::collections::HashMap;
@@ -57,16 +57,8 @@ fn objects(
     context: &mut Context,
 ) -> Result<Vec<(Object, Option<Mover>)>, SceneError> {
     let name = t.get("name").map_or(Ok(format!("object {index}")), |v| v.string().map(str::to_owned))?;
-    let normals = t.get("normals");
-    let normals = match normals.map_or(Ok("file"), |v| v.string())? {
-        "file" => Normals::File,
-        "face" => Normals::Face,
-        "smooth" => Normals::Smooth,
-        _ => {
-            let expected = "expected \"file\", \"face\" or \"smooth\"";
-            return Err(normals.map_or_else(|| t.error(expected), |v| v.error(expected)));
-        }
-    };
+    let wish = read_normals(&mut t)?;
+    let normals = wish.unwrap_or(context.normals);
     let (shape, value) = t.one_of(&["quad", "plane", "box", "sphere", "spheres", "mesh"])?;
     let clip = t.get("clip").map(|v| read_clip(v).map(|name| (v, name))).transpose()?;
     let first_clip = context.clips.len();
@@ -82,10 +74,14 @@ fn objects(
         }
     };
     let visible = t.get("visible").map_or(Ok(true), |v| v.boolean())?;
-    let strategy = t.get("visibility").map(read_strategy).transpose()?;
+    let mut strategy = t.get("visibility").map(read_strategy).transpose()?;
     let (stand, place) = transform(&mut t, &origins)?;
     let proxy_key = t.get("proxy");
     let proxy = proxy_key.map(|v| read_proxy(v, path, origins.own)).transpose()?;
+    if proxy == Some(Proxy::None) {
+        // Who says that nothing stands for it says that it blocks nothing.
+        strategy = strategy.or(Some(Strategy::None));
+    }
     let keys = Keys::read(&mut t)?;
     t.finish()?;
 
@@ -167,7 +163,7 @@ fn objects(
             Ok(vec![(Object { name: part.name, shape, material, proxy, visible, strategy }, mover)])
         }
         Geometry::Solid(parts) => {
-            let normals = if shape == "box" && normals == Normals::File { Normals::Face } else { normals };
+            let normals = if shape == "box" { wish.unwrap_or_default() } else { normals };
             let mut placed = Vec::new();
             let mut movers = Vec::new();
             for mut part in parts {
@@ -180,6 +176,9 @@ fn objects(
                     placed.push(part);
                     movers.push(mover);
                 }
+            }
+            if shape == "mesh" {
+                context.tell_smoothed(&path.with_file_name("").join(value.string()?), &placed, normals, wish.is_some());
             }
             if placed.is_empty() {
                 return Err(value.error("mesh has no triangles once it is placed"));
@@ -224,6 +223,26 @@ fn objects(
 fn bind(proxy: &Proxy, matrix: &Mat4) -> Vec<BoundSphere> {
     let Proxy::Spheres(spheres) = proxy else { return Vec::new() };
     spheres.iter().map(|&b| BoundSphere::new(b, [0; 4], [1.0, 0.0, 0.0, 0.0], std::slice::from_ref(matrix))).collect()
+}
+
+/// The normals that a mesh gets, where its table says so.
+fn read_normals(t: &mut Table<'_>) -> Result<Option<Normals>, SceneError> {
+    let (normals, crease) = (t.get("normals"), t.get("crease"));
+    let wish = match normals.map(|v| v.string().map(|name| (v, name))).transpose()? {
+        None => None,
+        Some((_, "file")) => Some(Normals::File),
+        Some((_, "face")) => Some(Normals::Face),
+        Some((_, "smooth")) => Some(Normals::SMOOTH),
+        Some((v, _)) => return Err(v.error("expected \"file\", \"face\" or \"smooth\"")),
+    };
+    let Some(crease) = crease else { return Ok(wish) };
+    if !matches!(wish, Some(Normals::Smooth { .. })) {
+        return Err(crease.error("a crease angle is for normals = \"smooth\""));
+    }
+    match crease.positive()? {
+        degrees if degrees <= 180.0 => Ok(Some(Normals::Smooth { crease: degrees })),
+        degrees => Err(crease.error(format!("{degrees} must lie between 0 and 180 degrees"))),
+    }
 }
 
 /// The name or number of a clip.

@@ -2,7 +2,7 @@
 
 use crate::placement::{Clock, sample};
 use crate::track::Track;
-use glam::{DMat4, DVec3, Mat4, Quat, Vec3};
+use glam::{DMat4, DQuat, DVec3, Mat4, Quat, Vec3};
 
 /// A node's matrix to its parent.
 #[derive(Clone, Debug)]
@@ -11,11 +11,19 @@ pub(crate) enum Local {
     Parts { scale: Vec3, rotation: Quat, translation: Vec3 },
 }
 
+/// The same in double precision.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum FineLocal {
+    Matrix(DMat4),
+    Parts { scale: DVec3, rotation: DQuat, translation: DVec3 },
+}
+
 /// One node.
 #[derive(Clone, Debug)]
 pub(crate) struct Bone {
     pub(crate) parent: Option<usize>,
     pub(crate) local: Local,
+    pub(crate) fine: FineLocal,
     /// The world matrix at rest: finite.
     pub(crate) rest: Mat4,
     pub(crate) scale: Option<Track>,
@@ -35,6 +43,8 @@ pub(crate) struct Skeleton {
     pub(crate) order: Vec<usize>,
     /// World matrices are relative to it.
     pub(crate) origin: DVec3,
+    /// Whether matrices are multiplied in double precision: some node is far from its parent.
+    pub(crate) is_fine: bool,
     pub(crate) clock: Clock,
 }
 
@@ -47,6 +57,29 @@ pub(crate) struct Carrier {
     pub(crate) joints: Vec<(Option<usize>, Mat4)>,
     /// The node whose weights morph the mesh.
     pub(crate) morph: Option<usize>,
+}
+
+impl Local {
+    /// The same in double precision.
+    pub(crate) fn fine(&self) -> FineLocal {
+        match *self {
+            Self::Matrix(matrix) => FineLocal::Matrix(matrix.as_dmat4()),
+            Self::Parts { scale, rotation, translation } => FineLocal::Parts {
+                scale: scale.as_dvec3(),
+                rotation: rotation.as_dquat().normalize(),
+                translation: translation.as_dvec3(),
+            },
+        }
+    }
+
+    /// Whether a node is so far from its parent that single precision moves it by more than 7e-6.
+    fn is_far(&self) -> bool {
+        let translation = match self {
+            Self::Matrix(matrix) => matrix.w_axis.truncate(),
+            Self::Parts { translation, .. } => *translation,
+        };
+        translation.abs().max_element() >= 128.0
+    }
 }
 
 impl Bone {
@@ -63,13 +96,20 @@ impl Bone {
 
     /// The same in double precision.
     fn fine_local(&self, time: f32) -> DMat4 {
-        match self.parts(time) {
-            Err(matrix) => matrix.as_dmat4(),
-            Ok((scale, rotation, translation)) => {
-                let (scale, translation) = (scale.as_dvec3(), translation.as_dvec3());
-                DMat4::from_scale_rotation_translation(scale, rotation.as_dquat().normalize(), translation)
-            }
-        }
+        let (scale, rotation, translation) = match self.fine {
+            FineLocal::Matrix(matrix) => return matrix,
+            FineLocal::Parts { scale, rotation, translation } => (scale, rotation, translation),
+        };
+        let vector = |track: &Option<Track>, rest: DVec3| {
+            track.as_ref().map_or(rest, |t| Vec3::from_array(sample(t, time)).as_dvec3())
+        };
+        let turned = |t: &Track| Quat::from_array(sample(t, time)).as_dquat().normalize();
+        let rotation = self.rotation.as_ref().map_or(rotation, turned);
+        DMat4::from_scale_rotation_translation(
+            vector(&self.scale, scale),
+            rotation,
+            vector(&self.translation, translation),
+        )
     }
 
     /// Scale, rotation and translation, or the matrix: glTF 2.0 allows no channels on a node that has one.
@@ -85,9 +125,20 @@ impl Bone {
 }
 
 impl Skeleton {
+    /// Takes transforms in double precision where some node is far from its parent: those of the document's JSON, whose numbers the typed
+    /// document has rounded.
+    pub(crate) fn refine(&mut self, nodes: impl FnOnce() -> Option<Vec<Option<FineLocal>>>) {
+        self.is_fine = self.bones.iter().any(|bone| bone.local.is_far());
+        if let Some(fine) = self.is_fine.then(nodes).flatten() {
+            for (bone, fine) in self.bones.iter_mut().zip(fine) {
+                bone.fine = fine.unwrap_or(bone.fine);
+            }
+        }
+    }
+
     /// World matrices of all nodes; a node beyond the range of single precision keeps its rest pose.
     pub(crate) fn worlds(&self, time: f32) -> Vec<Mat4> {
-        if self.origin != DVec3::ZERO {
+        if self.is_fine || self.origin != DVec3::ZERO {
             return self.far_worlds(time);
         }
         let time = self.clock.local(time);

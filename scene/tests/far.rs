@@ -135,7 +135,8 @@ fn load(folder: &Path, s: DVec3, mesh: &str, content: &str) -> (Scene, Animation
     let file = folder.join("far.toml");
     fs::write(&file, text(s, mesh)).unwrap();
     let (scene, animation, warnings) = scene::load_animated(&file).unwrap();
-    assert!(warnings.is_empty(), "{warnings:?}");
+    // A PLY whose faces share vertices across edges.
+    assert!(warnings.iter().all(|w| w.contains("edges included")), "{warnings:?}");
     (scene, animation)
 }
 
@@ -230,6 +231,50 @@ fn far_meshes_alone_are_what_they_are_near() {
         // The floor's corners are 70 away.
         assert!(error < 4e-5, "{name}: {error:e}");
     }
+}
+
+/// Nodes that are each far away are where their numbers say in double precision, alone and where a scene file moves them back;
+/// so are nodes that a node above brings back.
+#[test]
+fn far_nodes_are_multiplied_in_double_precision() {
+    let folder = TempDir::new().unwrap();
+    // Single precision has steps of 0.5 at 4.6e6.
+    let s = DVec3::new(500_000.25, 12.5, -4_649_776.75);
+    let text = |s: DVec3, root: &str| {
+        let at = |x: f64| format!("[{}, {}, {}]", s.x + x, s.y + 0.3 * x, s.z - x);
+        format!(
+            r#"{{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [0]}}],
+"nodes": [{{"children": [1, 2, 3]{root}}}, {{"mesh": 0, "translation": {}}},
+ {{"mesh": 0, "translation": {}, "rotation": [0, 0.6, 0, 0.8]}},
+ {{"mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, {}, 1]}}],
+"meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
+"buffers": [{{"byteLength": 36, "uri": "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}}],
+"bufferViews": [{{"buffer": 0, "byteLength": 36}}],
+"accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}}]}}"#,
+            at(0.1),
+            at(0.37),
+            at(-0.21).trim_matches(['[', ']'])
+        )
+    };
+    let (model, toml) = (folder.path().join("m.gltf"), folder.path().join("s.toml"));
+    let meshes = |file: &Path, s: DVec3| {
+        let (scene, animation, _) = scene::load_animated(file).unwrap();
+        let mesh = |o: &scene::Object| match &o.shape {
+            Shape::Mesh(mesh) if o.name != "floor" => mesh.positions.clone(),
+            _ => Vec::new(),
+        };
+        let all = scene.objects.iter().flat_map(mesh);
+        all.map(|p| p.as_dvec3() + (animation.origin() - s)).collect::<Vec<_>>()
+    };
+    fs::write(&model, text(DVec3::ZERO, "")).unwrap();
+    let near = meshes(&model, DVec3::ZERO);
+    assert_eq!(near.len(), 9);
+    fs::write(&model, text(s, "")).unwrap();
+    assert!(largest_difference(&near, &meshes(&model, s)) < 2e-6);
+    fs::write(&toml, format!("[[objects]]\nmesh = \"m.gltf\"\ntranslate = [{}, {}, {}]\n", -s.x, -s.y, -s.z)).unwrap();
+    assert!(largest_difference(&near, &meshes(&toml, DVec3::ZERO)) < 2e-6);
+    fs::write(&model, text(s, &format!(r#", "translation": [{}, {}, {}]"#, -s.x, -s.y, -s.z))).unwrap();
+    assert!(largest_difference(&near, &meshes(&model, DVec3::ZERO)) < 2e-6);
 }
 
 /// A target next to a camera that is far from the scene moves nothing.

@@ -97,9 +97,9 @@ fn checking_advises_for_each_object() {
     assert!(succeed(folder, &["check", "maps.toml"]).contains("blocks through shadow maps"));
     assert!(all["animation"].is_null());
     assert!(succeed(folder, &["check", "all.toml"]).contains("advice: visibility = \"silhouettes\""));
-    // Seen from below, the floor hides the sphere: it is no backdrop any more.
+    // Seen from below, the floor is dark by its own facet: it hides no light from what is seen.
     fs::write(folder.join("below.toml"), SCENE.replace("eye = [0.0, 3.0, 8.0]", "eye = [0.0, -3.0, 8.0]")).unwrap();
-    assert_eq!(json(folder, &["check", "below.toml", "--json"])["objects"][0]["advice"]["visibility"], "silhouettes");
+    assert_eq!(json(folder, &["check", "below.toml", "--json"])["objects"][0]["advice"]["visibility"], "none");
 
     // Motion is reported.
     fs::write(folder.join("roll.toml"), rolling()).unwrap();
@@ -132,7 +132,7 @@ fn only_what_has_nothing_behind_it_is_a_backdrop() {
     for (keys, expected) in [
         ("visibility = \"rays\"\n", ["none", "spheres", "silhouettes"]),
         ("visibility = \"none\"\n", ["none", "spheres", "none"]),
-        ("", ["none", "spheres", "none"]),
+        ("", ["none", "spheres", "silhouettes"]),
         ("keys = [{ time = 0 }, { time = 1, translate = [0, 0, 9] }]\n", ["none", "spheres", "silhouettes"]),
     ] {
         fs::write(folder.join("screen.toml"), format!("{SCENE}{screen}{keys}")).unwrap();

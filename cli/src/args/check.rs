@@ -1,3 +1,4 @@
+use super::normals::NormalsArgs;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -14,6 +15,9 @@ pub(crate) struct CheckArgs {
     /// The glTF file's clip of that name or number (from 0) instead of its first; a scene file names its own
     #[arg(long, value_name = "CLIP", requires = "file")]
     pub(crate) clip: Option<String>,
+
+    #[command(flatten)]
+    pub(crate) normals: NormalsArgs,
 
     /// Measure the cost of each strategy on this scene, and the difference of its picture from the exact one. Fits spheres that
     /// do not exist yet, and keeps them

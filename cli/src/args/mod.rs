@@ -4,6 +4,7 @@ mod check;
 mod compare;
 mod figures;
 mod merge;
+mod normals;
 mod open;
 mod png;
 mod reference;

@@ -42,6 +42,10 @@ pub(super) fn positive(text: &str) -> Result<f32, String> {
     number(text, "above 0", |x| x > 0.0 && x.is_finite())
 }
 
+pub(super) fn crease(text: &str) -> Result<f32, String> {
+    number(text, "above 0, at most 180", |x| x > 0.0 && x <= 180.0)
+}
+
 pub(super) fn time(text: &str) -> Result<f32, String> {
     number(text, "of at least 0", |x| x >= 0.0 && x.is_finite())
 }

@@ -1,3 +1,4 @@
+use super::normals::NormalsArgs;
 use super::values::{exposure, fps, size, time, whole};
 use clap::Args;
 use cosine_lobes::render_cpu::PixelSamples;
@@ -41,6 +42,9 @@ pub(crate) struct ViewArgs {
     /// The glTF file's clip of that name or number (from 0) instead of its first; a scene file names its own
     #[arg(long, value_name = "CLIP", requires = "file")]
     pub(crate) clip: Option<String>,
+
+    #[command(flatten)]
+    pub(crate) normals: NormalsArgs,
 
     /// Threads to use, instead of one a core
     #[arg(long, value_name = "N", value_parser = whole(1..=1024))]

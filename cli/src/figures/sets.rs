@@ -31,7 +31,9 @@ impl Model {
 
 /// Spot the cow, 1.7 high, facing −z. She comes with the program.
 pub(crate) fn spot() -> Result<Mesh, String> {
-    obj_mesh("spot.obj", include_str!("spot.obj")).map_err(|e| e.to_string())
+    let mut mesh = obj_mesh("spot.obj", include_str!("spot.obj")).map_err(|e| e.to_string())?;
+    mesh.smooth_normals();
+    Ok(mesh)
 }
 
 /// So many spheres for her, as this version fits them: read from the folder, or fitted and kept there where that can be.

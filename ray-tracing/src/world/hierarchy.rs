@@ -10,7 +10,7 @@ use lobe_core::Sphere;
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::triangle::Triangle;
-use scene::{Duplicates, Proxy, Scene, Shape};
+use scene::{Duplicates, Scene, Shape};
 
 /// The triangles and the exact spheres of a scene in two hierarchies, kept from frame to frame.
 ///
@@ -151,7 +151,7 @@ fn gather(scene: &Scene) -> (Vec<Corners>, Vec<SceneSphere>) {
     let (mut triangles, mut spheres, mut duplicates) = (Vec::new(), Vec::new(), Duplicates::default());
     for (number, object) in scene.objects.iter().enumerate() {
         let visible = object.visible;
-        if !visible && object.proxy == Proxy::None {
+        if !object.is_met() {
             continue;
         }
         match &object.shape {

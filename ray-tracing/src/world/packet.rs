@@ -2,9 +2,9 @@
 
 use super::World;
 use super::camera_rays::{Rays, Row, SIDE};
-use super::primitive::{Corners, EDGE, SceneSphere};
+use super::primitive::{EDGE, SceneSphere};
 use super::tree::Tree;
-use super::triangle_packet::{TrianglePacket, inside};
+use super::triangle_packet::{FAR_LARGER, TrianglePacket, inside};
 use fearless_simd::dispatch;
 use glam::{Vec2, Vec3};
 use obvhs::cwbvh::node::CwBvhNode;
@@ -128,12 +128,13 @@ impl<'r> RayPacket<'r> {
     }
 
     /// Lets the rays meet eight triangles at most.
-    fn meet_triangles(&mut self, numbers: &[u32], all: &[Corners]) {
-        dispatch!(self.rays.level, _simd => self.meet_triangles_simd(numbers, all));
+    fn meet_triangles(&mut self, numbers: &[u32], world: &World<'_>) {
+        dispatch!(self.rays.level, _simd => self.meet_triangles_simd(numbers, world));
     }
 
     #[inline(always)]
-    fn meet_triangles_simd(&mut self, numbers: &[u32], all: &[Corners]) {
+    fn meet_triangles_simd(&mut self, numbers: &[u32], world: &World<'_>) {
+        let all = &world.hierarchy.triangles.primitives[..];
         let mut t = TrianglePacket::default();
         for (l, number) in numbers.iter().enumerate().take(SIDE) {
             let c = &all[*number as usize];
@@ -145,13 +146,15 @@ impl<'r> RayPacket<'r> {
         t.prepare(self.rays, self.first);
         for (l, number) in numbers.iter().enumerate().take(SIDE) {
             for row in t.rows[0][l] as usize..t.rows[1][l] as usize {
-                self.meet_triangle(&t, l, row & 7, *number);
+                if t.giant[l] == 0.0 || !self.meet_giant(&t, l, row & 7, *number, world) {
+                    self.meet_triangle(&t, l, row & 7, *number);
+                }
             }
         }
         self.update_far();
     }
 
-    /// [`Corners::intersect`] for a row of rays: all that does not depend on their directions is in `t`.
+    /// [`Corners::intersect`](super::primitive::Corners::intersect) for a row of rays: all that does not depend on their directions is in `t`.
     #[inline(always)]
     fn meet_triangle(&mut self, t: &TrianglePacket, l: usize, row: usize, number: u32) {
         let [x, y, z] = &self.directions;
@@ -175,6 +178,27 @@ impl<'r> RayPacket<'r> {
             nearest[i] = if hit { along } else { nearest[i] };
             found[i] = if hit { number } else { found[i] };
         }
+    }
+
+    /// The same in f64, if a ray of the row meets the triangle's plane so near that the triangle is a giant there. Returns whether it does.
+    #[cold]
+    fn meet_giant(&mut self, t: &TrianglePacket, l: usize, row: usize, number: u32, world: &World<'_>) -> bool {
+        let at = |i: usize| Vec3::from_array(core::array::from_fn(|k| self.directions[k][row][i]));
+        let det = Vec3::from_array(core::array::from_fn(|k| t.det[k][l]));
+        let along = |i: usize| t.height[l] / det.dot(at(i));
+        if !(0..SIDE).any(|i| t.giant[l] > FAR_LARGER * along(i).abs()) {
+            return false;
+        }
+        let exact = world.exact(&world.hierarchy.triangles.primitives[number as usize]);
+        let eye = self.rays.eye.as_dvec3();
+        for i in 0..SIDE {
+            let Some(along) = exact.meet(eye, at(i).as_dvec3()) else { continue };
+            let along = along as f32;
+            if along >= 0.0 && along < self.nearest[row][i] {
+                (self.nearest[row][i], self.found[row][i]) = (along, number);
+            }
+        }
+        true
     }
 
     /// [`SceneSphere::intersect`] for all rays that may meet it.
@@ -284,12 +308,12 @@ impl World<'_> {
             waiting[count] = number;
             count += 1;
             if count == SIDE {
-                packet.meet_triangles(&waiting, all);
+                packet.meet_triangles(&waiting, self);
                 count = 0;
             }
         });
         if count > 0 {
-            packet.meet_triangles(&waiting[..count], all);
+            packet.meet_triangles(&waiting[..count], self);
         }
         let spheres = &self.hierarchy.spheres.primitives[..];
         self.hierarchy.spheres.visit_packet(packet, |packet, number| {

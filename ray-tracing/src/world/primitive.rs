@@ -25,6 +25,16 @@ pub(super) const EDGE: f32 = 1e-6;
 /// `|e1||e2|/det`. A few times what rounding loses; a start this near may be on either side of the plane.
 pub(super) const CLOSE: f32 = 2e-6;
 
+/// A triangle with an edge of so many times the distance to it is met in f64. Rounding moves the edges of others by less than
+/// 0.004 of the distance.
+pub(super) const GIANT: f32 = 4096.0;
+
+/// As [`EDGE`] for giants, before they are met in f64: more than rounding, for all but grazing rays.
+pub(super) const GIANT_EDGE: f32 = 1e-4;
+
+/// As [`EDGE`], in f64.
+const EXACT_EDGE: f64 = 1e-12;
+
 /// The same for spheres, as a part of the squared radius.
 const CLOSE_TO_SPHERE: f32 = 1e-5;
 
@@ -37,8 +47,8 @@ impl Corners {
     }
 
     /// Distance along the ray or infinity (T. Möller, B. Trumbore, *Fast, Minimum Storage Ray-Triangle Intersection*,
-    /// 1997), both sides. `exact` decides where rounding hides on which side of the plane the ray starts: it is given the
-    /// distance and returns a better one.
+    /// 1997), both sides. `exact` decides where rounding hides on which side of the plane the ray starts, and for triangles of
+    /// [`GIANT`] times the distance: there rounding may be as large as other things are.
     #[inline]
     pub(super) fn meet(&self, ray: &Ray, exact: impl FnOnce(f32) -> f32) -> f32 {
         let p = ray.direction.cross(self.e2);
@@ -48,10 +58,16 @@ impl Corners {
         let q = s.cross(self.e1);
         let v = ray.direction.dot(q) * inverse;
         // An inverse of ±∞ or NaN (ray in the plane) fails one of the comparisons.
-        if u >= -EDGE && v >= -EDGE && u + v <= 1.0 + EDGE {
+        let within = |edge: f32| u >= -edge && v >= -edge && u + v <= 1.0 + edge;
+        if within(GIANT_EDGE) {
             let mut t = self.e2.dot(q) * inverse;
-            let slant_sq = (self.e1.length_squared() * inverse) * (self.e2.length_squared() * inverse);
-            if t.abs() <= CLOSE * (s.length_squared() * slant_sq).sqrt() {
+            let (size1, size2) = (self.e1.length_squared(), self.e2.length_squared());
+            let slant_sq = (size1 * inverse) * (size2 * inverse);
+            let is_giant = is_giant(size1.max(size2), t);
+            if !is_giant && !within(EDGE) {
+                return f32::INFINITY;
+            }
+            if is_giant || t.abs() <= CLOSE * (s.length_squared() * slant_sq).sqrt() {
                 t = exact(t);
             }
             if t > ray.tmin && t <= ray.tmax {
@@ -62,19 +78,50 @@ impl Corners {
     }
 }
 
-/// The plane of a triangle in f64: a corner, and the normal, of any length.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Plane {
-    pub(super) corner: DVec3,
-    pub(super) normal: DVec3,
+/// Whether the longest edge, squared, is more than [`GIANT`] times a distance.
+#[inline]
+pub(super) fn is_giant(size_sq: f32, t: f32) -> bool {
+    size_sq > (GIANT * GIANT) * (t * t)
 }
 
-impl Plane {
-    /// Distance along a ray.
+/// A triangle in f64.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Exact {
+    corner: DVec3,
+    e1: DVec3,
+    e2: DVec3,
+    /// Of any length.
+    normal: DVec3,
+}
+
+impl Exact {
+    pub(super) fn new([a, b, c]: [DVec3; 3]) -> Self {
+        let (e1, e2) = (b - a, c - a);
+        Self { corner: a, e1, e2, normal: e1.cross(e2) }
+    }
+
+    /// Distance along a ray to the plane; infinite where a giant's edges leave the ray outside.
     #[inline]
     pub(super) fn distance(&self, ray: &Ray) -> f32 {
         let (origin, direction) = (Vec3::from(ray.origin).as_dvec3(), Vec3::from(ray.direction).as_dvec3());
-        (self.normal.dot(self.corner - origin) / self.normal.dot(direction)) as f32
+        let t = self.normal.dot(self.corner - origin) / self.normal.dot(direction);
+        let size_sq = self.e1.length_squared().max(self.e2.length_squared()) as f32;
+        if t > f64::from(ray.tmin) && is_giant(size_sq, t as f32) {
+            return self.meet(origin, direction).map_or(f32::INFINITY, |t| t as f32);
+        }
+        t as f32
+    }
+
+    /// Distance along a ray, both sides, behind its start too.
+    #[inline]
+    pub(super) fn meet(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
+        let p = direction.cross(self.e2);
+        let inverse = 1.0 / self.e1.dot(p);
+        let s = origin - self.corner;
+        let (u, v) = (s.dot(p) * inverse, direction.dot(s.cross(self.e1)) * inverse);
+        let is_inside = u >= -EXACT_EDGE && v >= -EXACT_EDGE && u + v <= 1.0 + EXACT_EDGE;
+        let t = self.normal.dot(self.corner - origin) / self.normal.dot(direction);
+        (is_inside && t.is_finite()).then_some(t)
     }
 }
 

@@ -253,14 +253,14 @@ impl World<'_> {
             return true;
         }
         let meet = |c: &Corners, r: &Ray| {
-            if of(c.object) { c.meet(r, |_| self.distance_to_plane(c, &ray)) } else { f32::INFINITY }
+            if of(c.object) { c.meet(r, |_| self.exact_distance(c, &ray)) } else { f32::INFINITY }
         };
         *last = self.hierarchy.triangles.any_number(ray, meet);
         last.is_some()
     }
 
     fn is_met(&self, corners: &Corners, ray: &Ray) -> bool {
-        corners.meet(ray, |_| self.distance_to_plane(corners, ray)).is_finite()
+        corners.meet(ray, |_| self.exact_distance(corners, ray)).is_finite()
     }
 
     /// False when no ray of the region meets one of the primitives; may be true although none does.

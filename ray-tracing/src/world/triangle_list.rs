@@ -1,7 +1,7 @@
 //! A few triangles against single rays, eight at a time.
 
 use super::World;
-use super::primitive::{CLOSE, Corners, EDGE, Plane};
+use super::primitive::{CLOSE, Corners, EDGE, Exact, GIANT, GIANT_EDGE};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{Vec3, Vec3A};
 use lobe_core::Shaft;
@@ -25,8 +25,8 @@ pub struct TriangleList {
     blocks: Vec<Block>,
     /// Their places in the hierarchy.
     places: Vec<u32>,
-    /// The planes of those that rays have started near to.
-    planes: Vec<(u32, Plane)>,
+    /// Those that rays have started near to, and giants.
+    exact: Vec<(u32, Exact)>,
 }
 
 impl TriangleList {
@@ -39,17 +39,17 @@ impl TriangleList {
     fn clear(&mut self) {
         self.blocks.clear();
         self.places.clear();
-        self.planes.clear();
+        self.exact.clear();
     }
 
-    /// The plane of a triangle by its place in the hierarchy, made once: most rays start near to the same triangle.
-    fn plane(&mut self, world: &World<'_>, place: u32) -> Plane {
-        if let Some((_, plane)) = self.planes.iter().find(|(other, _)| *other == place) {
-            return *plane;
+    /// A triangle in f64 by its place in the hierarchy, made once: most rays start near to the same triangle.
+    fn exact(&mut self, world: &World<'_>, place: u32) -> Exact {
+        if let Some((_, exact)) = self.exact.iter().find(|(other, _)| *other == place) {
+            return *exact;
         }
-        let plane = world.plane(&world.hierarchy.triangles.primitives[place as usize]);
-        self.planes.push((place, plane));
-        plane
+        let exact = world.exact(&world.hierarchy.triangles.primitives[place as usize]);
+        self.exact.push((place, exact));
+        exact
     }
 
     fn push(&mut self, place: u32, corners: &Corners) {
@@ -80,17 +80,23 @@ impl TriangleList {
         let u = s.dot(p) * inverse;
         let q = s.cross(e1);
         let v = d.dot(q) * inverse;
-        let edge = f32x8::splat(simd, -EDGE);
-        let inside = u.simd_ge(edge) & v.simd_ge(edge) & (u + v).simd_le(f32x8::splat(simd, 1.0 + EDGE));
-        if inside.to_bitmask() == 0 {
+        let within = |edge: f32| {
+            let least = f32x8::splat(simd, -edge);
+            u.simd_ge(least) & v.simd_ge(least) & (u + v).simd_le(f32x8::splat(simd, 1.0 + edge))
+        };
+        let around = within(GIANT_EDGE);
+        if around.to_bitmask() == 0 {
             return [0; 2];
         }
         let t = e2.dot(q) * inverse;
-        let slant_sq = (e1.length_squared() * inverse) * (e2.length_squared() * inverse);
+        let (size1, size2) = (e1.length_squared(), e2.length_squared());
+        let slant_sq = (size1 * inverse) * (size2 * inverse);
+        let giant = size1.max(size2).simd_gt(t * t * (GIANT * GIANT));
         let close = t.abs().simd_le((s.length_squared() * slant_sq).sqrt() * CLOSE);
         let between = t.simd_gt(f32x8::splat(simd, ray.tmin)) & t.simd_le(f32x8::splat(simd, ray.tmax));
-        let (inside, close) = (inside.to_bitmask() as u32, close.to_bitmask() as u32);
-        [inside & between.to_bitmask() as u32 & !close, inside & close]
+        let [around, inside] = [around, within(EDGE)].map(|mask| mask.to_bitmask() as u32);
+        let [close, giant] = [close, giant].map(|mask| mask.to_bitmask() as u32);
+        [inside & between.to_bitmask() as u32 & !close & !giant, (inside & close) | (around & giant)]
     }
 }
 
@@ -129,7 +135,7 @@ impl World<'_> {
             }
             while close != 0 {
                 let place = of.places[LANES * number + close.trailing_zeros() as usize];
-                let t = of.plane(self, place).distance(ray);
+                let t = of.exact(self, place).distance(ray);
                 if t > ray.tmin && t <= ray.tmax {
                     return true;
                 }
@@ -184,7 +190,7 @@ mod tests {
             let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
             let alone = list.places.iter().any(|place| {
                 let corners = &world.hierarchy.triangles.primitives[*place as usize];
-                corners.meet(&ray, |_| world.distance_to_plane(corners, &ray)).is_finite()
+                corners.meet(&ray, |_| world.exact_distance(corners, &ray)).is_finite()
             });
             assert_eq!(
                 world.meets_one(origin, direction, distance, &mut list),

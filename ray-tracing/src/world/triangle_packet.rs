@@ -15,6 +15,10 @@ pub(super) fn inside(low: f32, high: f32) -> (u32, u32) {
     (low, if high > low { high } else { low })
 }
 
+/// A triangle whose longest edge is so many times as long as the distance at which a ray meets it is met in f64: rounding may be
+/// larger there than a pixel.
+pub(super) const FAR_LARGER: f32 = 256.0;
+
 /// Eight triangles side by side.
 #[derive(Default)]
 pub(super) struct TrianglePacket {
@@ -30,6 +34,8 @@ pub(super) struct TrianglePacket {
     pub(super) height: Row,
     /// Bound of the rounding error of the barycentric coordinates times the determinant.
     pub(super) blur: Row,
+    /// The longest edge of those that may be [giants](FAR_LARGER), seen from the eye; 0 for all others.
+    pub(super) giant: Row,
     /// First row in which each may be seen, and one past the last.
     pub(super) rows: [[u32; SIDE]; 2],
 }
@@ -52,6 +58,10 @@ impl TrianglePacket {
             let length = |a: [f32; 3]| (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt();
             self.blur[l] = 1.5e-7 * length(s) * length(e1).max(length(e2));
             self.height[l] = e2[0] * v[0] + e2[1] * v[1] + e2[2] * v[2];
+
+            let size = length(e1).max(length(e2));
+            // The eye's distance to the plane is the height over the length of the normal.
+            self.giant[l] = if size * length(det) > FAR_LARGER * self.height[l].abs() { size } else { 0.0 };
 
             let dot = |n: Vec3, a: [f32; 3]| n.x * a[0] + n.y * a[1] + n.z * a[2];
             let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);

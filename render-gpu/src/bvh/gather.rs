@@ -3,7 +3,7 @@
 use super::primitive::{BLOCKS, BLOCKS_ALIKE, FLAT, GpuPrimitive, SPHERE, ShadowCasting, VISIBLE, bounds};
 use crate::GpuError;
 use glam::Vec3;
-use scene::{Duplicates, Proxy, Scene, Shape};
+use scene::{Duplicates, Scene, Shape};
 
 /// The primitives of a scene.
 pub(super) struct Gathered {
@@ -27,7 +27,7 @@ pub(super) fn gather(scene: &Scene, casting: &[ShadowCasting]) -> Result<Gathere
     let mut all = Gathered { primitives: vec![], names: vec![], normals: vec![], scale: 1.0 };
     let mut duplicates = Duplicates::default();
     for (number, object) in scene.objects.iter().enumerate() {
-        if object.visible || object.proxy != Proxy::None {
+        if object.is_met() {
             let blocks = match casting.get(number).copied() {
                 Some(ShadowCasting::All) => BLOCKS,
                 Some(ShadowCasting::Alike) => BLOCKS_ALIKE,
