@@ -37,8 +37,7 @@ impl ToneMap {
     /// ```
     #[must_use]
     pub fn encode(self, linear: Vec3) -> Vec3 {
-        // In this order, so that not a number becomes 0.
-        let linear = Vec3::from_array(linear.to_array().map(|x| x.max(0.0).min(LARGEST)));
+        let linear = each(linear, |x| if x.is_nan() { 0.0 } else { x.clamp(0.0, LARGEST) });
         let encoded = match self {
             Self::Linear => each(linear.min(Vec3::ONE), srgb),
             Self::Soft => each(neutral(linear, 0.0).min(Vec3::ONE), srgb),
@@ -74,7 +73,7 @@ fn neutral(linear: Vec3, f0: f32) -> Vec3 {
 const INSET: Mat3 = Mat3::from_cols(
     Vec3::new(0.842_479_06, 0.042_328_242, 0.042_375_654),
     Vec3::new(0.078_433_6, 0.878_468_64, 0.078_433_6),
-    Vec3::new(0.079_223_745, 0.079_166_13, 0.879_142_97),
+    Vec3::new(0.079_223_745, 0.079_166_13, 0.879_143),
 );
 
 /// The inverse of [`INSET`].
@@ -87,7 +86,7 @@ const OUTSET: Mat3 = Mat3::from_cols(
 /// AgX without a look: logarithm between its ends, a sigmoid, back to the primaries.
 fn agx(linear: Vec3) -> Vec3 {
     /// log₂ of a grey of 0.18, ten stops below and six and a half above.
-    const ENDS: [f32; 2] = [-12.473_931, 4.026_069];
+    const ENDS: [f32; 2] = [-12.473_93, 4.026_069];
     let log = |x: f32| (x.max(1e-10).log2().clamp(ENDS[0], ENDS[1]) - ENDS[0]) / (ENDS[1] - ENDS[0]);
     OUTSET * each(INSET * linear, |x| sigmoid(log(x)))
 }

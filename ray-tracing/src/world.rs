@@ -310,7 +310,7 @@ mod tests {
         }
     }
 
-    /// A ball on a floor, and a wall with a corner beside them; f32 has the planes and the edges near the ball exactly, whatever their size.
+    /// A sphere on a floor, and a wall with a corner beside them; f32 has the planes and the edges near the sphere exactly, whatever their size.
     fn airfield(size: f32) -> Scene {
         let quad = |corners: [Vec3; 4]| Mesh {
             positions: corners.to_vec(),
@@ -329,7 +329,7 @@ mod tests {
         scene
     }
 
-    /// What is seen, and which points see two lights, does not depend on how far floor and wall reach.
+    /// The visible surface, and the points that see two lights, do not depend on how far floor and wall reach.
     #[test]
     fn giants_are_met_where_they_are() {
         let look = |size: f32| {

@@ -60,7 +60,7 @@ impl Context {
     }
 
     /// Warns of smooth normals where the file has none: those that are requested, and those that hide edges. A scene file that
-    /// asks for them is told of edges only.
+    /// requests them gets a warning for hidden edges only.
     pub(crate) fn tell_smoothed(&mut self, path: &Path, parts: &[Part], wish: Normals, in_file: bool) {
         let bare = || parts.iter().filter(|part| part.is_bare);
         let hides = || bare().any(|part| hide_edges(&part.mesh));
