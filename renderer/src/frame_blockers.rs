@@ -4,7 +4,7 @@ use lobe_core::paper::{PaperIntegrator, Tables};
 use lobe_core::{Accuracy, Coverage, LightId, LobeIntegrator, Unshadowed, VisibilityQuery};
 use render_cpu::{CpuShader, SceneSilhouettes, SkyShader, SurfaceHits, World};
 use scene::{Frame, Object, Shape, Strategy};
-use visibility_mask::{Blockers, DynMixture, Mask, MaskVisibility, Mixture, PaperVisibility};
+use visibility_mask::{Blockers, DynMixture, LookAgain, Mask, MaskVisibility, Mixture, PaperVisibility};
 use visibility_rays::RayBlockers;
 use visibility_shadowmap::{ShadowMap, ShadowMapBlockers};
 use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
@@ -257,7 +257,8 @@ fn masked<B: Blockers, W: ShaderTask>(
     tables: Option<&Tables>,
     work: W,
 ) -> Result<W::Output, RenderError> {
-    let visibility = MaskVisibility::new(blockers).of_own_radiance(of_own);
+    let again = if of_own { LookAgain::Everywhere } else { LookAgain::Openings };
+    let visibility = MaskVisibility::new(blockers).look_again(again);
     match (method, tables) {
         (Method::Lobes, _) => work.with(&mut CpuShader::with_integrator(visibility.with_lobes(), LobeIntegrator)),
         (Method::Paper, Some(tables)) => {

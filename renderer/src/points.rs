@@ -24,7 +24,8 @@ impl Renderer {
     ///
     /// `materials` are those that the points' numbers mean; none stands for the scene's. A surface of albedo 1 has the radiance E/π, E its
     /// irradiance. A receiver's object is its place in [`objects`](Self::objects), which keeps an object's own spheres from blackening it;
-    /// [`Receiver::on_surface`] makes points that are on no object. Of `layers` those of lights are used.
+    /// [`Receiver::on_surface`] makes points that are on no object. Of `layers` those of lights are used. Floors and walls that hide nothing
+    /// from any visible surface are no blockers of points behind them either, unless they have a strategy of their own.
     ///
     /// ```
     /// use lobe_core::Receiver;

@@ -10,6 +10,8 @@ crate::tests![strategies, settings, paper, shadow_maps, walls, rays, silhouettes
 
 /// Largest and mean difference, as fractions of the picture's largest value.
 const LARGEST: f32 = 1e-3;
+/// Next to nothing of a light is drawn again by the CPU alone: by coarse masks that shows.
+const LARGEST_OF_A_DRAFT: f32 = 2e-3;
 const MEAN: f64 = 1e-5;
 
 /// Renders by both and compares the pictures; the figures of both.
@@ -27,7 +29,8 @@ fn alike(folder: &Path, options: &[&str]) -> [Value; 2] {
     let mean = apart.iter().map(|d| f64::from(*d)).sum::<f64>() / apart.len() as f64;
     println!("{options:?}: largest {largest:.1e}, mean {mean:.1e}");
     assert!(got.pixels().iter().all(|p| p.is_finite()), "{options:?}");
-    assert!(largest <= LARGEST && mean <= MEAN, "{options:?}: largest {largest:.2e}, mean {mean:.2e}");
+    let most = if options.contains(&"draft") { LARGEST_OF_A_DRAFT } else { LARGEST };
+    assert!(largest <= most && mean <= MEAN, "{options:?}: largest {largest:.2e}, mean {mean:.2e}");
     for key in ["points", "lights", "spheres", "tolerance", "depth", "visibility", "method", "map_resolutions"] {
         assert_eq!(cpu[key], gpu[key], "{options:?}: {key}");
     }

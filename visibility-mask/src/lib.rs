@@ -88,5 +88,7 @@ pub use crate::raster::{LitBounds, Raster};
 pub use crate::row::{EightRows, MAX_DEPTH};
 pub use crate::shadow_tree::ShadowNode;
 pub use crate::square::UnitSquare;
-pub use crate::visibility::{Blockers, MaskLobes, MaskLobesScratch, MaskScratch, MaskVisibility, fill_factor};
+pub use crate::visibility::{
+    Blockers, LookAgain, MaskLobes, MaskLobesScratch, MaskScratch, MaskVisibility, fill_factor,
+};
 pub use glam;

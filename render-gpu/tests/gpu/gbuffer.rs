@@ -11,7 +11,7 @@ use render_cpu::{CpuShader, GBuffer, World};
 use render_gpu::{Gpu, GpuGBuffer, GpuShader, Occlusion};
 use scene::{Camera, Mesh, Object, Proxy, Scene, Shade, Shape};
 use test_scenes::globe;
-use visibility_mask::MaskVisibility;
+use visibility_mask::{LookAgain, MaskVisibility};
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![
@@ -225,7 +225,7 @@ fn shaded(gpu: &Gpu) {
     let window = GBuffer::window(&World::new(&view.scene), 80, 45, 1, columns.clone(), rows.clone());
     let frame = view.frame(0.003, 5);
     let mut want = vec![Vec3::ZERO; window.len()];
-    let visibility = MaskVisibility::new(view.spheres.clone());
+    let visibility = MaskVisibility::new(view.spheres.clone()).look_again(LookAgain::Never);
     CpuShader::new(visibility).shade(&window.points, &frame, &mut want).expect("room for all lobes");
     let want = window.resolve(&want, Vec3::ZERO);
 

@@ -10,7 +10,7 @@ use lobe_core::{
     VisibilityQuery,
 };
 use render_gpu::Gpu;
-use visibility_mask::{Blockers, Edges, Fineness, Mask, MaskVisibility, UnitSquare, hooks, wgsl};
+use visibility_mask::{Blockers, Edges, Fineness, LookAgain, Mask, MaskVisibility, UnitSquare, hooks, wgsl};
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![
@@ -368,7 +368,7 @@ fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: 
     let got = call_groups(gpu, &pieces(&header), &body, &rows, [17, 3]);
     let (mut spread, mut classes) = (Spread::default(), [0; 3]);
     for ((case, edge), got) in cases.iter().zip(got.chunks(3)) {
-        let strategy = MaskVisibility::new(Curtain(*edge));
+        let strategy = MaskVisibility::new(Curtain(*edge)).look_again(LookAgain::Never);
         let mut scratch = strategy.scratch();
         let mut visit = LightVisibility::alone(&strategy, LightId(0), Accuracy { tolerance, depth }, &mut scratch);
         let look = visit.coverage(&case.at, &case.light, None);

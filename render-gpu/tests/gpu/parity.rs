@@ -18,7 +18,7 @@ use scene::{
 };
 use std::ops::ControlFlow;
 use test_scenes::globe;
-use visibility_mask::{MaskVisibility, Mixture, facet_coverage};
+use visibility_mask::{LookAgain, MaskVisibility, Mixture, facet_coverage};
 use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
 use visibility_spheres::SphereBlockers;
 
@@ -97,7 +97,7 @@ impl View {
     /// With the spheres as blockers on both devices.
     pub(crate) fn compare_spheres(&self, gpu: &Gpu, name: &str, tolerance: f32, depth: u32) {
         let frame = self.frame(tolerance, depth);
-        let want = self.cpu(MaskVisibility::new(self.spheres.clone()), &frame);
+        let want = self.cpu(MaskVisibility::new(self.spheres.clone()).look_again(LookAgain::Never), &frame);
         let occlusion = Occlusion { blockers: &[&self.spheres], any_hit: None };
         let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
         assert_same(name, &want, &self.gpu(&mut shader, &frame));
@@ -314,7 +314,7 @@ fn of_wide_lights(gpu: &Gpu) {
             assert!(most < 86.0 && (least < 65.0 || most > 79.0), "{least}° to {most}°");
             let name = format!("lights of {least:.0}° to {most:.0}°, tolerance {tolerance}");
             let frame = view.frame(tolerance, depth);
-            let want = view.cpu(MaskVisibility::new(view.spheres.clone()), &frame);
+            let want = view.cpu(MaskVisibility::new(view.spheres.clone()).look_again(LookAgain::Never), &frame);
             let occlusion = Occlusion { blockers: &[&view.spheres], any_hit: None };
             let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
             // In the middle of the widest light one sample, which rounding decides, is 0.4 % of it. A light at the horizon, of
@@ -331,13 +331,13 @@ fn of_shadow_maps(gpu: &Gpu) {
     let maps = view.maps();
     for (tolerance, depth) in [(0.003, 5), (0.01, 4)] {
         let frame = view.frame(tolerance, depth);
-        let want = view.cpu(MaskVisibility::new(maps.clone()), &frame);
+        let want = view.cpu(MaskVisibility::new(maps.clone()).look_again(LookAgain::Never), &frame);
         let occlusion = Occlusion { blockers: &[&maps.pack()], any_hit: None };
         let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
         assert_same(&format!("maps, depth {depth}"), &want, &view.gpu(&mut shader, &frame));
 
         let mixture = Mixture::new(maps.clone(), view.spheres.clone());
-        let want = view.cpu(MaskVisibility::new(mixture), &frame);
+        let want = view.cpu(MaskVisibility::new(mixture).look_again(LookAgain::Never), &frame);
         let both = Occlusion { blockers: &[&view.spheres, &maps.pack()], any_hit: None };
         shader.occlude(both).expect("room for them");
         assert_same(&format!("maps and spheres, depth {depth}"), &want, &view.gpu(&mut shader, &frame));
@@ -358,7 +358,11 @@ fn maps_that_change(gpu: &Gpu) {
     let occlusion = Occlusion { blockers: &[&after.pack()], any_hit: None };
     shader.occlude(occlusion).expect("room for it");
     let got = view.gpu(&mut shader, &frame);
-    assert_same("a map that changed", &view.cpu(MaskVisibility::new(after.clone()), &frame), &got);
+    assert_same(
+        "a map that changed",
+        &view.cpu(MaskVisibility::new(after.clone()).look_again(LookAgain::Never), &frame),
+        &got,
+    );
     assert!(got != first && got == view.gpu(&mut GpuShader::new(gpu, occlusion).expect("a shader"), &frame));
 }
 

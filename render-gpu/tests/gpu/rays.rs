@@ -18,7 +18,7 @@ use render_cpu::{CpuShader, blockers};
 use render_gpu::{Gpu, GpuGBuffer, GpuShader, GpuWorld, Occlusion, ShadowCasting};
 use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
 use test_scenes::globe;
-use visibility_mask::{MaskVisibility, Mixture, PaperVisibility, facet_coverage};
+use visibility_mask::{LookAgain, MaskVisibility, Mixture, PaperVisibility, facet_coverage};
 use visibility_rays::{GpuRays, RayBlockers};
 use visibility_spheres::SphereBlockers;
 
@@ -81,7 +81,7 @@ fn from_gpu(gpu: &Gpu, scene: &Scene, points: &ShadingPoints, frame: &Frame<'_>)
 
 fn from_cpu(world: &World<'_>, points: &ShadingPoints, frame: &Frame<'_>) -> Shaded {
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
-    let visibility = MaskVisibility::new(RayBlockers::new(world));
+    let visibility = MaskVisibility::new(RayBlockers::new(world)).look_again(LookAgain::Never);
     let stats = CpuShader::new(visibility).shade(points, frame, &mut out).expect("room for all lobes");
     (out, stats.counts)
 }
@@ -309,7 +309,7 @@ fn of_some_objects(gpu: &Gpu) {
     let frame = frame(&scene, 0.003, 5);
     let (mut want, mut got) = (vec![Vec3::ZERO; points.receivers.len()], vec![Vec3::NAN; points.receivers.len()]);
     let mixture = Mixture::new(spheres.clone(), RayBlockers::new(&world).only(by_rays));
-    let visibility = MaskVisibility::new(mixture);
+    let visibility = MaskVisibility::new(mixture).look_again(LookAgain::Never);
     let counts = CpuShader::new(visibility).shade(&points, &frame, &mut want).expect("room for all lobes").counts;
     let ours = GpuWorld::only(gpu, &scene, by_rays).expect("geometry");
     let occlusion = Occlusion { blockers: &[&spheres, &GpuRays], any_hit: Some(&ours) };

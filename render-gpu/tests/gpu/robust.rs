@@ -9,7 +9,7 @@ use lobe_core::Sphere;
 use lobe_core::gpu::GpuBlockers;
 use render_gpu::{Gpu, GpuError, GpuShader, Occlusion};
 use scene::{Frame, Shade, ShadingPoints};
-use visibility_mask::MaskVisibility;
+use visibility_mask::{LookAgain, MaskVisibility};
 use visibility_spheres::SphereBlockers;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
@@ -55,12 +55,12 @@ fn no_spheres_at_all(gpu: &Gpu) {
     let view = small();
     let none = SphereBlockers::new(&[], &[], &[]);
     let frame = view.frame(0.003, 5);
-    let want = view.cpu(MaskVisibility::new(none.clone()), &frame);
+    let want = view.cpu(MaskVisibility::new(none.clone()).look_again(LookAgain::Never), &frame);
     let mut shader = GpuShader::new(gpu, Occlusion::of(&[&none])).expect("a shader");
     assert_same("no spheres", &want, &view.gpu(&mut shader, &frame));
     // And some points after that.
     shader.occlude(Occlusion::of(&[&view.spheres])).expect("room for them");
-    let want = view.cpu(MaskVisibility::new(view.spheres.clone()), &frame);
+    let want = view.cpu(MaskVisibility::new(view.spheres.clone()).look_again(LookAgain::Never), &frame);
     assert_same("spheres again", &want, &view.gpu(&mut shader, &frame));
 }
 
@@ -102,7 +102,7 @@ fn loops_that_are_cut_are_an_error(gpu: &Gpu) {
                 assert!(matches!(error, GpuError::LoopsCut { .. }) && gpu.is_software() && count > 4000, "{error:?}");
             }
             Ok(stats) => {
-                let want = view.cpu(MaskVisibility::new(view.spheres.clone()), &frame);
+                let want = view.cpu(MaskVisibility::new(view.spheres.clone()).look_again(LookAgain::Never), &frame);
                 assert_same(&format!("{count} motes in the light"), &want, &(out, stats.counts));
             }
         }
@@ -218,7 +218,7 @@ fn kernels_are_named_with_their_time(_: &Gpu) {
 fn small_limits(_: &Gpu) {
     let view = small();
     let frame = view.frame(0.003, 5);
-    let want = view.cpu(MaskVisibility::new(view.spheres.clone()), &frame);
+    let want = view.cpu(MaskVisibility::new(view.spheres.clone()).look_again(LookAgain::Never), &frame);
 
     // Room for three tiles' points.
     let gpu = device(wgpu::Limits { max_storage_buffer_binding_size: 3 * 64 * 64, ..wgpu::Limits::default() });

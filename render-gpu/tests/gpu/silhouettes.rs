@@ -14,7 +14,7 @@ use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
 use render_gpu::{Gpu, GpuError, GpuShader, GpuWorld, Occlusion};
 use scene::{Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
 use test_scenes::globe;
-use visibility_mask::{MaskVisibility, Mixture, PaperVisibility};
+use visibility_mask::{LookAgain, MaskVisibility, Mixture, PaperVisibility};
 use visibility_silhouettes::{AnyHit as _, GpuSilhouettes, SilhouetteBlockers};
 use visibility_spheres::SphereBlockers;
 
@@ -63,7 +63,8 @@ fn from_cpu(world: &World<'_>, points: &ShadingPoints, frame: &Frame<'_>) -> Sha
     let scene = world.scene();
     let silhouettes = SceneSilhouettes::new(scene, |o| is_mesh(scene, o));
     let hits = SurfaceHits::new(world, |o| is_mesh(scene, o));
-    let visibility = MaskVisibility::new(SilhouetteBlockers::new(silhouettes.meshes(), hits));
+    let visibility =
+        MaskVisibility::new(SilhouetteBlockers::new(silhouettes.meshes(), hits)).look_again(LookAgain::Never);
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
     let stats = CpuShader::new(visibility).shade(points, frame, &mut out).expect("room for all lobes");
     (out, stats.counts)
@@ -151,7 +152,7 @@ fn beside_spheres(gpu: &Gpu) {
     let hits = SurfaceHits::new(&world, by_silhouettes);
     let mixture = Mixture::new(spheres.clone(), SilhouetteBlockers::new(silhouettes.meshes(), hits));
     let mut want = vec![Vec3::ZERO; points.receivers.len()];
-    let counts = CpuShader::new(MaskVisibility::new(mixture))
+    let counts = CpuShader::new(MaskVisibility::new(mixture).look_again(LookAgain::Never))
         .shade(&points, &frame, &mut want)
         .expect("room for all lobes")
         .counts;

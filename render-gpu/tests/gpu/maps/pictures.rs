@@ -10,7 +10,7 @@ use lobe_core::{Accuracy, Sphere};
 use render_cpu::CpuShader;
 use render_gpu::{Gpu, GpuShader, Occlusion};
 use scene::{Counts, Frame, Shade, ShadeStats, ShadingPoints};
-use visibility_mask::MaskVisibility;
+use visibility_mask::{LookAgain, MaskVisibility};
 use visibility_shadowmap::ShadowMapBlockers;
 
 /// Points of a picture.
@@ -49,7 +49,8 @@ pub(super) fn agree(gpu: &Gpu) {
             accuracy: Accuracy { tolerance: tolerance_for(depth), depth },
             threshold: 1e-5,
         };
-        let want = shade(CpuShader::new(MaskVisibility::new(maps.clone())), &points, &frame);
+        let want =
+            shade(CpuShader::new(MaskVisibility::new(maps.clone()).look_again(LookAgain::Never)), &points, &frame);
         let occlusion = Occlusion { blockers: &[&maps.pack()], any_hit: None };
         let got = shade(GpuShader::new(gpu, occlusion).expect("a shader"), &points, &frame);
         assert_same(name, &want, &got);
