@@ -13,13 +13,15 @@ const MOST_TRIANGLES: usize = 256;
 /// on one side of the plane of each of its triangles. Leaving these out of the blockers changes no picture.
 pub(crate) struct Backdrops<'s> {
     scene: &'s Scene,
+    points: Option<Bounds>,
     /// The boxes of visible objects, where they are needed.
     boxes: OnceCell<Vec<Option<Bounds>>>,
 }
 
 impl<'s> Backdrops<'s> {
-    pub(crate) const fn new(scene: &'s Scene) -> Self {
-        Self { scene, boxes: OnceCell::new() }
+    /// `points`: a box around other points that are lit.
+    pub(crate) const fn new(scene: &'s Scene, points: Option<Bounds>) -> Self {
+        Self { scene, points, boxes: OnceCell::new() }
     }
 
     /// Whether an object is a backdrop.
@@ -39,6 +41,7 @@ impl<'s> Backdrops<'s> {
             |normal: DVec3| {
                 let plane = Plane { corner: a, normal };
                 self.scene.lights.iter().all(|light| plane.has_light_before(light))
+                    && self.points.is_none_or(|points| plane.has_box_before(&points))
                     && mesh.positions.iter().all(|p| plane.has_before(*p, 0.0))
                     && self.boxes().iter().enumerate().all(|(other, bounds)| {
                         bounds.is_none_or(|bounds| other == object || plane.has_box_before(&bounds))
@@ -120,7 +123,7 @@ mod tests {
     fn floors_are_backdrops_unless_something_is_behind() {
         let mut scene = scene();
         scene.lights = vec![lamp(3.0)];
-        let is_backdrop = |scene: &Scene| [0, 1].map(|object| Backdrops::new(scene).has(object));
+        let is_backdrop = |scene: &Scene| [0, 1].map(|object| Backdrops::new(scene, None).has(object));
         assert_eq!(is_backdrop(&scene), [true, false]);
         // Lights behind or half sunk.
         for (y, want) in [(0.31, true), (0.29, false), (-3.0, false)] {
@@ -145,12 +148,12 @@ mod tests {
         let sun = |y: f32| Light::from(SunLight::new(Vec3::new(1.0, y, 0.0).normalize(), 0.6, Vec3::ONE, world));
         for (y, want) in [(0.02, true), (0.005, false), (-0.02, false)] {
             scene.lights = vec![sun(y)];
-            assert_eq!(Backdrops::new(&scene).has(0), want, "{y}");
+            assert_eq!(Backdrops::new(&scene, None).has(0), want, "{y}");
         }
         let panel = FlatLight::rectangle(Vec3::Y * 0.1, Vec3::X, Vec3::Z, Vec3::ONE).expect("a panel");
         scene.lights = vec![panel.into()];
-        assert!(Backdrops::new(&scene).has(0));
+        assert!(Backdrops::new(&scene, None).has(0));
         scene.lights.clear();
-        assert!(Backdrops::new(&scene).has(0));
+        assert!(Backdrops::new(&scene, None).has(0));
     }
 }

@@ -5,7 +5,7 @@ use lighting::Light;
 use lobe_core::{LightLobes, Sphere};
 use rayon::prelude::*;
 use render_cpu::{Revision, SceneSilhouettes, SphereSource};
-use scene::{Cancel, Object, Proxy, Scene, Shape, Strategy};
+use scene::{Bounds, Cancel, Object, Proxy, Scene, Shape, Strategy};
 use visibility_shadowmap::{MapOptions, PackedMaps, ReceiverBounds, ShadowMap};
 
 /// The finest resolution of a shadow map, unless another one is requested.
@@ -26,7 +26,12 @@ impl Plan {
     /// nothing then.
     #[must_use]
     pub fn new(strategy: Option<Strategy>, scene: &Scene) -> Self {
-        let backdrops = Backdrops::new(scene);
+        Self::with_points(strategy, scene, None)
+    }
+
+    /// The same where points in a box are lit as well.
+    pub(crate) fn with_points(strategy: Option<Strategy>, scene: &Scene, points: Option<Bounds>) -> Self {
+        let backdrops = Backdrops::new(scene, points);
         let of = |(number, o): (usize, &Object)| {
             // Exact, unless the object already has spheres.
             let usual = match (&o.proxy, &o.shape) {

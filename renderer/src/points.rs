@@ -24,8 +24,7 @@ impl Renderer {
     ///
     /// `materials` are those that the points' numbers mean; none stands for the scene's. A surface of albedo 1 has the radiance E/π, E its
     /// irradiance. A receiver's object is its place in [`objects`](Self::objects), which keeps an object's own spheres from blackening it;
-    /// [`Receiver::on_surface`] makes points that are on no object. Of `layers` those of lights are used. Floors and walls that hide nothing
-    /// from any visible surface are no blockers of points behind them either, unless they have a strategy of their own.
+    /// [`Receiver::on_surface`] makes points that are on no object. Of `layers` those of lights are used.
     ///
     /// ```
     /// use lobe_core::Receiver;
@@ -58,6 +57,7 @@ impl Renderer {
         let order = points.make_coherent();
         let (cancel, threshold, method) = (self.cancel.clone(), self.settings.threshold, self.settings.method);
         let positions: Vec<Vec3> = points.receivers.iter().map(|at| at.position).collect();
+        self.lights_points(&positions);
         let count = order.len();
         let (radiance, layers, lights) = self.blockers_around(positions.into_iter(), |around| {
             let lights = &around.scene.lights;

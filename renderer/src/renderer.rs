@@ -18,7 +18,7 @@ use lobe_core::Accuracy;
 use lobe_core::paper::Tables;
 use pictures::Window;
 use render_cpu::{Hierarchy, SceneSilhouettes, SceneSpheres, Update, World};
-use scene::{Animation, BlockerSet, Cancel, Scene};
+use scene::{Animation, BlockerSet, Bounds, Cancel, Scene};
 use std::sync::Arc;
 
 /// A scene, and everything that turns it into pictures: the strategy of each object, the spheres, hierarchies and maps that are
@@ -63,6 +63,8 @@ pub struct Renderer {
     pub(crate) material_handles: Handles,
     pub(crate) stale: Stale,
     pub(crate) upkeep: Upkeep,
+    /// A box around all points of the caller's so far.
+    points: Option<Bounds>,
     is_advised: bool,
     pub(crate) cancel: Cancel,
 }
@@ -122,6 +124,7 @@ impl Renderer {
             sky: KeptSky::default(),
             stale: Stale::ALL,
             upkeep: Upkeep::default(),
+            points: None,
             is_advised: false,
             cancel: Cancel::new(),
         })
@@ -252,6 +255,15 @@ impl Renderer {
         Ok(())
     }
 
+    /// Lets floors block that such points of the caller's are behind.
+    pub(crate) fn lights_points(&mut self, points: &[Vec3]) {
+        let known = self.points;
+        self.points = points.iter().fold(known, |bounds, p| Some(bounds.unwrap_or(Bounds::EMPTY).with_point(*p)));
+        if self.points != known && Plan::with_points(self.settings.strategy, &self.scene, self.points) != self.plan {
+            self.mark(Stale::PLAN);
+        }
+    }
+
     /// Updates the plan: strategies may have changed, and things that move go behind floors and come from there.
     fn follow_plan(&mut self) {
         if !self.stale.has(Stale::PLAN | Stale::HIERARCHY | Stale::LIGHTS) {
@@ -260,7 +272,7 @@ impl Renderer {
         if self.scene.fit_lights() {
             self.mark(Stale::LIGHTS | Stale::MAPS);
         }
-        let plan = Plan::new(self.settings.strategy, &self.scene);
+        let plan = Plan::with_points(self.settings.strategy, &self.scene, self.points);
         let is_new = core::mem::replace(&mut self.plan, plan) != self.plan;
         if is_new || self.stale.has(Stale::PLAN) {
             [&mut self.kept, &mut self.reduced].into_iter().for_each(|kept| kept.maps.clear());

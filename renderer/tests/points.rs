@@ -5,7 +5,7 @@ use lighting::{Environment, EnvironmentMap, FlatLight, SphereLight};
 use lobe_core::{NO_OBJECT, Random, Receiver, Sphere};
 use ray_tracing::{GBuffer, World};
 use renderer::{LayerSet, RenderError, Renderer, Settings};
-use scene::{Animation, Cancel, Object, Proxy, Scene, ShadingPoints, Strategy};
+use scene::{Animation, Cancel, Mesh, Object, Proxy, Scene, ShadingPoints, Strategy};
 use test_scenes::{floor_and_ball, globe, material};
 
 const LIGHTS: LayerSet = LayerSet { unshadowed: true, lights: true, ..LayerSet::NONE };
@@ -136,4 +136,24 @@ fn shading_points_keeps_what_pictures_keep_and_can_be_stopped() {
     assert!(after.layers.lights.is_empty() && after.radiance == before.radiance);
     assert_eq!(renderer.upkeep(), upkeep);
     assert_eq!(renderer.stale().names().count(), 0);
+}
+
+/// A plate that nothing stands behind hides light from points behind it all the same.
+#[test]
+fn points_behind_a_plate_are_in_its_shadow() {
+    let mut scene = scene::builtin();
+    scene.environment = None;
+    let plate = Mesh::quad(Vec3::ZERO, Vec3::X * 4.0, Vec3::Z * 4.0);
+    scene.objects = vec![Object::mesh("plate", plate, 0, Proxy::None)];
+    scene.lights = vec![SphereLight::new(Sphere { center: Vec3::Y * 3.0, radius: 0.2 }, Vec3::ONE).into()];
+    let mut renderer = Renderer::new(scene, Animation::default(), Settings::default()).unwrap();
+    let white = [brdf::Material::lambert(Vec3::ONE)];
+    let mut light = |y: f32| {
+        let receivers = vec![Receiver::on_surface(Vec3::Y * y, Vec3::Y, Vec3::Y)];
+        let points = ShadingPoints { receivers, materials: vec![0], ..ShadingPoints::default() };
+        renderer.shade_points(points, Some(&white), LayerSet::NONE).unwrap().radiance[0].x
+    };
+    assert!(light(1.0) > 0.0);
+    assert_eq!(light(-1.0), 0.0);
+    assert!(light(1.0) > 0.0);
 }
