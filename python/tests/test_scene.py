@@ -44,6 +44,7 @@ kind = "environment"
 radiance = [0.1, 0.2, 0.3]
 [[objects]]
 quad = { center = [0, 0, 0], u = [4, 0, 0], v = [0, 0, -4] }
+visibility = "none"
 [[objects]]
 box = { center = [0, 0.5, 0], size = [1, 1, 1] }
 material = "red"

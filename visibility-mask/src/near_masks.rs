@@ -42,12 +42,7 @@ impl LitCounts {
     /// Whether so little is lit that few samples measure its size.
     pub(crate) fn are_few(self) -> bool {
         let Self { lit, emitting, lit_rows, rows } = self;
-        LITTLE * lit < emitting && (self.are_least() || OF * lit_rows < FEW * rows)
-    }
-
-    /// Whether next to nothing is lit.
-    pub(crate) fn are_least(self) -> bool {
-        LEAST * self.lit < self.emitting
+        LITTLE * lit < emitting && (LEAST * lit < emitting || OF * lit_rows < FEW * rows)
     }
 }
 

@@ -105,7 +105,7 @@ pub trait Blockers: Sync {
 pub enum LookAgain {
     /// Nowhere, as a GPU does: the tolerance is a part of the unshadowed radiance.
     Never,
-    /// Where next to nothing is lit, in all parts of a sky, and where an opening is seen: the lit part ends at blockers on two opposite sides.
+    /// In all parts of a sky, and where an opening is seen: the lit part ends at blockers on two opposite sides.
     #[default]
     Openings,
     /// In the dark ends of ordinary penumbrae as well, so that the tolerance is a part of the receiver's own radiance. Up to 23 % slower.
@@ -296,14 +296,13 @@ impl<B: Blockers> MaskVisibility<B> {
         if self.is_single || self.again == LookAgain::Never || !is_looked_into {
             return;
         }
-        let lit = masks.lit_counts();
-        if !lit.are_few() {
+        if !masks.is_little_lit() {
             return;
         }
         // A part of an environment, whose outline knows its sides, ends where the next one begins.
         let is_patch = query.outline.is_some_and(Outline::has_sides);
         let is_thorough = self.again == LookAgain::Everywhere || is_patch;
-        if !is_thorough && !lit.are_least() && !masks.is_opening() {
+        if !is_thorough && !masks.is_opening() {
             return;
         }
         let edges = self.blockers.edge_bounds(query, blockers, square);

@@ -47,11 +47,11 @@ impl WindowMasks {
         self.near.clear();
     }
 
-    /// The lit samples and rows of all masks.
-    pub(crate) fn lit_counts(&self) -> LitCounts {
+    /// Whether so little is lit that few samples measure its size.
+    pub(crate) fn is_little_lit(&self) -> bool {
         let mut counts = LitCounts::default();
         self.masks().iter().for_each(|mask| counts.add(mask));
-        counts
+        counts.are_few()
     }
 
     /// Whether the lit part is that of an opening: it ends at blockers on two opposite sides at least. The lit part of an ordinary penumbra
