@@ -82,11 +82,12 @@ impl WindowMasks {
     ) {
         let window = Rect::of(&self.window);
         let edges = edges.map(|[low, high]| Rect { low, high }.within(window));
-        let around = edges.filter(|edges| 2.0 * edges.area() <= window.area()).unwrap_or_else(|| {
-            self.masks().iter().fold(Rect::NOTHING, |around, mask| {
-                mask.lit_block().map_or(around, |lit| around.with(rect(mask, &lit)))
-            })
-        });
+        let lit = self
+            .masks()
+            .iter()
+            .fold(Rect::NOTHING, |around, mask| mask.lit_block().map_or(around, |lit| around.with(rect(mask, &lit))));
+        // The lit part may reach beyond all edges, to the light's outline.
+        let around = edges.filter(|edges| 2.0 * edges.area() <= window.area()).map_or(lit, |edges| edges.with(lit));
         if is_thorough || around != Rect::NOTHING {
             self.near.draw(&self.window, around, |square, mask| {
                 mask.set_coarse(coarse);
