@@ -176,7 +176,7 @@ pub(crate) fn same_count(name: &str, count: usize, wanted: usize) -> PyResult<()
     Err(PyValueError::new_err(format!("{name} has {count} rows: expected {wanted}, one for each point")))
 }
 
-/// Triangles: three numbers of vertices each, of so many.
+/// Triangles: three numbers below `vertices` each.
 pub(crate) fn triangles(name: &str, value: &Bound<'_, PyAny>, vertices: usize) -> PyResult<Vec<[u32; 3]>> {
     // Above all that are valid, so that the check below finds it.
     let none = u32::MAX;

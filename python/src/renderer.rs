@@ -19,8 +19,8 @@ use pyo3::types::{PyDict, PyFrozenSet};
 use serde_json::json;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Turns a scene into pictures, and keeps what the next picture can use. Edits are by handles, numbers or names; the next picture makes no
-/// more anew than they have made stale.
+/// Turns a scene into pictures, and keeps what the next picture can use. Edits are by handles, numbers or names; the next picture makes
+/// again only what they have made stale.
 ///
 /// Several threads may use it: one after the other, while other renderers work beside it.
 #[pyclass(module = "cosine_lobes", frozen)]

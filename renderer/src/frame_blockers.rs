@@ -117,7 +117,7 @@ impl<'a> FrameBlockers<'a> {
     }
 
     /// The same with an environment that a CPU sums at once where it can: before spheres and silhouettes, by
-    /// [`Method::Moments`], for tolerances of the unshadowed radiance. Elsewhere, and on a GPU, its patches are lights.
+    /// [`Method::Moments`]. Elsewhere, and on a GPU, its patches are lights.
     /// Its table is made only where it is used.
     pub(crate) fn under(self, kept: &'a mut KeptSky, frame: &Frame<'_>, backend: &Backend, method: Method) -> Self {
         let is_summed = matches!(backend, Backend::Cpu) && self.sums_skies(method);

@@ -259,8 +259,8 @@ impl Renderer {
     pub(crate) fn lights_points(&mut self, points: &[Vec3]) {
         let known = self.points;
         self.points = points.iter().fold(known, |bounds, p| Some(bounds.unwrap_or(Bounds::EMPTY).with_point(*p)));
-        if self.points != known && Plan::with_points(self.settings.strategy, &self.scene, self.points) != self.plan {
-            self.mark(Stale::PLAN);
+        if self.points != known {
+            self.plan_again();
         }
     }
 
@@ -272,13 +272,18 @@ impl Renderer {
         if self.scene.fit_lights() {
             self.mark(Stale::LIGHTS | Stale::MAPS);
         }
+        self.plan_again();
+        self.stale = self.stale.without(Stale::PLAN);
+    }
+
+    /// Makes the plan, and marks what followed another one.
+    fn plan_again(&mut self) {
         let plan = Plan::with_points(self.settings.strategy, &self.scene, self.points);
         let is_new = core::mem::replace(&mut self.plan, plan) != self.plan;
         if is_new || self.stale.has(Stale::PLAN) {
             [&mut self.kept, &mut self.reduced].into_iter().for_each(|kept| kept.maps.clear());
             self.mark(Stale::SHADING | Stale::SPHERES | Stale::SILHOUETTES);
         }
-        self.stale = self.stale.without(Stale::PLAN);
     }
 
     /// The [exposure](crate::exposure) of the scene at the first moment of its animation, whatever the present time: the same for

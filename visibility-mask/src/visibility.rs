@@ -115,9 +115,9 @@ pub enum LookAgain {
 /// The `moments` visibility: any [`Blockers`] through the mask.
 ///
 /// # Method
-/// The blockers fill a mask of the whole light. If so little of it is lit that few samples measure its size, and that part is
-/// the part of an opening, masks are drawn again in windows around it, or around all edges if these take less than half of the light, so that the error is small
-/// compared with the visible part. A lobe narrower than the light has a mask of its own over the part of the light that it covers,
+/// The blockers fill a mask of the whole light. If so little of it is lit that few samples measure its size, masks are drawn again in
+/// windows around the lit part, or around all edges as well if these take less than half of the light, so that the error is small
+/// compared with the visible part; [`LookAgain`] says where. A lobe narrower than the light has a mask of its own over the part of the light that it covers,
 /// since the cells of the whole mask would limit its accuracy. As things move, samples come and go. Below a tolerance of 0.5 % the
 /// window of a narrow lobe is divided into 2 × 2 parts with a mask each, below 0.2 % into 3 × 2 and the whole light into 2 × 2
 /// ([`Fineness`]): with gentle motion 95 % of the pops are then smaller than the tolerance. The visible part of the light for a
@@ -293,10 +293,7 @@ impl<B: Blockers> MaskVisibility<B> {
         let depth = self.depth(query);
         let draw = |mask: &mut Mask| self.blockers.splat(query, blockers, mask);
         masks.draw(square, fineness, depth, query.at.normal, query.outline, draw);
-        if self.is_single || self.again == LookAgain::Never || !is_looked_into {
-            return;
-        }
-        if !masks.is_little_lit() {
+        if self.is_single || self.again == LookAgain::Never || !is_looked_into || !masks.is_little_lit() {
             return;
         }
         // A part of an environment, whose outline knows its sides, ends where the next one begins.

@@ -11,8 +11,7 @@ use lobe_core::{BrdfLobe, Coverage, LightImage, Lobe, Microfacets, Outline, Rece
 pub(crate) struct WindowMasks {
     window: UnitSquare,
     masks: Vec<Mask>,
-    used: usize,
-    /// Masks side by side, and one above the other.
+    /// Masks in use: side by side, and one above the other.
     grid: [u32; 2],
     near: NearMasks,
 }
@@ -32,12 +31,12 @@ impl WindowMasks {
         mut draw: impl FnMut(&mut Mask),
     ) {
         self.window = *window;
-        (self.used, self.grid) = (fineness.count(), fineness.grid);
-        if self.masks.len() < self.used {
-            self.masks.resize_with(self.used, Mask::default);
+        self.grid = fineness.grid;
+        if self.masks.len() < fineness.count() {
+            self.masks.resize_with(fineness.count(), Mask::default);
         }
         let across = UVec2::from(fineness.grid);
-        for (k, mask) in (0..).zip(&mut self.masks[..self.used]) {
+        for (k, mask) in (0..).zip(&mut self.masks[..fineness.count()]) {
             mask.set_coarse(fineness.coarse);
             mask.reset_to(&window.part(k, across), depth, normal, outline);
             if across == UVec2::ONE || !mask.is_dark() {
@@ -103,7 +102,7 @@ impl WindowMasks {
 
     /// The masks, row by row.
     pub(crate) fn masks(&self) -> &[Mask] {
-        &self.masks[..self.used]
+        &self.masks[..(self.grid[0] * self.grid[1]) as usize]
     }
 
     /// Coverage of the emitting region by all masks.
