@@ -123,9 +123,10 @@ impl LitEnds {
         self.ends[1] += row::count(&ends);
     }
 
-    /// Whether the lit part is that of an opening: between two opposite sides most of it ends at blockers.
+    /// Whether the lit part is that of an opening: between two opposite sides most of it ends at blockers. Where no sample is lit it may be:
+    /// an opening between samples.
     pub(crate) fn are_of_an_opening(self) -> bool {
-        (0..2).any(|axis| ENDS * self.ends[axis] < self.lit[axis])
+        self.lit == [0; 2] || (0..2).any(|axis| ENDS * self.ends[axis] < self.lit[axis])
     }
 }
 
