@@ -32,7 +32,8 @@ impl ToneMap {
     /// ```
     /// use glam::Vec3;
     /// use pictures::ToneMap;
-    /// assert_eq!(ToneMap::Linear.encode(Vec3::new(2.0, 0.0, f32::NAN)), Vec3::X);
+    /// let cut = ToneMap::Linear.encode(Vec3::new(2.0, 0.0, f32::NAN));
+    /// assert!(cut.abs_diff_eq(Vec3::X, 1e-6));
     /// assert!(ToneMap::Soft.encode(Vec3::splat(2.0)).x < 1.0);
     /// ```
     #[must_use]

@@ -14,7 +14,7 @@ use glam::Vec3;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// More camera rays than this, at 192 bytes each, are refused.
 const MAX_POINTS: u64 = 1 << 25;
@@ -137,13 +137,16 @@ impl Job {
         let gbuffer = gbuffer.ok_or(RenderError::Cancelled)?;
         let job = ReferenceJob { world: &world, gbuffer: &gbuffer, blockers: &blockers, geometry, seed };
         let mut reference = Reference::new(job);
-        let (all, done) = (reference.work(spp), AtomicU64::new(0));
+        let (all, done) = (reference.work(spp), Mutex::new(0));
         reference.advance(spp, cancel.flag(), &|part| {
-            let before = done.fetch_add(part, Ordering::Relaxed);
+            // Held over the report, so that reports come in order from all threads.
+            let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+            let before = *done;
+            *done += part;
             // A thousand reports are enough.
             let thousandths = |work: u64| 1000 * work / all.max(1);
-            if thousandths(before + part) > thousandths(before) {
-                reporter.progress("sampling", (before + part) as f32 / all.max(1) as f32);
+            if thousandths(*done) > thousandths(before) {
+                reporter.progress("sampling", *done as f32 / all.max(1) as f32);
             }
         });
         if cancel.is_cancelled() {
