@@ -38,7 +38,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
         say(schema());
         return Ok(());
     }
-    let (scene, animation) = input::load(args.file.as_deref(), args.clip.as_deref(), args.normals.wish(), false)?;
+    let (scene, animation) = input::load(args.file.as_deref(), &args.model.options(args.clip.as_deref()), false)?;
     let plan = Plan::new(None, &scene);
     let requirement = |number| requirement(&scene, &animation, &plan, number);
     let objects = (0..scene.objects.len()).map(requirement).collect::<Result<Vec<_>, Failure>>()?;

@@ -8,20 +8,14 @@ use cosine_lobes::brdf::Material;
 use cosine_lobes::lobe_core::{BrdfLobes, Receiver};
 use cosine_lobes::render_cpu::SceneSpheres;
 use cosine_lobes::renderer::{Plan, scene_spheres};
-use cosine_lobes::scene::{self, Animation, LoadOptions, Normals, Scene};
+use cosine_lobes::scene::{self, Animation, LoadOptions, Scene};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 
 /// Loads the scene as it is at its first moment, or takes the built-in one, and passes warnings on.
-pub(crate) fn load(
-    file: Option<&Path>,
-    clip: Option<&str>,
-    normals: Normals,
-    quiet: bool,
-) -> Result<(Scene, Animation), Failure> {
+pub(crate) fn load(file: Option<&Path>, options: &LoadOptions, quiet: bool) -> Result<(Scene, Animation), Failure> {
     let Some(file) = file else { return Ok((scene::builtin(), Animation::default())) };
-    let options = LoadOptions::new().with_clip(clip).with_normals(normals);
-    let (scene, animation, warnings) = scene::load_with(file, &options)?;
+    let (scene, animation, warnings) = scene::load_with(file, options)?;
     if !quiet {
         let own = scene.materials.iter().enumerate().filter_map(|(i, m)| too_bright(i, m));
         warnings.into_iter().chain(own).for_each(|w| console::note(format_args!("lobes: warning: {w}")));
@@ -46,7 +40,7 @@ fn too_bright(number: usize, material: &Material) -> Option<String> {
 /// The scene of a view, with the requested size.
 pub(crate) fn view(args: &ViewArgs) -> Result<(Scene, Animation), Failure> {
     console::set_threads(args.threads)?;
-    let (mut scene, animation) = load(args.file.as_deref(), args.clip.as_deref(), args.normals.wish(), args.quiet)?;
+    let (mut scene, animation) = load(args.file.as_deref(), &args.model.options(args.clip.as_deref()), args.quiet)?;
     if let Some((width, height)) = args.size {
         (scene.width, scene.height) = (width, height);
     }

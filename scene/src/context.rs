@@ -7,7 +7,7 @@ use crate::files::{Source, extension};
 use crate::normals::hide_edges;
 use crate::part::Part;
 use crate::skeleton::Skeleton;
-use crate::{Animation, Mesh, Normals, Pose, Proxy, SceneError};
+use crate::{Animation, Emission, Mesh, Normals, Pose, Proxy, SceneError};
 use glam::DVec3;
 use std::path::Path;
 
@@ -24,8 +24,10 @@ pub(crate) struct Context {
     pub(crate) clips: Vec<String>,
     /// The origin of the coordinates of the mesh file that was read last.
     pub(crate) origin: DVec3,
-    /// The objects whose emission is a light.
+    /// The objects of which the file says whether their emission is light.
     pub(crate) emitters: Vec<usize>,
+    /// Whether it is for the others.
+    pub(crate) emission: Emission,
     /// The normals of meshes for which the scene file names none.
     pub(crate) normals: Normals,
 }
@@ -49,7 +51,7 @@ impl Context {
 
     /// A context of the same files and wishes, of which nothing is read yet.
     pub(crate) fn anew(&self) -> Self {
-        Self { files: self.files.clone(), normals: self.normals, ..Self::default() }
+        Self { files: self.files.clone(), normals: self.normals, emission: self.emission, ..Self::default() }
     }
 
     /// Warns of normals without a direction.

@@ -74,6 +74,8 @@ mod cut_out;
 mod defaults;
 mod deformer;
 mod duplicates;
+#[cfg(feature = "files")]
+mod emission;
 mod error;
 #[cfg(feature = "files")]
 mod files;
@@ -166,6 +168,8 @@ pub use crate::cancel::Cancel;
 pub use crate::clock::{Stopwatch, set_clock};
 pub use crate::coherence::GROUP;
 pub use crate::duplicates::Duplicates;
+#[cfg(feature = "files")]
+pub use crate::emission::Emission;
 pub use crate::error::SceneError;
 #[cfg(feature = "files")]
 pub use crate::files::{Disk, Files};

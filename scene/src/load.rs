@@ -1,12 +1,13 @@
 //! Files of all kinds to scenes.
 
 use crate::context::Context;
+use crate::emission::light_up;
 use crate::files::{Files, Source, extension};
 use crate::mesh_file::file_parts;
 use crate::mesh_scene::{Bare, MESH_OR_SCENE, bare, bare_objects};
 use crate::placement::Placement;
-use crate::{Animation, Mesh, Normals, Object, Scene, SceneError, Shape, Surface, obj, scene_file};
-use glam::{Mat4, Vec3};
+use crate::{Animation, Emission, Mesh, Normals, Object, Scene, SceneError, Shape, Surface, obj, scene_file};
+use glam::Mat4;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -89,6 +90,8 @@ pub struct LoadOptions {
     pub clip: Option<String>,
     /// The normals of the model, or of those models of a scene file for which it names none.
     pub normals: Normals,
+    /// Whether objects that emit light the others.
+    pub emission: Emission,
 }
 
 impl LoadOptions {
@@ -110,6 +113,13 @@ impl LoadOptions {
         self.normals = normals;
         self
     }
+
+    /// Lets objects that emit light the others, or not.
+    #[must_use]
+    pub const fn with_emission(mut self, emission: Emission) -> Self {
+        self.emission = emission;
+        self
+    }
 }
 
 /// As [`load_animated`], with choices.
@@ -124,7 +134,9 @@ impl LoadOptions {
 /// # Ok::<(), scene::SceneError>(())
 /// ```
 pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<(Scene, Animation, Vec<String>), SceneError> {
-    load_any(path.as_ref(), options.clip.as_deref(), Context { normals: options.normals, ..Context::default() })
+    let LoadOptions { clip, normals, emission } = options;
+    let context = Context { normals: *normals, emission: *emission, ..Context::default() };
+    load_any(path.as_ref(), clip.as_deref(), context)
 }
 
 /// The objects of a mesh file (`.obj`, `.ply`, `.gltf`, `.glb`) alone, at the first moment of its first clip or of the one
@@ -187,20 +199,14 @@ fn load_any(
             return Err(SceneError::file(path, "a scene file names the clips of its objects itself"));
         }
         let text = context.files.read_text(path)?;
-        scene_file::parse(path, &text, &mut context)?
+        let (mut scene, mut animation) = scene_file::parse(path, &text, &mut context)?;
+        if light_up(path, &mut scene, &mut animation, &mut context) {
+            scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
+        }
+        (scene, animation)
     } else {
         bare(path, clip, &mut context)?
     };
-    for object in 0..scene.objects.len() {
-        let surface = scene.surface(scene.objects[object].material);
-        let is_lamp = surface.is_some_and(|s| s.emits() && !s.is_unlit) && !context.emitters.contains(&object);
-        if is_lamp && !is_at_a_light(&scene, object) {
-            let name = &scene.objects[object].name;
-            let advice = "emits, but lights no other: a scene file's object does with `light = true`";
-            context.warn(path, format!("object \"{name}\" {advice}"));
-            break;
-        }
-    }
     for object in &scene.objects {
         let is_lamp = |sphere| scene.lights.iter().any(|light| light.is_shown_by(sphere));
         let is_dark = object.visible && !scene.surface(object.material).is_some_and(Surface::emits);
@@ -221,12 +227,4 @@ fn load_any(
         scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
     }
     Ok((scene, animation, context.warnings))
-}
-
-/// Whether a light is in or near an object: then the object shows the light.
-fn is_at_a_light(scene: &Scene, object: usize) -> bool {
-    let bounds = scene.objects[object].shape.bounds();
-    let reach = 0.25 * bounds.radius();
-    let is_near = |center: Vec3| center.distance(center.clamp(bounds.min, bounds.max)) <= reach;
-    scene.lights.iter().filter_map(scene_file::place_of).any(is_near)
 }

@@ -3,6 +3,7 @@
 use crate::animation::{LightMover, LightPlace};
 use crate::context::Context;
 use crate::defaults::{DEFAULT_SIZE, DEFAULT_SPHERES, default_camera, default_material};
+use crate::emission::light_up;
 use crate::gltf_file::Read;
 use crate::gltf_light::PlacedLight;
 use crate::look::Look;
@@ -12,7 +13,7 @@ use crate::placement::Placement;
 use crate::{Animation, Bounds, Camera, Mesh, Object, Proxy, Scene, SceneError};
 use brdf::ModifiedPhong;
 use glam::{Mat4, Vec3};
-use lighting::SphereLight;
+use lighting::{Light, SphereLight};
 use lobe_core::Sphere;
 use std::path::Path;
 
@@ -55,6 +56,15 @@ pub(crate) fn bare_objects(path: &Path, file: Read, context: &mut Context) -> Ba
     Bare { objects, looks, animation, camera, lights }
 }
 
+/// A sphere of half-angle 6° from the middle of the model, with an irradiance of π there.
+fn key_light(bounds: &Bounds) -> Light {
+    let distance = 5.0 * bounds.radius();
+    let sin = 6.0_f32.to_radians().sin();
+    let center = bounds.center() + distance * Vec3::new(-0.5, 0.9, 0.55).normalize();
+    let sphere = Sphere { center, radius: distance * sin };
+    SphereLight::new(sphere, Vec3::splat(1.0 / (sin * sin))).into()
+}
+
 /// The box that holds the objects at all times, approximated by its union over several moments.
 fn swept_bounds(animation: &Animation, objects: &mut [Object]) -> Bounds {
     const MOMENTS: u32 = 16;
@@ -82,27 +92,23 @@ pub(crate) fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Re
     let floor = Mesh::quad(ground, Vec3::X * half, Vec3::NEG_Z * half);
     objects.insert(0, Object::mesh("floor", floor, 0, Proxy::None));
     animation.movers.insert(0, None);
-    // Half-angle 6° from the middle of the model, and an irradiance of π there.
-    let distance = 5.0 * radius;
-    let sin = 6.0_f32.to_radians().sin();
-    let center = bounds.center() + distance * Vec3::new(-0.5, 0.9, 0.55).normalize();
-    let sphere = Sphere { center, radius: distance * sin };
-    let mut lights = vec![SphereLight::new(sphere, Vec3::splat(1.0 / (sin * sin))).into()];
-    if !own.is_empty() {
-        lights = own.iter().map(|own| own.light.at_origin(&bounds).moved(own.world)).collect();
-        animation.lights = own
-            .iter()
-            .enumerate()
-            .filter_map(|(first, own)| {
-                let (skeleton, node) = own.mover?;
-                let placement = LightPlace::Node { skeleton, node };
-                Some(LightMover { first, lights: vec![own.light.at_origin(&bounds)], placement })
-            })
-            .collect();
-    }
+    let lights = own.iter().map(|own| own.light.at_origin(&bounds).moved(own.world)).collect();
+    animation.lights = own
+        .iter()
+        .enumerate()
+        .filter_map(|(first, own)| {
+            let (skeleton, node) = own.mover?;
+            let placement = LightPlace::Node { skeleton, node };
+            Some(LightMover { first, lights: vec![own.light.at_origin(&bounds)], placement })
+        })
+        .collect();
     let camera = camera.unwrap_or_else(|| default_camera(bounds, width, height));
     let (materials, surfaces) = Look::parted(looks);
-    let scene = Scene { camera, width, height, materials, surfaces, objects, lights, ..Scene::default() };
+    let mut scene = Scene { camera, width, height, materials, surfaces, objects, lights, ..Scene::default() };
+    light_up(path, &mut scene, &mut animation, context);
+    if scene.lights.is_empty() {
+        scene.lights.push(key_light(&bounds));
+    }
     scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
     Ok((scene, animation))
 }

@@ -98,8 +98,9 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
         for (i, entry) in value.elements("[[objects]]")?.into_iter().enumerate() {
             let read = read_object(entry.table()?, i, path, origin, &mut materials, context)?;
             for (object, mover) in read.objects {
-                if let Some(key) = read.light {
-                    emitters.push((objects.len(), key));
+                if let Some((key, is_light)) = read.light {
+                    context.emitters.push(objects.len());
+                    emitters.extend(is_light.then_some((objects.len(), key)));
                 }
                 objects.push(object);
                 movers.push(mover);
@@ -115,14 +116,15 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
     }
     for (object, key) in emitters {
         let surface = materials.surface(&objects[object]);
-        if let Some(error) = lit.emit((object, &objects[object]), surface, key, movers[object].as_ref())? {
+        if let Some(error) =
+            lit.emit((object, &objects[object]), surface, key, (movers[object].as_ref(), &context.skeletons))?
+        {
             objects[object].strategy = Some(Strategy::None);
             if error > WORTH_SAYING {
                 let (name, percent) = (&objects[object].name, 100.0 * error);
                 context.warn(path, format!("object \"{name}\" lights as spheres and tubes, about {percent:.0} % off"));
             }
         }
-        context.emitters.push(object);
     }
     let camera = root.get("camera");
     root.finish()?;

@@ -1,19 +1,18 @@
 //! The lights of a scene file.
 
-use crate::animation::{Body, LightMover, LightPlace, Mover};
+use crate::animation::{LightMover, LightPlace, Mover};
 use crate::check::check_spheres;
+use crate::emission::emitted;
 use crate::files::Source;
 use crate::keys::Keys;
 use crate::mesh::MAX_COORDINATE;
 use crate::origin::Origins;
 use crate::scene_environment::{read_environment, read_linear};
+use crate::skeleton::Skeleton;
 use crate::toml_reader::{Table, Value};
-use crate::{Bounds, Object, SceneError, Shape, Strategy, Surface};
+use crate::{Bounds, Object, SceneError, Surface};
 use glam::{DVec3, Mat4, Vec3};
-use lighting::{
-    AmbientLight, EnclosedLight, Environment, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight,
-    emissive_mesh,
-};
+use lighting::{AmbientLight, Environment, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight};
 use lobe_core::{LightImage, LightLobes, Sphere};
 use std::f64::consts::PI;
 use std::path::Path;
@@ -90,52 +89,18 @@ impl SceneLights {
         self.place(t, kind, own)
     }
 
-    /// Appends the light of an object whose material emits: one for each flat face or each sphere, or an approximation of a curved mesh. It
-    /// moves as the object does. Returns the relative error of lights inside the object, which then must not block.
+    /// Appends the lights of an object whose material emits. Returns the relative error of lights inside the object, which then must
+    /// not block.
     pub(crate) fn emit(
         &mut self,
-        (number, object): (usize, &Object),
+        object: (usize, &Object),
         surface: &Surface,
         key: Value<'_>,
-        mover: Option<&Mover>,
+        (mover, skeletons): (Option<&Mover>, &[Skeleton]),
     ) -> Result<Option<f32>, SceneError> {
-        let radiance = surface.emission;
-        if radiance == Vec3::ZERO {
-            return Err(key.error("the object's material has no emission"));
-        }
-        if surface.emission_map.is_some() || surface.is_unlit {
-            return Err(key.error("an emission with a picture is no light: a rectangle of `[[lights]]` shows an image"));
-        }
-        let first = self.lights.len();
-        let mut inside = None;
-        let own = |light| Light::from(EnclosedLight { light: Box::new(light), object: number as u32 });
-        match &object.shape {
-            Shape::Spheres(spheres) => {
-                // Rounding decides whether a point of a sphere's surface is inside it.
-                self.lights.extend(spheres.iter().map(|sphere| own(SphereLight::new(*sphere, radiance).into())));
-            }
-            Shape::Mesh(mesh) => {
-                let lamp = emissive_mesh(&mesh.positions, &mesh.triangles, radiance).map_err(|e| {
-                    key.error(format!("{e}: lights of `[[lights]]` in its place light as they are meant to"))
-                })?;
-                inside = lamp.is_inside.then_some(lamp.error);
-                self.lights
-                    .extend(lamp.lights.into_iter().map(|light| if lamp.is_inside { own(light) } else { light }));
-            }
-        }
-        if inside.is_some() && object.strategy.is_some_and(|s| s != Strategy::None) {
-            return Err(
-                key.error("a curved mesh that lights the scene hides nothing: expected no `visibility`, or \"none\"")
-            );
-        }
-        if let Some(Mover { placement, body, .. }) = mover {
-            if matches!(body, Body::Mesh(_, Some(_))) || !placement.keeps_size() {
-                return Err(key.error("an object that lights the scene has no clip and keeps its size"));
-            }
-            let own = placement.at(0.0).inverse();
-            let lights = self.lights[first..].iter().map(|light| light.moved(own)).collect();
-            self.movers.push(LightMover { first, lights, placement: LightPlace::Keys(placement.clone()) });
-        }
+        let lamp = emitted(object, surface, mover, skeletons).map_err(|reason| key.error(reason))?;
+        let inside = lamp.inside;
+        lamp.add(&mut self.lights, &mut self.movers);
         Ok(inside)
     }
 

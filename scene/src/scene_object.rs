@@ -27,10 +27,10 @@ enum Geometry {
 
 const UNEVEN: &str = "spheres can only be scaled uniformly";
 
-/// Objects of a scene file, their motion, and the key that makes their emission light.
+/// Objects of a scene file, their motion, and the key that says whether their emission is light.
 pub(crate) struct Read<'s> {
     pub(crate) objects: Vec<(Object, Option<Mover>)>,
-    pub(crate) light: Option<Value<'s>>,
+    pub(crate) light: Option<(Value<'s>, bool)>,
 }
 
 /// Reads one of `[[objects]]`: several objects where a glTF file has several parts.
@@ -42,10 +42,9 @@ pub(crate) fn read_object<'s>(
     materials: &mut Materials,
     context: &mut Context,
 ) -> Result<Read<'s>, SceneError> {
-    let light = t.get("light");
-    let is_light = light.map_or(Ok(false), |v| v.boolean())?;
+    let light = t.get("light").map(|key| key.boolean().map(|is_light| (key, is_light))).transpose()?;
     let objects = objects(t, index, path, origin, materials, context)?;
-    Ok(Read { objects, light: light.filter(|_| is_light) })
+    Ok(Read { objects, light })
 }
 
 fn objects(

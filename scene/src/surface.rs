@@ -29,7 +29,7 @@ pub struct Channel {
 /// Textures and emission of a material. The values of textures are [`Factors`] of the material's own.
 ///
 /// Normal maps are in tangent space, x along u, y against v, z the normal: `n = 2t − 1`, x and y times a scale. The camera sees
-/// emission; it lights others where an object of a scene file says `light = true`.
+/// emission; loading a file lets it light others ([`Scene::lights`](crate::Scene::lights)).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
     /// Of [`Factors::color`].

@@ -1,4 +1,4 @@
-use super::normals::NormalsArgs;
+use super::model::ModelArgs;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ pub(crate) struct CheckArgs {
     pub(crate) clip: Option<String>,
 
     #[command(flatten)]
-    pub(crate) normals: NormalsArgs,
+    pub(crate) model: ModelArgs,
 
     /// Measure the cost of each strategy on this scene, and the difference of its picture from the exact one. Fits spheres that
     /// do not exist yet, and keeps them

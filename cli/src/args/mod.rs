@@ -4,7 +4,7 @@ mod check;
 mod compare;
 mod figures;
 mod merge;
-mod normals;
+mod model;
 mod open;
 mod png;
 mod reference;

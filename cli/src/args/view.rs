@@ -1,4 +1,4 @@
-use super::normals::NormalsArgs;
+use super::model::ModelArgs;
 use super::values::{exposure, fps, size, time, whole};
 use clap::Args;
 use cosine_lobes::render_cpu::PixelSamples;
@@ -44,7 +44,7 @@ pub(crate) struct ViewArgs {
     pub(crate) clip: Option<String>,
 
     #[command(flatten)]
-    pub(crate) normals: NormalsArgs,
+    pub(crate) model: ModelArgs,
 
     /// Threads to use, instead of one a core
     #[arg(long, value_name = "N", value_parser = whole(1..=1024))]

@@ -1,10 +1,10 @@
 use super::values::crease;
 use clap::{Args, ValueEnum};
-use cosine_lobes::scene;
+use cosine_lobes::scene::{self, LoadOptions};
 
-/// The normals of models.
+/// The choices in how models are read.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
-pub(crate) struct NormalsArgs {
+pub(crate) struct ModelArgs {
     /// Normals of models; of those in a scene file where it names none
     #[arg(long, value_enum, default_value_t = Normals::File)]
     normals: Normals,
@@ -12,6 +12,10 @@ pub(crate) struct NormalsArgs {
     /// Degrees between two faces beyond which --normals smooth leaves their edge sharp
     #[arg(long, value_name = "DEGREES", default_value_t = 180.0, value_parser = crease)]
     crease: f32,
+
+    /// Objects whose material emits
+    #[arg(long, value_enum, default_value_t = Emission::Lights)]
+    emission: Emission,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -26,13 +30,27 @@ enum Normals {
     Smooth,
 }
 
-impl NormalsArgs {
-    /// The normals that are requested.
-    pub(crate) const fn wish(&self) -> scene::Normals {
-        match self.normals {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Emission {
+    /// They light the others, where lights stand for them within 2 %; a warning names those that do not
+    #[default]
+    Lights,
+    /// They are seen only
+    Seen,
+}
+
+impl ModelArgs {
+    /// How a file is loaded, with the clip that is requested.
+    pub(crate) fn options(&self, clip: Option<&str>) -> LoadOptions {
+        let normals = match self.normals {
             Normals::File => scene::Normals::File,
             Normals::Face => scene::Normals::Face,
             Normals::Smooth => scene::Normals::Smooth { crease: self.crease },
-        }
+        };
+        let emission = match self.emission {
+            Emission::Lights => scene::Emission::Lights,
+            Emission::Seen => scene::Emission::Seen,
+        };
+        LoadOptions::new().with_clip(clip).with_normals(normals).with_emission(emission)
     }
 }
