@@ -333,8 +333,13 @@ impl Sampler {
     /// Largest exponent among the material's lobes: only used to choose how to sample.
     fn sharpest(&mut self, material: &Material, at: &Receiver) -> f64 {
         self.lobes.clear();
-        material.cosine_lobes(at, &mut self.lobes);
-        self.lobes.iter().map(|l| f64::from(l.cosine_lobe(at.normal).exponent)).fold(0.0, f64::max)
+        material.brdf_lobes(at, &mut self.lobes);
+        let exponent = |lobe: &BrdfLobe| match lobe {
+            BrdfLobe::Cosine(lobe) => lobe.exponent,
+            // Of the narrowest of the cosine lobes that microfacets are a sum of.
+            BrdfLobe::Microfacets(facets) => 0.5 * facets.exponent,
+        };
+        self.lobes.iter().map(|lobe| f64::from(exponent(lobe))).fold(0.0, f64::max)
     }
 }
 
