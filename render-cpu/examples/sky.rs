@@ -163,7 +163,7 @@ fn measure(name: &str, scene: &Scene, environment: &Environment) {
         let blockers = blockers(tolerance);
         let replaced = environment.patches_among(&lights).expect("its own lights");
         let frame: Frame<'_> = Frame::new(&scene.materials, &lights, Accuracy::new(tolerance));
-        let sky = SkyShader::new(&table, replaced, &blockers);
+        let sky = SkyShader::new([&table], replaced, &blockers);
         let mut shader = CpuShader::new(MaskVisibility::new(&blockers)).with_sky(sky);
         row(&format!("{rows} × {samples}"), made, &mut |out| {
             shader.shade(&points, &frame, out).expect("shaded");

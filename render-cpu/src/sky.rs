@@ -1,6 +1,6 @@
 use glam::Vec3;
-use lobe_core::{Contribution, Observer, Receiver, Stage, TileContributions, TileLobes};
-use visibility_mask::sky::{Horizon, SkyBlockers, SkyTable, SkyTile, SkyView};
+use lobe_core::{BrdfLobe, Contribution, Lobe, Observer, Receiver, Stage, TileContributions, TileLobes};
+use visibility_mask::sky::{Horizon, SkyBlockers, SkyResolution, SkyShare, SkyTable, SkyTile, SkyView, SkyWindow};
 
 /// Lights that a shader sums at once: the patches of an environment.
 ///
@@ -83,37 +83,164 @@ impl<K: SkyLighting> SkyLighting for Option<K> {
 /// An environment through one buffer a receiver, instead of a mask for each patch.
 ///
 /// For each tile blockers search once; for each receiver they draw once, one ray says what the fewest surfaces are, and each reflectance
-/// lobe is summed over a table of the sky's light ([`visibility_mask::sky`]). Lobes that the table's samples do not resolve stay,
+/// lobe is summed over a table of the sky's light ([`visibility_mask::sky`]). A lobe that the table's samples do not resolve is shared with
+/// finer tables, each through a [window](SkyWindow) about the lobe's axis, for which blockers draw again. Lobes that no table resolves stay,
 /// and all those of receivers that see less than an eighth of the sky.
 #[derive(Clone, Debug)]
 pub struct SkyShader<'a, B> {
-    table: &'a SkyTable,
+    /// Each of smaller steps than the one before.
+    tables: Vec<&'a SkyTable>,
+    resolutions: Vec<SkyResolution>,
     /// For each light of the frame whether it is a part of the table.
     replaced: Vec<bool>,
     blockers: B,
 }
 
 impl<'a, B: SkyBlockers> SkyShader<'a, B> {
-    /// A table, the lights of the frame that it stands for, and what hides them.
+    /// Tables of one sky, each of smaller steps than the one before, the lights of the frame that they stand for, and what hides them.
     #[must_use]
-    pub const fn new(table: &'a SkyTable, replaced: Vec<bool>, blockers: B) -> Self {
-        Self { table, replaced, blockers }
+    pub fn new(tables: impl IntoIterator<Item = &'a SkyTable>, replaced: Vec<bool>, blockers: B) -> Self {
+        let tables: Vec<_> = tables.into_iter().collect();
+        let resolutions = tables.iter().map(|table| table.meridians().resolution()).collect();
+        Self { tables, resolutions, replaced, blockers }
+    }
+
+    /// The first table that resolves a lobe.
+    fn level(&self, lobe: &BrdfLobe) -> Option<usize> {
+        self.resolutions.iter().position(|table| SkyView::resolves(*table, lobe))
     }
 }
 
 /// Working memory of a [`SkyShader`].
 #[derive(Clone, Debug)]
 pub struct SkyScratch<S> {
-    view: SkyView,
+    /// For each table.
+    views: Vec<SkyView>,
+    sums: Vec<LobeSum>,
+    /// Receivers with lobes for the present table: their numbers, they, and how they see the sky.
+    numbers: Vec<usize>,
+    receivers: Vec<Receiver>,
     horizons: Vec<Horizon>,
+    /// For each receiver of the tile how much of the sky it sees.
+    seen: Vec<Seen>,
     blockers: S,
+}
+
+/// A lobe of a receiver, and the integrals of the sky's radiance times it, over what is seen and over all.
+#[derive(Clone, Copy, Debug)]
+struct LobeSum {
+    receiver: usize,
+    row: usize,
+    lobe: BrdfLobe,
+    /// The axis about which finer tables look.
+    axis: Vec3,
+    /// The first table that resolves it.
+    level: usize,
+    seen: Vec3,
+    all: Vec3,
+}
+
+/// How much of the sky a receiver sees.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
+    /// Nothing, and surely.
+    is_shut: bool,
+    /// So little that samples are too coarse: found only for receivers with narrow lobes.
+    is_little: bool,
+}
+
+impl Seen {
+    /// Whether lobes of so much light, seen and whole, are better left to patches. Narrow ones see little of a wide sky where they reflect something else;
+    /// their samples are fine enough for that.
+    fn leaves(self, is_narrow: bool, sum: &Contribution) -> bool {
+        let is_little = SkyView::is_little(sum.radiance, sum.unshadowed);
+        is_little && !self.is_shut && (!is_narrow || self.is_little)
+    }
+}
+
+/// The axis about which a lobe is high.
+fn axis(at: &Receiver, lobe: &BrdfLobe) -> Vec3 {
+    match lobe {
+        BrdfLobe::Cosine(lobe) => lobe.axis,
+        BrdfLobe::Microfacets(facets) => facets.at(at.normal).highlight().0,
+    }
+}
+
+impl<B: SkyBlockers> SkyShader<'_, B> {
+    /// Adds to all lobes what one of the tables sums: the first table for all receivers of a tile, a finer one for those with narrow
+    /// lobes.
+    fn sum(&self, level: usize, at: &[Receiver], scratch: &mut SkyScratch<B::Scratch>, observer: &mut impl Observer) {
+        let SkyScratch { views, sums, numbers, receivers, horizons, seen: all_seen, blockers } = scratch;
+        numbers.clear();
+        numbers.extend(sums.iter().filter(|sum| sum.level >= level).map(|sum| sum.receiver));
+        numbers.dedup();
+        if numbers.is_empty() {
+            return;
+        }
+        receivers.clear();
+        receivers.extend(numbers.iter().map(|number| at[*number]));
+        horizons.clear();
+        horizons.extend(receivers.iter().map(|at| Horizon::new(at, self.blockers.has_facet(at))));
+        let table = self.tables[level];
+        let tile = SkyTile { receivers, horizons, meridians: table.meridians() };
+        self.blockers.enter(&tile, blockers);
+        let view = &mut views[level];
+        let mut rest = &mut sums[..];
+        for (place, number) in numbers.iter().enumerate() {
+            let from = rest.iter().position(|sum| sum.receiver == *number).unwrap_or(rest.len());
+            let own = rest[from..].iter().take_while(|sum| sum.receiver == *number).count();
+            let (own, after) = core::mem::take(&mut rest)[from..].split_at_mut(own);
+            rest = after;
+            let mut last = None;
+            for sum in own.iter_mut().filter(|sum| sum.level >= level) {
+                let share = SkyShare::of_level(&self.resolutions[..=sum.level], level, sum.axis);
+                // All lobes see one whole sky; each axis has a window of its own.
+                let looks = (level > 0).then_some(sum.axis);
+                if last != Some(looks) {
+                    last = Some(looks);
+                    view.begin_in(table, horizons[place], self.window(level, &horizons[place], &share));
+                    let in_doubt = self.blockers.draw(&tile, place, view.buffer_mut(), blockers);
+                    view.settle(table, in_doubt, |v| self.blockers.hides(&tile, place, v, blockers));
+                    if level == 0 {
+                        observer.coverage(view.coverage());
+                        all_seen[*number].is_shut = view.is_shut();
+                    }
+                    observer.end(Stage::Mask);
+                }
+                let [seen, all] = view.integrals_of(table, &receivers[place], &sum.lobe, share);
+                sum.seen += seen;
+                sum.all += all;
+            }
+            if level == 0 && own.iter().any(|sum| sum.level > 0) {
+                let lambert = Lobe::new(receivers[place].normal, 1.0, Vec3::ONE).into();
+                let [seen, all] = view.integrals(table, &receivers[place], &lambert);
+                all_seen[*number].is_little = SkyView::is_little(seen, all);
+            }
+            observer.end(Stage::Integration);
+        }
+    }
+
+    /// The part of the sky that a share of a lobe is in.
+    fn window(&self, level: usize, horizon: &Horizon, share: &SkyShare) -> SkyWindow {
+        let resolution = self.resolutions[level];
+        let cone = share.cone().map(|(axis, angle)| (horizon.pole().local(axis), angle));
+        cone.map_or_else(|| SkyWindow::whole(resolution), |(axis, angle)| SkyWindow::around(resolution, axis, angle))
+    }
 }
 
 impl<B: SkyBlockers> SkyLighting for SkyShader<'_, B> {
     type Scratch = SkyScratch<B::Scratch>;
 
     fn scratch(&self) -> Self::Scratch {
-        SkyScratch { view: SkyView::default(), horizons: Vec::new(), blockers: self.blockers.scratch() }
+        SkyScratch {
+            views: vec![SkyView::default(); self.tables.len()],
+            sums: Vec::new(),
+            numbers: Vec::new(),
+            receivers: Vec::new(),
+            horizons: Vec::new(),
+            seen: Vec::new(),
+            blockers: self.blockers.scratch(),
+        }
     }
 
     fn replaces(&self, light: usize) -> bool {
@@ -133,45 +260,52 @@ impl<B: SkyBlockers> SkyLighting for SkyShader<'_, B> {
         observer: &mut impl Observer,
         out: &mut TileContributions,
     ) -> bool {
-        let SkyScratch { view, horizons, blockers } = scratch;
         out.begin(at.len());
-        horizons.clear();
-        horizons.extend(at.iter().map(|at| Horizon::new(at, self.blockers.has_facet(at))));
-        let tile = SkyTile { receivers: at, horizons, meridians: self.table.meridians() };
-        self.blockers.enter(&tile, blockers);
         let mut is_left = false;
-        let mut resolved = Vec::new();
-        for (number, at) in at.iter().enumerate() {
-            resolved.clear();
-            resolved.extend(lobes.of(number).filter(|(_, lobe)| SkyView::resolves(self.table, lobe)));
-            is_left |= resolved.len() < lobes.of(number).count();
-            if resolved.is_empty() {
-                continue;
+        scratch.sums.clear();
+        scratch.seen.clear();
+        scratch.seen.resize(at.len(), Seen::default());
+        for (receiver, at) in at.iter().enumerate() {
+            for (row, lobe) in lobes.of(receiver) {
+                let Some(level) = self.level(&lobe) else {
+                    is_left = true;
+                    continue;
+                };
+                let axis = axis(at, &lobe);
+                scratch.sums.push(LobeSum { receiver, row, lobe, axis, level, seen: Vec3::ZERO, all: Vec3::ZERO });
             }
-            view.begin(self.table, tile.horizons[number]);
-            let in_doubt = self.blockers.draw(&tile, number, view.buffer_mut(), blockers);
-            view.settle(self.table, in_doubt, |v| self.blockers.hides(&tile, number, v, blockers));
-            observer.coverage(view.coverage());
-            observer.end(Stage::Mask);
-            let mut sum = Contribution::default();
-            for (_, lobe) in &resolved {
-                let [seen, all] = view.integrals(self.table, at, lobe).map(|integral| lobe.flux() * integral);
-                sum.unshadowed += all;
-                if all.max_element() > threshold {
-                    sum.radiance += seen;
-                } else if all != Vec3::ZERO {
-                    observer.prune();
-                }
-            }
-            if view.is_little(sum.radiance, sum.unshadowed) {
-                is_left = true;
-                continue;
-            }
-            resolved.iter().for_each(|(row, _)| lobes.remove(*row));
-            observer.count(0, resolved.len());
-            observer.end(Stage::Integration);
-            out.put(number, &sum, resolved.len());
         }
+        for level in 0..self.tables.len() {
+            self.sum(level, at, scratch, observer);
+        }
+        for of_one in scratch.sums.chunk_by(|a, b| a.receiver == b.receiver) {
+            let receiver = of_one[0].receiver;
+            let (mut all, mut count) = (Contribution::default(), 0);
+            for is_narrow in [false, true] {
+                let of_kind = || of_one.iter().filter(|sum| (sum.level > 0) == is_narrow);
+                let mut sum = Contribution::default();
+                for LobeSum { lobe, seen, all, .. } in of_kind() {
+                    let [seen, all] = [*seen, *all].map(|integral| lobe.flux() * integral);
+                    sum.unshadowed += all;
+                    if all.max_element() > threshold {
+                        sum.radiance += seen;
+                    } else if all != Vec3::ZERO {
+                        observer.prune();
+                    }
+                }
+                if scratch.seen[receiver].leaves(is_narrow, &sum) {
+                    is_left = true;
+                    continue;
+                }
+                of_kind().for_each(|sum| lobes.remove(sum.row));
+                count += of_kind().count();
+                all.radiance += sum.radiance;
+                all.unshadowed += sum.unshadowed;
+            }
+            observer.count(0, count);
+            out.put(receiver, &all, count);
+        }
+        observer.end(Stage::Integration);
         is_left
     }
 }

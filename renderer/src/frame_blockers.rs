@@ -121,8 +121,8 @@ impl<'a> FrameBlockers<'a> {
     /// Its table is made only where it is used.
     pub(crate) fn under(self, kept: &'a mut KeptSky, frame: &Frame<'_>, backend: &Backend, method: Method) -> Self {
         let is_summed = matches!(backend, Backend::Cpu) && self.sums_skies(method);
-        let environment = self.world.scene().environment.as_ref().filter(|_| is_summed);
-        Self { sky: kept.follow(environment, frame.lights, frame.accuracy), ..self }
+        let scene = self.world.scene();
+        Self { sky: if is_summed { kept.follow(scene, frame) } else { None }, ..self }
     }
 
     /// Whether a sky before these blockers is summed at once by a CPU.
@@ -213,7 +213,7 @@ impl<'a> FrameBlockers<'a> {
         let is_summed = self.sums_skies(method);
         let (spheres, silhouettes) = (self.spheres, self.silhouettes.as_ref());
         let sky = self.sky.filter(|_| is_summed);
-        let sky = sky.map(|sky| SkyShader::new(sky.table, sky.replaced, (spheres, silhouettes)));
+        let sky = sky.map(|sky| SkyShader::new(sky.tables, sky.replaced, (spheres, silhouettes)));
         let maps = self.maps.map(|maps| Mixture::new(maps, self.drawn));
         let form = (method, self.of_own);
         let custom = DynMixture(self.custom.iter().map(|own| own.blockers()).collect());

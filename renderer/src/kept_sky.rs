@@ -1,7 +1,9 @@
-use lighting::{Environment, Light};
-use lobe_core::Accuracy;
+use glam::Vec3;
+use lighting::Environment;
+use lobe_core::{BrdfLobes, Receiver};
+use scene::{Frame, Scene, Surface};
 use std::sync::Arc;
-use visibility_mask::sky::{SkyResolution, SkyTable};
+use visibility_mask::sky::{SkyResolution, SkyTable, SkyView};
 
 /// The tables of the scene's environment, one for each resolution in use, kept from picture to picture: they follow the environment
 /// alone, whatever moves before it.
@@ -13,24 +15,20 @@ pub struct KeptSky {
     made: u64,
 }
 
-/// An environment as a CPU sums it at once: its table, and which of the scene's lights it stands for.
+/// An environment as a CPU sums it at once: its tables, each of smaller steps than the one before, and which of the scene's lights they
+/// stand for.
 #[derive(Clone, Debug)]
 pub struct SkyFrame<'a> {
-    pub(crate) table: &'a SkyTable,
+    pub(crate) tables: Vec<&'a SkyTable>,
     pub(crate) replaced: Vec<bool>,
 }
 
 impl KeptSky {
-    /// The sky of a scene for an accuracy. None without an environment, and where its patches are not all among the lights as they were made:
-    /// then they are lights like others.
-    pub fn follow(
-        &mut self,
-        environment: Option<&Arc<Environment>>,
-        lights: &[Light],
-        accuracy: Accuracy,
-    ) -> Option<SkyFrame<'_>> {
-        let environment = environment?;
-        let replaced = environment.patches_among(lights)?;
+    /// The sky of a scene for a frame's accuracy and materials. None without an environment, and where its patches are not all among the
+    /// lights as they were made: then they are lights like others.
+    pub fn follow(&mut self, scene: &Scene, frame: &Frame<'_>) -> Option<SkyFrame<'_>> {
+        let environment = scene.environment.as_ref()?;
+        let replaced = environment.patches_among(frame.lights)?;
         if !replaced.contains(&true) {
             return None;
         }
@@ -38,15 +36,20 @@ impl KeptSky {
             self.of = Some(Arc::clone(environment));
             self.tables.clear();
         }
-        let resolution = SkyResolution::of_tolerance(accuracy.tolerance);
-        let known = self.tables.iter().position(|table| table.meridians().resolution() == resolution);
-        let place = known.unwrap_or_else(|| {
-            let sky = environment.sky();
-            self.tables.push(SkyTable::new(resolution, sky.size().x, |v| sky.radiance(v)));
-            self.made += 1;
-            self.tables.len() - 1
-        });
-        Some(SkyFrame { table: &self.tables[place], replaced })
+        let resolutions = resolutions(scene, frame);
+        for resolution in &resolutions {
+            if self.table(*resolution).is_none() {
+                let sky = environment.sky();
+                self.tables.push(SkyTable::new(*resolution, sky.size().x, |v| sky.radiance(v)));
+                self.made += 1;
+            }
+        }
+        let tables = resolutions.into_iter().filter_map(|resolution| self.table(resolution)).collect();
+        Some(SkyFrame { tables, replaced })
+    }
+
+    fn table(&self, resolution: SkyResolution) -> Option<&SkyTable> {
+        self.tables.iter().find(|table| table.meridians().resolution() == resolution)
     }
 
     /// Tables that were made so far.
@@ -54,4 +57,24 @@ impl KeptSky {
     pub const fn made(&self) -> u64 {
         self.made
     }
+}
+
+/// The resolution of a tolerance, and as many finer ones as the narrowest lobes of the materials need.
+fn resolutions(scene: &Scene, frame: &Frame<'_>) -> Vec<SkyResolution> {
+    let first = SkyResolution::of_tolerance(frame.accuracy.tolerance);
+    let mut all: Vec<_> = core::iter::successors(Some(first), |last| last.finer()).collect();
+    // A picture may make any roughness of it.
+    let varies = |surface: &Surface| surface.roughness.is_some() || surface.exponent.is_some();
+    if scene.surfaces.iter().any(varies) {
+        return all;
+    }
+    let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z);
+    let mut lobes = Vec::new();
+    frame.materials.iter().for_each(|material| material.brdf_lobes(&at, &mut lobes));
+    // Lobes that no table resolves are not summed over one.
+    lobes.retain(|lobe| all.last().is_some_and(|finest| SkyView::resolves(*finest, lobe)));
+    let is_enough = |resolution: &SkyResolution| lobes.iter().all(|lobe| SkyView::resolves(*resolution, lobe));
+    let needed = all.iter().position(is_enough).map_or(all.len(), |place| place + 1);
+    all.truncate(needed);
+    all
 }

@@ -24,10 +24,12 @@ mod buffer;
 mod horizon;
 mod meridians;
 mod pole;
+mod share;
 mod table;
 #[cfg(test)]
 mod tests;
 mod view;
+mod window;
 
 pub use self::arcs::SkyArcs;
 pub use self::blockers::{SkyBlockers, SkyTile};
@@ -35,5 +37,7 @@ pub use self::buffer::{SkyBuffer, Witnesses};
 pub use self::horizon::Horizon;
 pub use self::meridians::{Meridians, SkyResolution};
 pub use self::pole::Pole;
+pub use self::share::SkyShare;
 pub use self::table::SkyTable;
 pub use self::view::SkyView;
+pub use self::window::SkyWindow;

@@ -1,5 +1,5 @@
 use super::arcs::{FIRST, NORMAL, ROWS, STEP};
-use super::{Horizon, Meridians, SkyArcs, SkyResolution};
+use super::{Horizon, Meridians, SkyArcs, SkyResolution, SkyWindow};
 use fearless_simd::{Simd, f32x8, i32x8, mask32x8, prelude::*};
 use glam::Vec3;
 use lobe_core::vec3x8::LANES;
@@ -34,6 +34,8 @@ pub struct SkyBuffer {
     /// For each block of rows which are crossed, as bits.
     crossed: Vec<u8>,
     blocks: usize,
+    /// What is drawn.
+    window: SkyWindow,
     /// The fewest surfaces before any sample, as a count.
     fewest: i32,
     /// For each row the longest run of samples with the fewest, times 512, plus its last sample.
@@ -41,11 +43,12 @@ pub struct SkyBuffer {
 }
 
 impl SkyBuffer {
-    /// Begins a receiver: no surfaces.
-    pub fn clear(&mut self, resolution: SkyResolution) {
+    /// Begins a receiver, or another window of its: no surfaces.
+    pub fn clear(&mut self, resolution: SkyResolution, window: SkyWindow) {
         let (columns, blocks) = (resolution.samples() + 2, resolution.blocks());
+        let last = core::mem::replace(&mut self.window, window);
         if (self.columns, self.blocks) != (columns, blocks) {
-            *self = Self::default();
+            *self = Self { window, ..Self::default() };
             (self.columns, self.blocks) = (columns, blocks);
             self.counts.resize(columns * blocks, [0; LANES]);
             self.folds.resize(columns * blocks, [0; LANES]);
@@ -54,11 +57,13 @@ impl SkyBuffer {
             return;
         }
         let has_folds = core::mem::take(&mut self.has_folds);
-        for block in 0..blocks {
+        // A step in the last sample reaches into the next.
+        let drawn = last.columns()[1] + 1;
+        for block in last.blocks() {
             if core::mem::take(&mut self.crossed[block]) != 0 {
-                self.counts[block * columns..][..columns].fill([0; LANES]);
+                self.counts[block * columns..][..drawn].fill([0; LANES]);
                 if has_folds {
-                    self.folds[block * columns..][..columns].fill([0; LANES]);
+                    self.folds[block * columns..][..drawn].fill([0; LANES]);
                 }
             }
         }
@@ -72,6 +77,9 @@ impl SkyBuffer {
 
     #[inline(always)]
     fn put(&mut self, row: usize, column: usize, fraction: i32, step: i32) {
+        if column >= self.window.columns()[1] {
+            return;
+        }
         let (block, lane) = (row / LANES, row % LANES);
         let shared = step.clamp(-2, 2);
         let others = (step - shared) * HALF;
@@ -103,8 +111,13 @@ impl SkyBuffer {
             // Away from the pole is to the left of an arc that runs counter-clockwise.
             let step = arcs.load(simd, STEP, index);
             let steps: [i32; LANES] = rows.simd_gt(zero).select(-step, step).to_int::<i32x8<S>>().into();
-            let firsts: [i32; LANES] = (first + rows.min(zero)).to_int::<i32x8<S>>().into();
-            let counts: [i32; LANES] = rows.abs().to_int::<i32x8<S>>().into();
+            let mut firsts: [i32; LANES] = (first + rows.min(zero)).to_int::<i32x8<S>>().into();
+            let mut counts: [i32; LANES] = rows.abs().to_int::<i32x8<S>>().into();
+            if !self.window.is_whole() {
+                for (first, count) in firsts.iter_mut().zip(&mut counts) {
+                    [*first, *count] = self.window.clipped(*first, *count, all);
+                }
+            }
             let across = normal[2].abs();
             let is_up = normal[2].simd_gt(zero);
             let mut live = arcs.lanes(index);
@@ -132,7 +145,9 @@ impl SkyBuffer {
                 while left != 0 {
                     let lane = left.trailing_zeros() as usize & (LANES - 1);
                     left &= left - 1;
-                    self.put(row[lane], columns[lane] as usize, fractions[lane], steps[lane]);
+                    if self.window.has_row(row[lane]) {
+                        self.put(row[lane], columns[lane] as usize, fractions[lane], steps[lane]);
+                    }
                 }
             }
         }
@@ -147,7 +162,7 @@ impl SkyBuffer {
         let zero = f32x8::splat(simd, 0.0);
         // Decided once for all rows. Whoever holds a pole crosses each row once.
         let (has_pole, has_opposite) = (axis.z > cos, -axis.z > cos);
-        for block in 0..self.blocks {
+        for block in self.window.blocks() {
             let [cos_row, sin_row] = meridians.block(simd, block);
             // The height over the cone's plane along the row: along sin θ + axis.z cos θ = R cos(θ − θ₀).
             let along = cos_row * axis.x + sin_row * axis.y;
@@ -182,14 +197,25 @@ impl SkyBuffer {
         let mut low = i32x8::splat(simd, i32::MAX);
         let mut any = i32x8::splat(simd, i32::MAX);
         let (cuts, zero) = (i32x8::splat(simd, (1 << CUTS) - 1), i32x8::splat(simd, 0));
-        for block in (0..self.blocks).filter(|block| self.crossed[*block] != 0) {
+        let [start, finish] = self.window.columns();
+        let mut is_open = false;
+        for block in self.window.blocks() {
             let end = meridians.crossing(simd, block, horizon.local());
             let sure = end - (1.0 + MARGIN);
-            let last = last_column(simd, end, self.columns);
+            // Rows that nothing crosses are as the pole is.
+            let is_seen = sure.simd_ge(f32x8::splat(simd, start as f32));
+            is_open |= is_seen.to_bitmask() as u8 & !self.crossed[block] != 0;
+            if self.crossed[block] == 0 {
+                continue;
+            }
+            let last = last_column(simd, end, self.columns).min(finish);
             let mut sum = zero;
             for (column, counts) in self.counts[block * self.columns..][..last].iter_mut().enumerate() {
                 sum += i32x8::simd_from(simd, *counts);
                 *counts = sum.into();
+                if column < start {
+                    continue;
+                }
                 let is_above = f32x8::splat(simd, column as f32).simd_le(sure);
                 let is_whole = (sum & cuts).simd_eq(zero);
                 low = (is_above & is_whole).select(low.min(sum), low);
@@ -198,8 +224,6 @@ impl SkyBuffer {
         }
         let least = |lanes: i32x8<S>| <[i32; LANES]>::from(lanes).into_iter().min().unwrap_or(0);
         let fewest = least(low);
-        // Rows that nothing crosses are as the pole is.
-        let is_open = (0..self.blocks).any(|block| self.crossed[block] != u8::MAX);
         self.fewest = if is_open { fewest.min(0) } else { fewest };
         if self.fewest == i32::MAX {
             // Outlines pass through all samples: the fewest of which something is seen.
@@ -248,6 +272,7 @@ impl SkyBuffer {
         let end =
             |row: usize| <[f32; LANES]>::from(meridians.crossing(simd, row / LANES, horizon.local()))[row % LANES];
         if self.fewest == 0
+            && self.window.is_whole()
             && let Some((first, count)) = self.longest_open_run()
         {
             let rows = self.blocks * LANES;
@@ -259,9 +284,10 @@ impl SkyBuffer {
         }
         self.find_runs(simd, meridians, horizon);
         let mut runs: [(i32, usize); WITNESSES] = [(0, 0); WITNESSES];
-        for (row, run) in self.runs.iter().enumerate() {
-            if *run > runs[WITNESSES - 1].0 {
-                runs[WITNESSES - 1] = (*run, row);
+        for row in self.window.blocks().flat_map(|block| block * LANES..(block + 1) * LANES) {
+            let run = self.runs[row];
+            if run > runs[WITNESSES - 1].0 {
+                runs[WITNESSES - 1] = (run, row);
                 runs.sort_by_key(|run| core::cmp::Reverse(run.0));
             }
         }
@@ -298,12 +324,14 @@ impl SkyBuffer {
     #[inline(always)]
     fn find_runs<S: Simd>(&mut self, simd: S, meridians: &Meridians, horizon: &Horizon) {
         let (zero, fewest) = (i32x8::splat(simd, 0), i32x8::splat(simd, self.fewest));
-        for block in 0..self.blocks {
+        let [start, finish] = self.window.columns();
+        for block in self.window.blocks() {
             let end = meridians.crossing(simd, block, horizon.local());
             let (mut run, mut best) = (zero, zero);
-            if self.crossed[block] != 0 {
-                let last = last_column(simd, end, self.columns);
-                for (column, counts) in self.counts[block * self.columns..][..last].iter().enumerate() {
+            if self.crossed[block] != 0 || !self.window.is_whole() {
+                let last = last_column(simd, end, self.columns).min(finish);
+                let counts = &self.counts[block * self.columns..][..last];
+                for (column, counts) in counts.iter().enumerate().skip(start) {
                     let is_above: mask32x8<S> = f32x8::splat(simd, column as f32).simd_le(end - (1.0 + MARGIN));
                     let is_fewest = i32x8::simd_from(simd, *counts).simd_eq(fewest) & is_above;
                     run = is_fewest.select(run + 512, zero);

@@ -28,13 +28,20 @@ pub struct SkyResolution {
 }
 
 impl SkyResolution {
-    /// The most of either.
-    pub const MOST: usize = 256;
+    /// The most of both.
+    pub const MOST: [usize; 2] = [1024, 512];
 
-    /// So many of both: multiples of 8 up to [`MOST`](Self::MOST), to which other numbers are rounded.
+    /// So many of both: multiples of 8 up to the [most](Self::MOST), to which other numbers are rounded.
     #[must_use]
     pub const fn new(rows: usize, samples: usize) -> Self {
-        Self { rows: even(rows), samples: even(samples) }
+        Self { rows: even(rows, Self::MOST[0]), samples: even(samples, Self::MOST[1]) }
+    }
+
+    /// The next finer resolution, for narrow lobes: a quarter of the pitch. None from the finest on.
+    #[must_use]
+    pub fn finer(self) -> Option<Self> {
+        let finer = Self::new(4 * self.rows, (2 * self.rows).max(2 * self.samples));
+        (finer.rows > self.rows).then_some(finer)
     }
 
     /// The resolution for a tolerance, a part of the unshadowed radiance.
@@ -75,12 +82,12 @@ impl SkyResolution {
     }
 }
 
-const fn even(count: usize) -> usize {
+const fn even(count: usize, most: usize) -> usize {
     let count = count.next_multiple_of(LANES);
     if count < LANES {
         LANES
-    } else if count > SkyResolution::MOST {
-        SkyResolution::MOST
+    } else if count > most {
+        most
     } else {
         count
     }

@@ -7,6 +7,8 @@ use rayon::prelude::*;
 
 /// Places along a sample's side at which a sky is looked at, at most.
 const FINEST: usize = 8;
+/// From so many rows on one place does where texels are larger than samples.
+const FINE: usize = 512;
 
 /// Eight samples side by side: `∫ radiance dω` per channel, and unit directions in the world.
 #[derive(Clone, Copy, Debug, Default)]
@@ -38,7 +40,8 @@ impl SkyTable {
     pub fn new(resolution: SkyResolution, texels: u32, radiance: impl Fn(Vec3) -> Vec3 + Sync) -> Self {
         let meridians = Meridians::new(resolution);
         let (rows, samples) = (resolution.rows(), resolution.samples());
-        let looks = |count: usize| (2 * texels as usize / count).clamp(2, FINEST);
+        let fewest = if rows >= FINE { 1 } else { 2 };
+        let looks = |count: usize| (2 * texels as usize / count).clamp(fewest, FINEST);
         let looks = [looks(rows), looks(2 * samples)];
         // Opposite poles have the same samples in another order.
         let half: Vec<Vec<Sample>> = Pole::ALL[..3]

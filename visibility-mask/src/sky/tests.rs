@@ -215,7 +215,7 @@ fn lobes_are_integrated() {
             1 => Lobe::with_flux(mirrored, exponent, Vec3::ONE).times_cosine().into(),
             _ => Microfacets::new(at.view, alpha, [Vec3::ONE; 2])[case / 3 % 2].into(),
         };
-        assert!(SkyView::resolves(&table, &lobe));
+        assert!(SkyView::resolves(table.meridians().resolution(), &lobe));
         let axis = beside(&mut random, normal, 1.2).as_vec3();
         let cos = random.between(0.6, 0.95) as f32;
         let horizon = Horizon::new(&at, false);
@@ -242,6 +242,82 @@ fn lobes_are_integrated() {
     }
     println!("mean errors of what is seen, and of all: {sums:.5?}");
     assert!(sums.as_flattened().iter().all(|error| *error < 4e-3), "{sums:?}");
+}
+
+/// Shares of narrow lobes through windows of finer tables come to the whole lobe, before a cone, against sums about their axis.
+#[test]
+fn shares_of_narrow_lobes_come_to_them() {
+    let mut random = Random::new(17);
+    let sky = |v: Vec3| Vec3::new(1.0 + v.y, 1.0 + (4.0 * v.x).sin() * 0.7, 2.0 + v.z.powi(3));
+    let first = SkyResolution::new(64, 64);
+    let tables: Vec<SkyTable> = core::iter::successors(Some(first), |last| last.finer())
+        .map(|resolution| SkyTable::new(resolution, 256, sky))
+        .collect();
+    let resolutions: Vec<SkyResolution> = tables.iter().map(|table| table.meridians().resolution()).collect();
+    assert_eq!(resolutions, [first, SkyResolution::new(256, 128), SkyResolution::new(1024, 512)]);
+    let mut views = vec![SkyView::default(); tables.len()];
+    let (mut sums, count) = ([0.0; 2], 60);
+    for case in 0..count {
+        let normal = random.axis();
+        let view = beside(&mut random, normal, 1.3);
+        let at = Receiver::on_surface(Vec3::ZERO, normal.as_vec3(), view.as_vec3());
+        let mirrored = 2.0 * normal.dot(view) * normal - view;
+        let exponent = random.log_uniform(60.0, 9000.0) as f32;
+        let alpha = (2.0 / (4.0 * exponent + 2.0)).sqrt();
+        let lobe: BrdfLobe = match case % 3 {
+            0 => Lobe::with_flux(mirrored.as_vec3(), exponent, Vec3::ONE).into(),
+            1 => Lobe::with_flux(mirrored.as_vec3(), exponent, Vec3::ONE).times_cosine().into(),
+            _ => Microfacets::new(at.view, alpha, [Vec3::ONE; 2])[case / 3 % 2].into(),
+        };
+        let level = resolutions.iter().position(|table| SkyView::resolves(*table, &lobe)).expect("a table");
+        // The edge of what is hidden is in the highlight.
+        let offset = random.between(0.1, 0.6);
+        let axis = random.axis_at(mirrored, offset).as_vec3();
+        let cos = (offset + random.between(-1.0, 1.0) / f64::from(exponent).sqrt()).max(0.05).cos() as f32;
+        let horizon = Horizon::new(&at, false);
+        let mut got = [Vec3::ZERO; 2];
+        for (number, (table, seen)) in tables.iter().zip(&mut views).enumerate().take(level + 1) {
+            let share = SkyShare::of_level(&resolutions[..=level], number, mirrored.as_vec3());
+            let window = share.cone().map_or(SkyWindow::whole(resolutions[number]), |(axis, angle)| {
+                SkyWindow::around(resolutions[number], horizon.pole().local(axis), angle)
+            });
+            seen.begin_in(table, horizon, window);
+            dispatch!(Level::new(), simd => {
+                seen.buffer_mut().draw_cone(simd, table.meridians(), &horizon, axis, cos);
+            });
+            seen.settle(table, false, |v| v.dot(axis) > cos);
+            let more = seen.integrals_of(table, &at, &lobe, share);
+            got = [got[0] + more[0], got[1] + more[1]];
+        }
+        let want = about_axis(&at, &lobe, mirrored, |v| sky(v) * [1.0, 0.0][usize::from(v.dot(axis) > cos)]);
+        let all = about_axis(&at, &lobe, mirrored, sky);
+        for (k, want) in [want, all].into_iter().enumerate() {
+            let error = ((got[k].as_dvec3() - want) / all).abs().max_element();
+            assert!(error < [0.04, 0.015][k], "case {case}, {lobe:?}: {got:?} for {want:?}");
+            sums[k] += error / f64::from(count as u32);
+        }
+    }
+    println!("mean errors of what is seen, and of all: {sums:.5?}");
+    assert!(sums[0] < 6e-3 && sums[1] < 3e-3, "{sums:?}");
+}
+
+/// The integral of light times a lobe by rings about its axis, which lie the closer the nearer to it.
+fn about_axis(at: &Receiver, lobe: &BrdfLobe, axis: DVec3, light: impl Fn(Vec3) -> Vec3) -> DVec3 {
+    const RINGS: u32 = 700;
+    const TURNS: u32 = 200;
+    let mut sum = DVec3::ZERO;
+    for (ring, turn) in (0..RINGS).flat_map(|ring| (0..TURNS).map(move |turn| (ring, turn))) {
+        let part = (f64::from(ring) + 0.5) / f64::from(RINGS);
+        let theta = core::f64::consts::PI * part.powi(4);
+        let size = core::f64::consts::PI * 4.0 * part.powi(3) * theta.sin() * core::f64::consts::TAU
+            / f64::from(RINGS * TURNS);
+        let v = random_direction(axis, theta.cos(), core::f64::consts::TAU * f64::from(turn) / f64::from(TURNS));
+        if v.dot(at.normal.as_dvec3()) > 0.0 {
+            let v = v.as_vec3();
+            sum += (lobe.eval_at(at.normal, v) * light(v)).as_dvec3() * size;
+        }
+    }
+    sum
 }
 
 /// A direction by its height and azimuth about an axis.

@@ -1,6 +1,6 @@
 use super::buffer::last_column;
 use super::table::Cell;
-use super::{Horizon, SkyBuffer, SkyTable};
+use super::{Horizon, SkyBuffer, SkyResolution, SkyShare, SkyTable, SkyWindow};
 use crate::lanes::sum;
 use core::f32::consts::FRAC_1_PI;
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
@@ -35,6 +35,7 @@ const STEEP: f32 = 0.05;
 pub struct SkyView {
     buffer: SkyBuffer,
     horizon: Option<Horizon>,
+    window: SkyWindow,
     is_dark: bool,
     /// Normal and horizon of the last Lambert lobe, its integral, and that above the facet.
     known: Option<(Vec3, Horizon, [Vec3; 2])>,
@@ -45,7 +46,13 @@ pub struct SkyView {
 impl SkyView {
     /// Begins a receiver.
     pub fn begin(&mut self, table: &SkyTable, horizon: Horizon) {
-        self.buffer.clear(table.meridians().resolution());
+        self.begin_in(table, horizon, SkyWindow::whole(table.meridians().resolution()));
+    }
+
+    /// Begins what a receiver sees through a window, for shares of lobes that are nothing outside of it.
+    pub fn begin_in(&mut self, table: &SkyTable, horizon: Horizon, window: SkyWindow) {
+        self.buffer.clear(table.meridians().resolution(), window);
+        self.window = window;
         self.horizon = Some(horizon);
         self.is_dark = false;
         self.edge = None;
@@ -85,35 +92,47 @@ impl SkyView {
         }
     }
 
-    /// Whether the visible part is so small that samples are too coarse for it, and finer masks are needed. An opening between two rows
-    /// shows nothing at all; `false` where no outline leaves room for one.
+    /// Whether no outline leaves room for light: not even for an opening between two rows.
     #[must_use]
-    pub fn is_little(&self, seen: Vec3, whole: Vec3) -> bool {
-        let is_dark = self.is_dark && self.buffer.is_empty();
-        !is_dark && seen.max_element() < LITTLE * whole.max_element()
+    pub fn is_shut(&self) -> bool {
+        self.is_dark && self.buffer.is_empty()
+    }
+
+    /// Whether the visible part of a sky that is not [shut](Self::is_shut) is so small that samples are too coarse for it, and finer masks are needed.
+    #[must_use]
+    pub fn is_little(seen: Vec3, whole: Vec3) -> bool {
+        seen.max_element() < LITTLE * whole.max_element()
     }
 
     /// Whether sums over the samples resolve a lobe. Others need finer masks.
     #[must_use]
-    pub fn resolves(table: &SkyTable, lobe: &BrdfLobe) -> bool {
+    pub fn resolves(samples: SkyResolution, lobe: &BrdfLobe) -> bool {
         let exponent = match lobe {
             BrdfLobe::Cosine(lobe) => lobe.exponent,
             // Directions turn twice as far as half vectors.
             BrdfLobe::Microfacets(facets) => 0.25 * facets.exponent,
         };
-        let step = STEPS * table.meridians().resolution().pitch();
+        let step = STEPS * samples.pitch();
         exponent * step * step <= 1.0
     }
 
     /// The integrals of sky's radiance times a lobe, over what is seen and over all above the receiver's horizon, for a flux of 1: what
     /// [`cap_integral`](lobe_core::cap_integral) is for a light of uniform radiance.
     pub fn integrals(&mut self, table: &SkyTable, at: &Receiver, lobe: &BrdfLobe) -> [Vec3; 2] {
+        self.integrals_of(table, at, lobe, SkyShare::ALL)
+    }
+
+    /// The same of a share of the lobe.
+    pub fn integrals_of(&mut self, table: &SkyTable, at: &Receiver, lobe: &BrdfLobe, share: SkyShare) -> [Vec3; 2] {
         let Some(horizon) = self.horizon else { return [Vec3::ZERO; 2] };
+        let is_whole = self.window.is_whole();
         match lobe {
-            BrdfLobe::Cosine(lobe) if is_lambert(at, lobe) => self.lambert(table, at.normal, &horizon),
+            BrdfLobe::Cosine(lobe) if is_whole && share == SkyShare::ALL && is_lambert(at, lobe) => {
+                self.lambert(table, at.normal, &horizon)
+            }
             BrdfLobe::Cosine(lobe) => {
                 let value = PowerLobe::new(lobe, at.normal);
-                dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &horizon, &value))[0]
+                dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &share, &value))[0]
             }
             BrdfLobe::Microfacets(facets) => {
                 if let (Schlick::F90, Some((exponent, edge))) = (facets.part, self.edge.take())
@@ -122,7 +141,7 @@ impl SkyView {
                     return edge;
                 }
                 let value = facets.at(at.normal);
-                let [base, edge] = dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &horizon, &value));
+                let [base, edge] = dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &share, &value));
                 match facets.part {
                     Schlick::F0 => {
                         self.edge = Some((facets.exponent, edge));
@@ -176,23 +195,29 @@ impl SkyView {
         simd: S,
         table: &SkyTable,
         normal: Vec3,
-        horizon: &Horizon,
+        share: &SkyShare,
         lobe: &impl Values<P>,
     ) -> [[Vec3; 2]; P] {
+        let Some(horizon) = &self.horizon else { return [[Vec3::ZERO; 2]; P] };
         let zero = f32x8::splat(simd, 0.0);
         let mut sums = [[Vec3x8::new(zero, zero, zero); 2]; P];
         let resolution = table.meridians().resolution();
         let samples = resolution.samples();
         let local = horizon.pole().local(normal);
-        for block in 0..resolution.blocks() {
+        let [start, finish] = self.window.columns();
+        for block in self.window.blocks() {
             // Where the receiver's own horizon is, and its facet's.
             let end = if local.z > STEEP { Some(table.meridians().crossing(simd, block, local)) } else { None };
-            let last = end.map_or(samples, |end| last_column(simd, end, samples + 2));
+            let last = end.map_or(samples, |end| last_column(simd, end, samples + 2)).min(finish);
             let facet =
                 if horizon.is_facet() { Some(table.meridians().crossing(simd, block, horizon.local())) } else { None };
             let is_crossed = !self.is_dark && self.buffer.is_crossed(block);
             let part = f32x8::splat(simd, if self.is_dark { 0.0 } else { self.buffer.open_part() });
-            for (column, cell) in table.block(horizon.pole(), block)[..last].iter().enumerate() {
+            for (column, cell) in table.block(horizon.pole(), block)[..last].iter().enumerate().skip(start) {
+                let part_of_lobe = share.of_eight(simd, cell.direction(simd));
+                if part_of_lobe.is_some_and(|part| !part.simd_gt(zero).any_true()) {
+                    continue;
+                }
                 let Some(values) = lobe.values(simd, cell) else { continue };
                 let inside = match end {
                     Some(end) => above(simd, end, column),
@@ -202,7 +227,10 @@ impl SkyView {
                 if let Some(facet) = facet {
                     seen *= above(simd, facet, column);
                 }
-                let light = cell.light(simd);
+                let mut light = cell.light(simd);
+                if let Some(part) = part_of_lobe {
+                    light = light * part;
+                }
                 for (sums, value) in sums.iter_mut().zip(values) {
                     let whole = light * (f32x8::simd_from(simd, value) * inside);
                     sums[0] = sums[0] + whole * seen;

@@ -1,0 +1,99 @@
+use super::SkyResolution;
+use fearless_simd::{Simd, f32x8, prelude::*};
+use glam::Vec3;
+use lobe_core::vec3x8::Vec3x8;
+
+/// A window about a lobe that samples do not resolve is so many of their steps wide, to each side.
+const STEPS: f32 = 6.0;
+/// The widest.
+const WIDEST: f32 = 1.2;
+
+/// The share of a lobe that one of several tables sums: finer ones what is nearer to its axis.
+///
+/// A table of larger steps takes what lies outside of a cone, a table of smaller ones what lies inside. Between half of the cone and all of it
+/// the share falls smoothly, so that both have smooth functions to sum, and all shares of a direction are one.
+///
+/// ```
+/// use glam::Vec3;
+/// use visibility_mask::sky::{SkyResolution, SkyShare};
+/// let axis = Vec3::Z;
+/// let steps = [SkyResolution::new(64, 64), SkyResolution::new(256, 128)];
+/// let [wide, narrow] = [SkyShare::of_level(&steps, 0, axis), SkyShare::of_level(&steps, 1, axis)];
+/// for angle in [0.0_f32, 0.3, 0.45, 1.0] {
+///     let v = Vec3::new(angle.sin(), 0.0, angle.cos());
+///     assert!((wide.at(v) + narrow.at(v) - 1.0).abs() < 1e-6);
+/// }
+/// assert_eq!([wide.at(axis), narrow.at(axis)], [0.0, 1.0]);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkyShare {
+    axis: Vec3,
+    /// Half the angle of the cone outside of which it is nothing, if there is one.
+    angle: Option<f32>,
+    /// Squares of chords between which it rises, and between which it falls.
+    rise: Option<[f32; 2]>,
+    fall: Option<[f32; 2]>,
+}
+
+impl SkyShare {
+    /// All of a lobe.
+    pub const ALL: Self = Self { axis: Vec3::Z, angle: None, rise: None, fall: None };
+
+    /// The share of one of some tables, of which each has smaller steps than the one before, of a lobe about a unit axis that only the last of them resolves.
+    #[must_use]
+    pub fn of_level(tables: &[SkyResolution], level: usize, axis: Vec3) -> Self {
+        let angle = |table: &SkyResolution| (STEPS * table.pitch()).min(WIDEST);
+        let angle_of = |level: usize| tables.get(level).map(angle);
+        let outer = level.checked_sub(1).and_then(angle_of);
+        let inner = if level + 1 < tables.len() { angle_of(level) } else { None };
+        Self { axis, angle: outer, rise: inner.map(chords), fall: outer.map(chords) }
+    }
+
+    /// The axis, and half the angle of the cone outside of which the share is nothing; none where it is something everywhere.
+    #[must_use]
+    pub fn cone(&self) -> Option<(Vec3, f32)> {
+        self.angle.map(|angle| (self.axis, angle))
+    }
+
+    /// In a unit direction.
+    #[must_use]
+    pub fn at(&self, v: Vec3) -> f32 {
+        let square = (v - self.axis).length_squared();
+        let inside = |range: Option<[f32; 2]>| {
+            range.map(|[first, last]| {
+                let t = ((square - first) / (last - first)).clamp(0.0, 1.0);
+                1.0 - t * t * (3.0 - 2.0 * t)
+            })
+        };
+        inside(self.fall).unwrap_or(1.0) - inside(self.rise).unwrap_or(0.0)
+    }
+
+    /// In eight unit directions; none for all of a lobe.
+    #[inline(always)]
+    pub(super) fn of_eight<S: Simd>(&self, simd: S, v: Vec3x8<S>) -> Option<f32x8<S>> {
+        if self.rise.is_none() && self.fall.is_none() {
+            return None;
+        }
+        let [zero, one] = [0.0, 1.0].map(|x| f32x8::splat(simd, x));
+        let chord = v.minus(self.axis);
+        let square = chord.dot(chord);
+        let mut all = one;
+        if let Some([first, last]) = self.fall {
+            let t = ((square - first) * (1.0 / (last - first))).max(zero).min(one);
+            all = one - t * t * (t * -2.0 + 3.0);
+        }
+        if let Some([first, last]) = self.rise {
+            let t = ((square - first) * (1.0 / (last - first))).max(zero).min(one);
+            all -= one - t * t * (t * -2.0 + 3.0);
+        }
+        Some(all)
+    }
+}
+
+/// The squares of the chords of half an angle, and of it.
+fn chords(angle: f32) -> [f32; 2] {
+    [0.5 * angle, angle].map(|angle| {
+        let chord = 2.0 * (0.5 * angle).sin();
+        chord * chord
+    })
+}

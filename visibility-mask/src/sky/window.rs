@@ -1,0 +1,163 @@
+use super::SkyResolution;
+use core::f32::consts::{FRAC_PI_2, PI};
+use glam::Vec3;
+use lobe_core::vec3x8::LANES;
+
+/// A part of a sky's samples: some of the rows, around the pole and in blocks of eight, and a range of the samples of each.
+///
+/// The default is nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SkyWindow {
+    /// The first block, how many follow it around, and how many there are.
+    first: usize,
+    count: usize,
+    all: usize,
+    columns: [usize; 2],
+    is_whole: bool,
+}
+
+impl SkyWindow {
+    /// All samples.
+    #[must_use]
+    pub const fn whole(resolution: SkyResolution) -> Self {
+        // The end of the last sample is a place of its own.
+        let columns = [0, resolution.samples() + 1];
+        Self { first: 0, count: resolution.blocks(), all: resolution.blocks(), columns, is_whole: true }
+    }
+
+    /// Those that are within an angle of a unit direction in the pole's frame, and some more.
+    #[must_use]
+    pub fn around(resolution: SkyResolution, direction: Vec3, angle: f32) -> Self {
+        let whole = Self::whole(resolution);
+        let across = direction.truncate().length();
+        let polar = across.atan2(direction.z);
+        let place = |polar: f32| {
+            let (sin, cos) = polar.clamp(0.0, PI).sin_cos();
+            (0.5 - 0.5 * cos / (sin.abs() + cos.abs())) * resolution.samples() as f32
+        };
+        let columns = [
+            place(polar - angle).floor().max(0.0) as usize,
+            (place(polar + angle).ceil() as usize).min(resolution.samples()) + 1,
+        ];
+        let beside = angle.sin() / across;
+        if angle >= FRAC_PI_2 || polar <= angle || polar >= PI - angle || !(beside < 1.0) {
+            return Self { columns, is_whole: false, ..whole };
+        }
+        let (turn, azimuth) = (beside.asin(), direction.y.atan2(direction.x));
+        let row = |azimuth: f32| {
+            let (sin, cos) = azimuth.sin_cos();
+            let p = sin / (sin.abs() + cos.abs());
+            let p = if cos >= 0.0 { p } else { (2.0 - p.abs()).copysign(p) };
+            (p + 2.0) * 0.25 * resolution.rows() as f32
+        };
+        let all = whole.all as f32;
+        let block = |azimuth: f32| row(azimuth) / LANES as f32;
+        // A little more on both sides than rounding might miss.
+        let begin = (block(azimuth - turn) - 0.01).rem_euclid(all);
+        let length = (block(azimuth + turn) + 0.01 - begin).rem_euclid(all);
+        let first = begin.floor() as usize % whole.all;
+        let count = (begin - begin.floor() + length).floor() as usize + 1;
+        if count >= whole.all {
+            return Self { columns, is_whole: false, ..whole };
+        }
+        Self { first, count, all: whole.all, columns, is_whole: false }
+    }
+
+    /// Whether it is made as all samples.
+    #[inline(always)]
+    pub(super) const fn is_whole(&self) -> bool {
+        self.is_whole
+    }
+
+    /// Its blocks of rows.
+    pub(super) fn blocks(&self) -> impl Iterator<Item = usize> + use<> {
+        let all = self.all;
+        (self.first..self.first + self.count).map(move |block| if block >= all { block - all } else { block })
+    }
+
+    /// The first of its samples on each row, and the first that is none.
+    #[inline(always)]
+    pub(super) const fn columns(&self) -> [usize; 2] {
+        self.columns
+    }
+
+    #[inline(always)]
+    pub(super) const fn has_row(&self, row: usize) -> bool {
+        let block = row / LANES;
+        let beyond = if block >= self.first { block - self.first } else { block + self.all - self.first };
+        beyond < self.count
+    }
+
+    /// Of so many rows from a first one on, counted around `all`, a run that holds those in the window: its first row and how many.
+    #[inline(always)]
+    pub(super) fn clipped(&self, first: i32, count: i32, all: i32) -> [i32; 2] {
+        let (begin, len) = ((self.first * LANES) as i32, (self.count * LANES) as i32);
+        let start = (first - begin).rem_euclid(all);
+        let end = start + count;
+        match (start < len, end > all) {
+            // Into the window, round, and into it again.
+            (true, true) => [first, count],
+            (true, false) => [first, end.min(len) - start],
+            (false, true) => [begin, (end - all).min(len)],
+            (false, false) => [first, 0],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Meridians;
+    use super::*;
+    use lobe_core::oracle::Random;
+
+    /// Each sample within the angle is in the window, and a window is not much larger than its cone.
+    #[test]
+    fn windows_hold_their_cones() {
+        let resolution = SkyResolution::new(256, 128);
+        let meridians = Meridians::new(resolution);
+        let mut random = Random::new(3);
+        let mut part = 0.0;
+        for _ in 0..200 {
+            let axis = random.axis().as_vec3();
+            let angle = random.between(0.02, 1.8) as f32;
+            let window = SkyWindow::around(resolution, axis, angle);
+            let [first, last] = window.columns();
+            let mut count = 0;
+            for row in 0..resolution.rows() {
+                for sample in 0..resolution.samples() {
+                    let is_in = window.has_row(row) && (first..last).contains(&sample);
+                    let v = meridians.direction(row as f64 + 0.5, sample as f64 + 0.5);
+                    assert!(is_in || v.dot(axis) < angle.cos(), "{axis} {angle}: {row} {sample}");
+                    count += usize::from(is_in);
+                }
+            }
+            let blocks: Vec<usize> = window.blocks().collect();
+            assert!((0..resolution.rows()).all(|row| window.has_row(row) == blocks.contains(&(row / LANES))));
+            if axis.z.abs() < 0.5 && angle < 0.5 {
+                part += count as f32 / (0.5 * (1.0 - angle.cos()) * (256.0 * 128.0)) / 200.0;
+            }
+        }
+        assert!(part < 1.0, "{part}");
+    }
+
+    /// Runs of rows lose none in the window, and none are counted twice.
+    #[test]
+    fn runs_are_clipped_to_the_window() {
+        let all = 64;
+        for (first, count) in [(0, 3), (6, 4), (2, 8), (5, 1)] {
+            let window = SkyWindow { first, count, all: all / LANES, columns: [0, 1], is_whole: false };
+            for start in -70..70_i32 {
+                for len in 0..=all as i32 {
+                    let rows = |first: i32, count: i32| -> Vec<usize> {
+                        let rows = (first..first + count).map(|row| row.rem_euclid(all as i32) as usize);
+                        let mut rows: Vec<usize> = rows.filter(|row| window.has_row(*row)).collect();
+                        rows.sort_unstable();
+                        rows
+                    };
+                    let [a, b] = window.clipped(start, len, all as i32);
+                    assert_eq!(rows(a, b), rows(start, len), "{window:?} {start} {len}: {a} {b}");
+                }
+            }
+        }
+    }
+}
