@@ -1,6 +1,6 @@
 use glam::Vec3;
 use lobe_core::{BrdfLobe, Contribution, Lobe, Observer, Receiver, Stage, TileContributions, TileLobes};
-use visibility_mask::sky::{Horizon, SkyBlockers, SkyResolution, SkyShare, SkyTable, SkyTile, SkyView, SkyWindow};
+use visibility_mask::sky::{Horizon, SkyBlend, SkyBlockers, SkyResolution, SkyTable, SkyTile, SkyView, SkyWindow};
 
 /// Lights that a shader sums at once: the patches of an environment.
 ///
@@ -83,7 +83,7 @@ impl<K: SkyLighting> SkyLighting for Option<K> {
 /// An environment through one buffer a receiver, instead of a mask for each patch.
 ///
 /// For each tile blockers search once; for each receiver they draw once, one ray says what the fewest surfaces are, and each reflectance
-/// lobe is summed over a table of the sky's light ([`visibility_mask::sky`]). A lobe that the table's samples do not resolve is shared with
+/// lobe is summed over a table of the sky's light ([`visibility_mask::sky`]). A lobe that the table's samples do not resolve is divided among it and
 /// finer tables, each through a [window](SkyWindow) about the lobe's axis, for which blockers draw again. Lobes that no table resolves stay,
 /// and all those of receivers that see less than an eighth of the sky.
 #[derive(Clone, Debug)]
@@ -193,12 +193,12 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
             rest = after;
             let mut last = None;
             for sum in own.iter_mut().filter(|sum| sum.level >= level) {
-                let share = SkyShare::of_level(&self.resolutions[..=sum.level], level, sum.axis);
+                let blend = SkyBlend::of_level(&self.resolutions[..=sum.level], level, sum.axis);
                 // All lobes see one whole sky; each axis has a window of its own.
                 let looks = (level > 0).then_some(sum.axis);
                 if last != Some(looks) {
                     last = Some(looks);
-                    view.begin_in(table, horizons[place], self.window(level, &horizons[place], &share));
+                    view.begin_in(table, horizons[place], self.window(level, &horizons[place], &blend));
                     let in_doubt = self.blockers.draw(&tile, place, view.buffer_mut(), blockers);
                     view.settle(table, in_doubt, |v| self.blockers.hides(&tile, place, v, blockers));
                     if level == 0 {
@@ -207,7 +207,7 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
                     }
                     observer.end(Stage::Mask);
                 }
-                let [seen, all] = view.integrals_of(table, &receivers[place], &sum.lobe, share);
+                let [seen, all] = view.integrals_of(table, &receivers[place], &sum.lobe, blend);
                 sum.seen += seen;
                 sum.all += all;
             }
@@ -220,10 +220,10 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
         }
     }
 
-    /// The part of the sky that a share of a lobe is in.
-    fn window(&self, level: usize, horizon: &Horizon, share: &SkyShare) -> SkyWindow {
+    /// The part of the sky that a part of a lobe is in.
+    fn window(&self, level: usize, horizon: &Horizon, blend: &SkyBlend) -> SkyWindow {
         let resolution = self.resolutions[level];
-        let cone = share.cone().map(|(axis, angle)| (horizon.pole().local(axis), angle));
+        let cone = blend.cone().map(|(axis, angle)| (horizon.pole().local(axis), angle));
         cone.map_or_else(|| SkyWindow::whole(resolution), |(axis, angle)| SkyWindow::around(resolution, axis, angle))
     }
 }

@@ -128,7 +128,7 @@ fn globe(sides: u32, first: u32, radius: f32, x: f32) -> String {
     text
 }
 
-/// Curved meshes within 2 % light as spheres that they do not hide; others are told.
+/// Curved meshes within 2 % light as spheres that they do not hide; a warning names others.
 #[test]
 fn curved_meshes_light_within_two_percent() {
     let load_obj = |faces: &str| {

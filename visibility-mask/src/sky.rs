@@ -19,12 +19,12 @@
 //! ```
 
 mod arcs;
+mod blend;
 mod blockers;
 mod buffer;
 mod horizon;
 mod meridians;
 mod pole;
-mod share;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -32,12 +32,12 @@ mod view;
 mod window;
 
 pub use self::arcs::SkyArcs;
+pub use self::blend::SkyBlend;
 pub use self::blockers::{SkyBlockers, SkyTile};
 pub use self::buffer::{SkyBuffer, Witnesses};
 pub use self::horizon::Horizon;
 pub use self::meridians::{Meridians, SkyResolution};
 pub use self::pole::Pole;
-pub use self::share::SkyShare;
 pub use self::table::SkyTable;
 pub use self::view::SkyView;
 pub use self::window::SkyWindow;

@@ -244,9 +244,9 @@ fn lobes_are_integrated() {
     assert!(sums.as_flattened().iter().all(|error| *error < 4e-3), "{sums:?}");
 }
 
-/// Shares of narrow lobes through windows of finer tables come to the whole lobe, before a cone, against sums about their axis.
+/// Parts of narrow lobes through windows of finer tables come to the whole lobe, before a cone, against sums about their axis.
 #[test]
-fn shares_of_narrow_lobes_come_to_them() {
+fn parts_of_narrow_lobes_come_to_them() {
     let mut random = Random::new(17);
     let sky = |v: Vec3| Vec3::new(1.0 + v.y, 1.0 + (4.0 * v.x).sin() * 0.7, 2.0 + v.z.powi(3));
     let first = SkyResolution::new(64, 64);
@@ -277,8 +277,8 @@ fn shares_of_narrow_lobes_come_to_them() {
         let horizon = Horizon::new(&at, false);
         let mut got = [Vec3::ZERO; 2];
         for (number, (table, seen)) in tables.iter().zip(&mut views).enumerate().take(level + 1) {
-            let share = SkyShare::of_level(&resolutions[..=level], number, mirrored.as_vec3());
-            let window = share.cone().map_or(SkyWindow::whole(resolutions[number]), |(axis, angle)| {
+            let blend = SkyBlend::of_level(&resolutions[..=level], number, mirrored.as_vec3());
+            let window = blend.cone().map_or(SkyWindow::whole(resolutions[number]), |(axis, angle)| {
                 SkyWindow::around(resolutions[number], horizon.pole().local(axis), angle)
             });
             seen.begin_in(table, horizon, window);
@@ -286,7 +286,7 @@ fn shares_of_narrow_lobes_come_to_them() {
                 seen.buffer_mut().draw_cone(simd, table.meridians(), &horizon, axis, cos);
             });
             seen.settle(table, false, |v| v.dot(axis) > cos);
-            let more = seen.integrals_of(table, &at, &lobe, share);
+            let more = seen.integrals_of(table, &at, &lobe, blend);
             got = [got[0] + more[0], got[1] + more[1]];
         }
         let want = about_axis(&at, &lobe, mirrored, |v| sky(v) * [1.0, 0.0][usize::from(v.dot(axis) > cos)]);

@@ -1,6 +1,6 @@
 use super::buffer::last_column;
 use super::table::Cell;
-use super::{Horizon, SkyBuffer, SkyResolution, SkyShare, SkyTable, SkyWindow};
+use super::{Horizon, SkyBlend, SkyBuffer, SkyResolution, SkyTable, SkyWindow};
 use crate::lanes::sum;
 use core::f32::consts::FRAC_1_PI;
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
@@ -49,7 +49,7 @@ impl SkyView {
         self.begin_in(table, horizon, SkyWindow::whole(table.meridians().resolution()));
     }
 
-    /// Begins what a receiver sees through a window, for shares of lobes that are nothing outside of it.
+    /// Begins what a receiver sees through a window, for parts of lobes that are nothing outside of it.
     pub fn begin_in(&mut self, table: &SkyTable, horizon: Horizon, window: SkyWindow) {
         self.buffer.clear(table.meridians().resolution(), window);
         self.window = window;
@@ -119,20 +119,20 @@ impl SkyView {
     /// The integrals of sky's radiance times a lobe, over what is seen and over all above the receiver's horizon, for a flux of 1: what
     /// [`cap_integral`](lobe_core::cap_integral) is for a light of uniform radiance.
     pub fn integrals(&mut self, table: &SkyTable, at: &Receiver, lobe: &BrdfLobe) -> [Vec3; 2] {
-        self.integrals_of(table, at, lobe, SkyShare::ALL)
+        self.integrals_of(table, at, lobe, SkyBlend::ALL)
     }
 
-    /// The same of a share of the lobe.
-    pub fn integrals_of(&mut self, table: &SkyTable, at: &Receiver, lobe: &BrdfLobe, share: SkyShare) -> [Vec3; 2] {
+    /// The same of a part of the lobe.
+    pub fn integrals_of(&mut self, table: &SkyTable, at: &Receiver, lobe: &BrdfLobe, blend: SkyBlend) -> [Vec3; 2] {
         let Some(horizon) = self.horizon else { return [Vec3::ZERO; 2] };
         let is_whole = self.window.is_whole();
         match lobe {
-            BrdfLobe::Cosine(lobe) if is_whole && share == SkyShare::ALL && is_lambert(at, lobe) => {
+            BrdfLobe::Cosine(lobe) if is_whole && blend == SkyBlend::ALL && is_lambert(at, lobe) => {
                 self.lambert(table, at.normal, &horizon)
             }
             BrdfLobe::Cosine(lobe) => {
                 let value = PowerLobe::new(lobe, at.normal);
-                dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &share, &value))[0]
+                dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &blend, &value))[0]
             }
             BrdfLobe::Microfacets(facets) => {
                 if let (Schlick::F90, Some((exponent, edge))) = (facets.part, self.edge.take())
@@ -141,7 +141,7 @@ impl SkyView {
                     return edge;
                 }
                 let value = facets.at(at.normal);
-                let [base, edge] = dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &share, &value));
+                let [base, edge] = dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &blend, &value));
                 match facets.part {
                     Schlick::F0 => {
                         self.edge = Some((facets.exponent, edge));
@@ -195,7 +195,7 @@ impl SkyView {
         simd: S,
         table: &SkyTable,
         normal: Vec3,
-        share: &SkyShare,
+        blend: &SkyBlend,
         lobe: &impl Values<P>,
     ) -> [[Vec3; 2]; P] {
         let Some(horizon) = &self.horizon else { return [[Vec3::ZERO; 2]; P] };
@@ -214,7 +214,7 @@ impl SkyView {
             let is_crossed = !self.is_dark && self.buffer.is_crossed(block);
             let part = f32x8::splat(simd, if self.is_dark { 0.0 } else { self.buffer.open_part() });
             for (column, cell) in table.block(horizon.pole(), block)[..last].iter().enumerate().skip(start) {
-                let part_of_lobe = share.of_eight(simd, cell.direction(simd));
+                let part_of_lobe = blend.of_eight(simd, cell.direction(simd));
                 if part_of_lobe.is_some_and(|part| !part.simd_gt(zero).any_true()) {
                     continue;
                 }

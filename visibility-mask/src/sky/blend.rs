@@ -8,17 +8,17 @@ const STEPS: f32 = 6.0;
 /// The widest.
 const WIDEST: f32 = 1.2;
 
-/// The share of a lobe that one of several tables sums: finer ones what is nearer to its axis.
+/// The part of a lobe that one of several tables sums: finer ones what is nearer to its axis.
 ///
 /// A table of larger steps takes what lies outside of a cone, a table of smaller ones what lies inside. Between half of the cone and all of it
-/// the share falls smoothly, so that both have smooth functions to sum, and all shares of a direction are one.
+/// it falls smoothly, so that both have smooth functions to sum, and all parts come to one.
 ///
 /// ```
 /// use glam::Vec3;
-/// use visibility_mask::sky::{SkyResolution, SkyShare};
+/// use visibility_mask::sky::{SkyResolution, SkyBlend};
 /// let axis = Vec3::Z;
 /// let steps = [SkyResolution::new(64, 64), SkyResolution::new(256, 128)];
-/// let [wide, narrow] = [SkyShare::of_level(&steps, 0, axis), SkyShare::of_level(&steps, 1, axis)];
+/// let [wide, narrow] = [SkyBlend::of_level(&steps, 0, axis), SkyBlend::of_level(&steps, 1, axis)];
 /// for angle in [0.0_f32, 0.3, 0.45, 1.0] {
 ///     let v = Vec3::new(angle.sin(), 0.0, angle.cos());
 ///     assert!((wide.at(v) + narrow.at(v) - 1.0).abs() < 1e-6);
@@ -26,7 +26,7 @@ const WIDEST: f32 = 1.2;
 /// assert_eq!([wide.at(axis), narrow.at(axis)], [0.0, 1.0]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SkyShare {
+pub struct SkyBlend {
     axis: Vec3,
     /// Half the angle of the cone outside of which it is nothing, if there is one.
     angle: Option<f32>,
@@ -35,11 +35,11 @@ pub struct SkyShare {
     fall: Option<[f32; 2]>,
 }
 
-impl SkyShare {
+impl SkyBlend {
     /// All of a lobe.
     pub const ALL: Self = Self { axis: Vec3::Z, angle: None, rise: None, fall: None };
 
-    /// The share of one of some tables, of which each has smaller steps than the one before, of a lobe about a unit axis that only the last of them resolves.
+    /// The part of one of some tables, of which each has smaller steps than the one before, of a lobe about a unit axis that only the last of them resolves.
     #[must_use]
     pub fn of_level(tables: &[SkyResolution], level: usize, axis: Vec3) -> Self {
         let angle = |table: &SkyResolution| (STEPS * table.pitch()).min(WIDEST);
@@ -49,7 +49,7 @@ impl SkyShare {
         Self { axis, angle: outer, rise: inner.map(chords), fall: outer.map(chords) }
     }
 
-    /// The axis, and half the angle of the cone outside of which the share is nothing; none where it is something everywhere.
+    /// The axis, and half the angle of the cone outside of which it is nothing; none where it is something everywhere.
     #[must_use]
     pub fn cone(&self) -> Option<(Vec3, f32)> {
         self.angle.map(|angle| (self.axis, angle))
