@@ -34,7 +34,7 @@ pub struct SkyBuffer {
     /// For each block of rows which are crossed, as bits.
     crossed: Vec<u8>,
     blocks: usize,
-    /// What is drawn.
+    /// The samples that are drawn.
     window: SkyWindow,
     /// The fewest surfaces before any sample, as a count.
     fewest: i32,
