@@ -1,7 +1,9 @@
 //! Microfacets: half of their reflectance as a lobe, and its values at a receiver.
 
+use crate::vec3x8::Vec3x8;
 use crate::{Lobe, orthonormal_basis};
 use core::f32::consts::FRAC_1_PI;
+use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::Vec3;
 
 /// The light that microfacets of the GGX distribution reflect: `flux·D(h)·W(v)·(1 − s)`, or `·s`, in a direction `v` with the half
@@ -98,6 +100,25 @@ impl MicrofacetsAt {
         [value * (1.0 - fifth), value * fifth]
     }
 
+    /// The same in eight directions, to the bit.
+    #[doc(hidden)]
+    #[inline(always)]
+    pub fn both_of_eight<S: Simd>(&self, simd: S, v: Vec3x8<S>) -> [f32x8<S>; 2] {
+        let [zero, one] = [0.0, 1.0].map(|x| f32x8::splat(simd, x));
+        let h = v.plus(self.view);
+        let (along, across) = (h.dot_one(self.normal), h.cross(Vec3x8::splat(simd, self.normal)).length_squared());
+        let square = h.length_squared();
+        let spread = (along * self.alpha_sq * along + across).max(f32x8::splat(simd, 1e-30));
+        let d = (square / spread) * (self.alpha_sq * FRAC_1_PI) * (square / spread);
+        let x = (one - square.sqrt() * 0.5).max(zero);
+        let fifth = x * x * x * x * x;
+        let (light, view) = (v.dot_one(self.normal).max(zero), self.normal.dot(self.view));
+        let shadowed = (light * light * (1.0 - self.alpha_sq) + self.alpha_sq).sqrt();
+        let masking = light * 0.5 / (light * self.shadowing + shadowed * view);
+        let value = d * masking;
+        [value * (one - fifth), value * fifth]
+    }
+
     /// The one of them that belongs to the part.
     #[inline(always)]
     #[must_use]
@@ -168,9 +189,24 @@ pub(crate) fn seen_from(normal: Vec3, view: Vec3) -> (f32, f32, Vec3) {
 #[cfg(test)]
 mod tests {
     use super::Microfacets;
-    use crate::oracle::CapMicrofacets;
+    use crate::oracle::{CapMicrofacets, Random};
+    use crate::vec3x8::Vec3x8;
     use crate::{Cone, Receiver, cap_integral};
+    use fearless_simd::{Level, dispatch};
     use glam::{DVec3, Vec3};
+
+    #[test]
+    fn eight_directions_are_one_by_one() {
+        let mut random = Random::new(21);
+        for _ in 0..2000 {
+            let [normal, view, v] = [(); 3].map(|()| random.axis().as_vec3());
+            let facets = Microfacets::new(view, random.log_uniform(1e-3, 1.0) as f32, [Vec3::ONE; 2])[0].at(normal);
+            let got: [[f32; 8]; 2] = dispatch!(Level::new(), simd => {
+                facets.both_of_eight(simd, Vec3x8::splat(simd, v)).map(Into::into)
+            });
+            assert_eq!(got.map(|lanes| lanes[3].to_bits()), facets.both(v).map(f32::to_bits), "{facets:?} {v}");
+        }
+    }
 
     /// Lights about the mirrored view, as wide as the highlight and three times as wide: relative to both parts' light.
     #[test]

@@ -324,13 +324,7 @@ impl Values<1> for PowerLobe {
 
 impl Values<2> for MicrofacetsAt {
     #[inline(always)]
-    fn values<S: Simd>(&self, _: S, cell: &Cell) -> Option<[[f32; LANES]; 2]> {
-        let [x, y, z] = cell.directions();
-        let mut values = [[0.0; LANES]; 2];
-        for j in 0..LANES {
-            let both = self.both(Vec3::new(x[j], y[j], z[j]));
-            (values[0][j], values[1][j]) = (both[0], both[1]);
-        }
-        Some(values)
+    fn values<S: Simd>(&self, simd: S, cell: &Cell) -> Option<[[f32; LANES]; 2]> {
+        Some(self.both_of_eight(simd, cell.direction(simd)).map(Into::into))
     }
 }
