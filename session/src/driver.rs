@@ -218,7 +218,8 @@ impl Driver {
         [scene.width as usize, scene.height as usize]
     }
 
-    fn follow(&mut self) {
+    /// Takes all edits so far, and answers all questions, without a picture.
+    pub fn follow(&mut self) {
         if self.worker.take_all(None) == Some(true) {
             (self.is_pending, self.drawing) = (true, None);
         }

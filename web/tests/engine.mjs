@@ -1,0 +1,146 @@
+// The engine in Node, as the page's workers call it: the same pictures as the command, whole, in parts and after edits.
+
+import assert from "node:assert/strict";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import test, { after } from "node:test";
+import { gunzipSync } from "node:zlib";
+import { engine as make } from "../page/engine.js";
+import { comparison } from "./compare.mjs";
+
+const module = await WebAssembly.compile(gunzipSync(readFileSync(join(process.env.DIST, "lobes.wasm.packed"))));
+const work = mkdtempSync(join(tmpdir(), "lobes-web-"));
+after(() => rmSync(work, { recursive: true }));
+
+const size = [480, 270];
+const start = () => make(module, (line) => assert.fail(line));
+const open = (engine, path = null, leads = true) => engine.request({ do: "open", path, columns: size[0], leads });
+const put = (engine, ...names) => names.forEach((name) => engine.putFile(name, readFileSync(`scenes/${name}`)));
+
+/** Makes pictures until there is no more to do; gives the tasks. */
+function run(engine, helpers = []) {
+  const tasks = [];
+  for (let task; (task = engine.task(1 + helpers.length)); tasks.push(task)) {
+    engine.shade(task, 0, 1 + helpers.length);
+    helpers.forEach((helper, k) => engine.putPart(k + 1, helper.shade(task, k + 1, 1 + helpers.length)));
+    if (engine.finish()) helpers.forEach((helper) => helper.follow());
+  }
+  return tasks;
+}
+
+const compare = comparison(work);
+const difference = (engine, scene) => compare(size, engine.radiance(), scene);
+
+const drag = (engine, light, by) => {
+  const from = engine.report().lights[light].at;
+  engine.request({ do: "press", at: from, pans: false });
+  engine.request({ do: "drag", at: from.map((c, k) => c + by[k]) });
+};
+
+test("pictures are those of the command", async () => {
+  for (const [path, files] of [[null, []], ["lights.toml", ["assets/moebius.obj"]], ["walk.toml", ["assets/fox.glb"]]]) {
+    const engine = await start();
+    if (path) put(engine, path, ...files);
+    open(engine, path);
+    run(engine);
+    const found = difference(engine, path && `scenes/${path}`);
+    console.log(`engine: of ${path ?? "the built-in scene"} the command's picture but for ${found.text}`);
+    assert.ok(found.isSame);
+    assert.deepEqual(engine.report().lines, []);
+  }
+});
+
+test("a dragged light's picture is that of the command", async () => {
+  const engine = await start();
+  put(engine, "glossy_spheres.toml");
+  open(engine, "glossy_spheres.toml");
+  run(engine);
+  engine.request({ do: "view", size });
+  drag(engine, 0, [40, 25]);
+  const [first] = run(engine);
+  assert.ok(first.divisor >= 1);
+  engine.request({ do: "release" });
+  const text = readFileSync("scenes/glossy_spheres.toml", "utf8");
+  const before = text.match(/^center = .*$/m)[0];
+  const { center } = engine.report().lights[0];
+  const scene = join(work, "moved.toml");
+  writeFileSync(scene, text.replace(before, `center = [${center}]`));
+  const found = difference(engine, scene);
+  console.log(`engine: after a drag but for ${found.text}`);
+  assert.ok(found.isSame);
+  assert.ok(!difference(engine, "scenes/glossy_spheres.toml").isSame, "the shadow has moved");
+  // Taken back, all is as before.
+  engine.request({ do: "undo" });
+  run(engine);
+  assert.ok(difference(engine, "scenes/glossy_spheres.toml").isSame);
+});
+
+test("hands that share a picture make the same one", async () => {
+  const [alone, ...all] = await Promise.all(Array.from({ length: 4 }, start));
+  [alone, ...all].forEach((engine) => {
+    open(engine, null, engine === alone || engine === all[0]);
+    engine.request({ do: "view", size });
+  });
+  const both = (deed) => [alone, ...all].forEach(deed);
+  for (const deed of [(engine) => engine, (engine) => drag(engine, 0, [60, 90]), (engine) => engine.request({ do: "zoom", by: 0.9 })]) {
+    both(deed);
+    run(alone);
+    run(all[0], all.slice(1));
+    assert.deepEqual(all[0].radiance(), alone.radiance());
+  }
+});
+
+test("a pixel is taken apart", async () => {
+  const engine = await start();
+  open(engine);
+  engine.request({ do: "view", size });
+  run(engine);
+  engine.request({ do: "click", at: [240.5, 174.5] });
+  const pixel = engine.pixel();
+  assert.deepEqual(pixel.pixel, [240, 174]);
+  assert.equal(pixel.object, engine.report().object.name);
+  for (const { unshadowed, visible, radiance, mask } of pixel.lights) {
+    // Of a surface that is nearly diffuse.
+    assert.ok(Math.abs(radiance - unshadowed * visible) <= 0.05 * unshadowed, `${radiance} ${unshadowed} ${visible}`);
+    assert.equal(mask.samples.length, mask.size[0] * mask.size[1]);
+  }
+  const gap = pixel.radiance.map((c, k) => Math.abs(c - pixel.reference[k]));
+  assert.ok(gap.every((c, k) => c <= 4 * pixel.deviation[k] + 0.01 * pixel.reference[k]), `${gap}`);
+  const at = 3 * (174 * size[0] + 240);
+  const shown = engine.radiance().slice(at, at + 3);
+  pixel.radiance.forEach((c, k) => assert.ok(Math.abs(c - shown[k]) <= 1e-6 + 1e-3 * c));
+});
+
+test("settings, materials and sizes change pictures; strategies agree", async () => {
+  const engine = await start();
+  open(engine);
+  engine.request({ do: "view", size });
+  run(engine);
+  const before = engine.radiance();
+  const mean = (a, b) => a.reduce((sum, value, k) => sum + Math.abs(value - b[k]), 0) / a.length;
+  engine.request({ do: "strategies", name: "rays" });
+  run(engine);
+  const rays = mean(engine.radiance(), before);
+  assert.ok(rays > 0 && rays < 3e-3, `${rays}`);
+  engine.request({ do: "strategies", name: null });
+  engine.request({ do: "light", number: 0, size: 0.2 });
+  run(engine);
+  assert.ok(mean(engine.radiance(), before) > 3e-3);
+  assert.ok(Math.abs(engine.report().lights[0].size - 0.2) < 1e-6);
+  engine.request({ do: "columns", count: 240 });
+  run(engine);
+  assert.deepEqual(engine.report().picture.size, [240, 135]);
+  assert.equal(engine.pixels().length, 4 * 240 * 135);
+});
+
+test("files that cannot be read are refused, and the scene stays", async () => {
+  const engine = await start();
+  open(engine);
+  assert.throws(() => engine.request({ do: "open", path: "nothing.glb", columns: 64, leads: true }), /nothing\.glb/);
+  engine.putFile("bad.toml", new TextEncoder().encode("[[lights]]\nkind = \"lamp\"\n"));
+  assert.throws(() => engine.request({ do: "open", path: "bad.toml", columns: 64, leads: true }), /bad\.toml:2/);
+  assert.throws(() => engine.request({ do: "strategies", name: "magic" }), /magic/);
+  run(engine);
+  assert.deepEqual(engine.report().picture.size, size);
+});
