@@ -20,7 +20,10 @@ const cores = navigator.hardwareConcurrency || 2;
 // One core is left for the page itself.
 const hands = Number(options.get("hands")) || Math.min(8, Math.max(1, cores - 1));
 const session = await start(hands, { onReport, onLine: tell, onOpened: () => (find("wait").hidden = true), onFault });
-figures.radiance = session.radiance;
+Object.assign(figures, {
+  radiance: session.radiance,
+  isDone: () => !figures.isBusy && session.isHeard(figures.heard) && figures.report?.picture.divisor === 1,
+});
 const overlay = new Overlay(find("overlay"));
 const panel = new Panel(session.send);
 
@@ -29,7 +32,7 @@ let isPlaying = false;
 
 function onReport(message) {
   report = message.report;
-  Object.assign(figures, { report, isBusy: message.isBusy });
+  Object.assign(figures, { report, isBusy: message.isBusy, heard: message.heard });
   if (message.pixels) show(message.pixels);
   if (message.pixel !== undefined) panel.showPixel(message.pixel, report);
   panel.show(report);

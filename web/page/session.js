@@ -30,10 +30,17 @@ export async function start(hands, { onReport, onLine, onOpened, onFault }) {
   const ports = pairs.map(({ channel }) => channel.port2);
   leader.postMessage({ kind: "lead", module, ports }, ports);
   for (const { worker, channel } of pairs) worker.postMessage({ kind: "help", module, port: channel.port1 }, [channel.port1]);
+  let sent = 0;
+  const post = (message) => {
+    sent += 1;
+    leader.postMessage(message);
+  };
   return {
-    send: (request) => leader.postMessage({ kind: "request", request }),
+    /** Whether all that was sent has been heard. */
+    isHeard: (heard) => heard === sent,
+    send: (request) => post({ kind: "request", request }),
     /** Linear radiance of the newest picture, three floats a pixel. */
     radiance: () => new Promise((resolve) => (waiting.push(resolve), leader.postMessage({ kind: "radiance" }))),
-    open: (path, columns, files) => leader.postMessage({ kind: "open", path, columns, files }),
+    open: (path, columns, files) => post({ kind: "open", path, columns, files }),
   };
 }

@@ -7,6 +7,8 @@ import { engine as make } from "./engine.js";
 let engine;
 /** Messages that wait. */
 let inbox = [];
+/** How many came, those that others replaced included. */
+let heard = 0;
 let isBusy = false;
 /** The leader's helpers: their ports, and whether they have the scene. */
 let helpers = [];
@@ -76,6 +78,7 @@ function open(engine, { path, columns, files }, leads) {
 const REPLACED = new Set(["drag", "view", "light", "material", "tolerance", "look", "seek", "columns"]);
 
 function put(message) {
+  heard += 1;
   const [last, request] = [inbox.at(-1)?.request, message.request];
   const isSame = last && request && last.do === request.do && last.number === request.number;
   if (isSame && request.do === "zoom") last.by *= request.by;
@@ -167,7 +170,7 @@ function tell(isBusy) {
   if (!report) return;
   const { edits, divisor, size } = report.picture;
   const now = `${turn} ${edits} ${divisor} ${size}`;
-  const message = { kind: "report", report, isBusy, hands: 1 + helpers.filter((helper) => helper.isReady).length };
+  const message = { kind: "report", report, isBusy: isBusy || inbox.length > 0, heard, hands: 1 + helpers.filter((helper) => helper.isReady).length };
   const owned = [];
   if (now !== shown && size[0] > 0) {
     shown = now;

@@ -11,6 +11,8 @@ use scene::{Animation, Camera, Scene, Strategy};
 use session::{Driver, Editor, Probe, Projection, Session, Task, framed, gloss, lamp};
 use std::collections::HashMap;
 
+/// Seconds in which a picture is to be there after an edit: browsers are slower, and coarser pictures show less of a shadow.
+const BUDGET: f64 = 1.0 / 15.0;
 /// Samples of the reference of one pixel.
 const PROBE_SAMPLES: u32 = 4096;
 /// Columns and rows of a picture, at most.
@@ -67,6 +69,7 @@ impl Desk {
         let mut renderer = Renderer::new(scene, animation, settings)?;
         let metered = if leads { renderer.exposure() } else { 0.0 };
         let (session, driver) = Session::driven(renderer);
+        session.set_budget(BUDGET);
         let mut desk = Self {
             editor: Editor::new(session),
             driver,
