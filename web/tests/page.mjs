@@ -82,14 +82,14 @@ test("a lamp follows the mouse, and its shadow the lamp", async () => {
   const { page, faults } = await visit("?scene=3&hands=2");
   await whole(page);
   const still = await difference(page, "scenes/glossy_spheres.toml");
-  const [x, y] = await mark(page, 0);
+  const [x, y] = await mark(page, 3);
   await page.mouse.move(x, y);
   await page.mouse.down();
-  for (let step = 1; step <= 12; step++) await page.mouse.move(x + 9 * step, y + 4 * step);
+  for (let step = 1; step <= 12; step++) await page.mouse.move(x + 12 * step, y + 6 * step);
   await page.mouse.up();
   await whole(page);
   const text = readFileSync("scenes/glossy_spheres.toml", "utf8");
-  const { center } = (await report(page)).lights[0];
+  const { center } = (await report(page)).lights[3];
   const known = text.match(/^center = \[(.*)\]$/m);
   assert.notDeepEqual(center.map((c) => Math.fround(c)), known[1].split(",").map((c) => Math.fround(Number(c))));
   const scene = join(work, "moved.toml");
