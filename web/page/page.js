@@ -10,7 +10,7 @@ const picture = find("picture");
 const options = new URLSearchParams(location.search);
 
 /** For tests, and for the curious: seconds and counts. */
-const figures = { first: 0, whole: 0, pictures: 0, report: null };
+const figures = { first: 0, whole: 0, counts: {}, report: null };
 globalThis.lobes = figures;
 
 const scenes = await (await fetch("scenes.json")).json();
@@ -55,9 +55,10 @@ function show(pixels) {
   if (picture.width !== width || picture.height !== height) [picture.width, picture.height] = [width, height];
   picture.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), width, height), 0, 0);
   const now = performance.now();
-  figures.pictures += 1;
+  const { divisor } = report.picture;
+  figures.counts[divisor] = (figures.counts[divisor] ?? 0) + 1;
   figures.first ||= now;
-  if (report.picture.divisor === 1) figures.whole ||= now;
+  if (divisor === 1) figures.whole ||= now;
   times = [...times.filter((time) => time > now - 1000), now];
 }
 
@@ -242,6 +243,7 @@ async function openScene({ path, files }) {
   await open(path, await Promise.all(fetched));
 }
 
+find("scene").addEventListener("change", () => find("given")?.remove());
 find("scene").addEventListener("change", () => openScene(scenes[find("scene").value]).catch((e) => tell(e.message)));
 
 /** What a scene is read from, if several files are given. */
@@ -252,7 +254,9 @@ async function openFiles(files) {
   if (!main) return tell("There is no scene (.toml) or model (.gltf, .glb, .obj, .ply) among the files.");
   const read = files.map(async ({ name, file }) => ({ name, data: await file.arrayBuffer() }));
   await open(main.name, await Promise.all(read));
-  find("scene").selectedIndex = -1;
+  find("given")?.remove();
+  const given = Object.assign(new Option(main.name.replace(/.*\//, ""), "", true, true), { id: "given", disabled: true });
+  find("scene").add(given);
 }
 
 find("file").addEventListener("change", async (event) => {

@@ -169,7 +169,7 @@ function tell(isBusy) {
   const report = engine.report();
   if (!report) return;
   const { edits, divisor, size } = report.picture;
-  const now = `${turn} ${edits} ${divisor} ${size}`;
+  const now = `${turn} ${edits} ${divisor} ${size} ${report.exposure}`;
   const message = { kind: "report", report, isBusy: isBusy || inbox.length > 0, heard, hands: 1 + helpers.filter((helper) => helper.isReady).length };
   const owned = [];
   if (now !== shown && size[0] > 0) {

@@ -5,7 +5,7 @@ use crate::gesture::Motion;
 use crate::request::Request;
 use glam::{Vec2, Vec3};
 use lobe_core::Accuracy;
-use pictures::{Display, ToneMap};
+use pictures::{Display, ToneMap, luminance};
 use renderer::{LightHandle, ObjectHandle, PixelSamples, RenderError, Renderer, Settings, Window};
 use scene::{Animation, Camera, Scene, Strategy};
 use session::{Driver, Editor, Probe, Projection, Session, Task, framed, gloss, lamp};
@@ -25,6 +25,16 @@ pub(crate) enum Thing {
     Object(ObjectHandle),
 }
 
+/// How far the exposure is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Meter {
+    Nothing,
+    /// From the first picture.
+    Guess,
+    /// By the renderer, or it is not needed.
+    Done,
+}
+
 #[derive(Debug)]
 pub(crate) struct Desk {
     pub(crate) editor: Editor,
@@ -32,6 +42,8 @@ pub(crate) struct Desk {
     pub(crate) display: Display,
     /// The exposure of the scene as it was opened.
     pub(crate) metered: f32,
+    /// How it is known: the first picture comes before it is metered.
+    meter: Meter,
     /// The size of the picture on the screen.
     pub(crate) view: Vec2,
     /// Rows over columns of the scene's own picture.
@@ -66,15 +78,15 @@ impl Desk {
     fn of(scene: Scene, animation: Animation, leads: bool) -> Result<Self, RenderError> {
         // As `lobes render` draws it.
         let settings = Settings { samples: PixelSamples::Edges(8), ..Settings::default() };
-        let mut renderer = Renderer::new(scene, animation, settings)?;
-        let metered = if leads { renderer.exposure() } else { 0.0 };
+        let renderer = Renderer::new(scene, animation, settings)?;
         let (session, driver) = Session::driven(renderer);
         session.set_budget(BUDGET);
         let mut desk = Self {
             editor: Editor::new(session),
             driver,
-            display: Display { exposure: metered, ..Display::default() },
-            metered,
+            display: Display::default(),
+            metered: 0.0,
+            meter: if leads { Meter::Nothing } else { Meter::Done },
             view: Vec2::new(640.0, 360.0),
             aspect: 1.0,
             selected: None,
@@ -93,14 +105,29 @@ impl Desk {
 
     /// The next rows to shade.
     pub(crate) fn task(&mut self, hands: usize) -> Option<Task> {
-        self.driver.task(hands)
+        let task = self.driver.task(hands);
+        if task.is_none() && self.meter == Meter::Guess {
+            let metered = self.editor.session().meter();
+            self.driver.follow();
+            self.expose(metered.try_recv().unwrap_or(self.metered), Meter::Done);
+        }
+        task
     }
 
     /// Takes what the session has done; whether there is a new picture.
     pub(crate) fn follow(&mut self) -> bool {
         let is_new = self.editor.follow();
         self.lines.extend(self.editor.take_errors().iter().map(ToString::to_string));
+        if is_new && self.meter == Meter::Nothing && !self.editor.picture().radiance.is_empty() {
+            self.expose(guessed(&self.editor.picture().radiance), Meter::Guess);
+        }
         is_new
+    }
+
+    /// Shows pictures at an exposure, and the user's own steps from it.
+    fn expose(&mut self, stops: f32, meter: Meter) {
+        self.display.exposure += stops - self.metered;
+        (self.metered, self.meter) = (stops, meter);
     }
 
     /// The picture as a screen shows it, four bytes a pixel.
@@ -271,6 +298,17 @@ impl Desk {
 fn size_of(columns: u32, aspect: f32) -> [u32; 2] {
     let columns = columns.clamp(1, LARGEST);
     [columns, ((columns as f32 * aspect).round() as u32).clamp(1, LARGEST)]
+}
+
+/// Nearly the exposure that the renderer would meter, from a picture: nine tenths of the lit pixels become darker than half of white.
+fn guessed(radiance: &[Vec3]) -> f32 {
+    let mut lit: Vec<f32> = radiance.iter().map(|rgb| luminance(*rgb) as f32).filter(|y| *y > 0.0).collect();
+    if lit.is_empty() {
+        return 0.0;
+    }
+    let place = lit.len() * 9 / 10;
+    let (_, bright, _) = lit.select_nth_unstable_by(place, f32::total_cmp);
+    (10.0 * (0.5 / *bright).log2()).round() / 10.0
 }
 
 fn named(name: Option<&str>) -> Result<Option<Strategy>, String> {

@@ -1,6 +1,7 @@
 // The engine in Node, as the page's workers call it: the same pictures as the command, whole, in parts and after edits.
 
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -48,6 +49,8 @@ test("pictures are those of the command", async () => {
     console.log(`engine: of ${path ?? "the built-in scene"} the command's picture but for ${found.text}`);
     assert.ok(found.isSame);
     assert.deepEqual(engine.report().lines, []);
+    const stats = JSON.parse(execFileSync(process.env.LOBES, ["render", ...(path ? [`scenes/${path}`] : []), "--size", "64x36", "-o", join(work, "x.png"), "--json"]));
+    assert.ok(Math.abs(engine.report().exposure - stats.exposure) < 0.11, `${engine.report().exposure} ${stats.exposure}`);
   }
 });
 

@@ -60,7 +60,13 @@ async function mark(page, light) {
 /** The difference from the command's picture of a scene. */
 async function difference(page, scene) {
   const { size } = (await report(page)).picture;
-  const radiance = await page.evaluate(async () => [...(await globalThis.lobes.radiance())]);
+  const packed = await page.evaluate(async () => {
+    const bytes = new Uint8Array((await globalThis.lobes.radiance()).buffer);
+    let text = "";
+    for (let from = 0; from < bytes.length; from += 1 << 14) text += String.fromCharCode(...bytes.subarray(from, from + (1 << 14)));
+    return btoa(text);
+  });
+  const radiance = new Float32Array(Uint8Array.from(Buffer.from(packed, "base64")).buffer);
   return compare(size, radiance, scene);
 }
 
@@ -113,20 +119,18 @@ test("pictures come while a lamp is dragged", async () => {
   const [x, y] = await mark(page, 1);
   await page.mouse.move(x, y);
   await page.mouse.down();
-  const count = () => page.evaluate(() => [globalThis.lobes.pictures, performance.now()]);
-  const [from, start] = await count();
-  const divisors = new Set();
-  for (let step = 1, now = start; now < start + 4000; step++) {
+  const count = () => page.evaluate(() => ({ ...globalThis.lobes.counts, now: performance.now() }));
+  const from = await count();
+  for (let step = 1, end = performance.now() + 4000; performance.now() < end; step++) {
     await page.mouse.move(x - 60 + 60 * Math.cos(step / 20), y + 60 * Math.sin(step / 20));
-    await page.waitForTimeout(8);
-    now = await page.evaluate(() => performance.now());
-    divisors.add((await report(page)).picture.divisor);
   }
-  const [to, end] = await count();
+  const to = await count();
   await page.mouse.up();
-  const rate = (1000 * (to - from)) / (end - start);
-  console.log(`page: ${rate.toFixed(1)} pictures a second at 480 × 270 with one worker (1 : ${[...divisors].join(", 1 : ")})`);
-  assert.ok(rate >= 3, "even on a busy machine");
+  const seconds = (to.now - from.now) / 1000;
+  const divisors = ["1", "2", "4", "8"].filter((divisor) => (to[divisor] ?? 0) > (from[divisor] ?? 0));
+  const rate = divisors.reduce((sum, divisor) => sum + to[divisor] - (from[divisor] ?? 0), 0) / seconds;
+  console.log(`page: ${rate.toFixed(1)} pictures a second at 480 × 270 with one worker (1 : ${divisors.join(", 1 : ")})`);
+  assert.ok(rate >= 2, "even on a busy machine");
   assert.deepEqual(faults, []);
   await page.close();
 });
