@@ -1,4 +1,4 @@
-// What is drawn before the picture: lamps, the handles of what is selected, the pixel that is looked into.
+// Drawn before the picture: lamps, the handles of what is selected, the pixel that is looked into.
 
 const AXES = ["#f05a50", "#78d25a", "#5a96ff"];
 const CHOSEN = "#ffd250";

@@ -13,13 +13,14 @@ const options = new URLSearchParams(location.search);
 const figures = { first: 0, whole: 0, counts: {}, report: null };
 globalThis.lobes = figures;
 
-const scenes = await (await fetch("scenes.json")).json();
-scenes.forEach(({ name }, number) => find("scene").add(new Option(name, number)));
-
+const listed = fetch("scenes.json").then((answer) => answer.json());
 const cores = navigator.hardwareConcurrency || 2;
 // One core is left for the page itself.
 const hands = Number(options.get("hands")) || Math.min(8, Math.max(1, cores - 1));
-const session = await start(hands, { onReport, onLine: tell, onOpened: () => (find("wait").hidden = true), onFault });
+const starting = start(hands, { onReport, onLine: tell, onOpened: () => (find("wait").hidden = true), onFault });
+starting.catch((error) => onFault(error.message));
+const [session, scenes] = await Promise.all([starting, listed]);
+scenes.forEach(({ name }, number) => find("scene").add(new Option(name, number)));
 Object.assign(figures, {
   radiance: session.radiance,
   isDone: () => !figures.isBusy && session.isHeard(figures.heard) && figures.report?.picture.divisor === 1,
@@ -84,7 +85,7 @@ function tell(line) {
 
 function onFault(line) {
   find("wait").hidden = false;
-  find("wait").textContent = `The engine has stopped: ${line}. Load the page again.`;
+  find("wait").textContent = `The page has stopped: ${line}. Load it again.`;
 }
 
 // ---- the place of the picture
@@ -246,7 +247,7 @@ async function openScene({ path, files }) {
 find("scene").addEventListener("change", () => find("given")?.remove());
 find("scene").addEventListener("change", () => openScene(scenes[find("scene").value]).catch((e) => tell(e.message)));
 
-/** What a scene is read from, if several files are given. */
+/** The file that a scene is read from, if several are given: the first that fits. */
 const MAIN = [/\.toml$/i, /\.gl(tf|b)$/i, /\.(obj|ply)$/i];
 
 async function openFiles(files) {

@@ -146,7 +146,8 @@ export class Panel {
       ["object", `${pixel.object || "–"} · ${pixel.material}`],
       ["point", vector(pixel.point)],
       ["radiance", vector(pixel.radiance)],
-      ["reference", `${vector(pixel.reference)} ± ${digits(Math.max(...pixel.deviation), 2)}`],
+      ["reference", vector(pixel.reference)],
+      ["its error", `± ${digits(Math.max(...pixel.deviation), 2)}`],
       ["difference", want > 0 ? `${(100 * (own / want - 1)).toFixed(2)} %` : digits(own - want)],
     ];
     const make = (name, text) => Object.assign(document.createElement(name), { textContent: text });
@@ -164,7 +165,7 @@ export class Panel {
 }
 
 /** A light as the point sees it. */
-function mask({ number, kind, mask: { size, sides, samples } }, color = [1, 1, 1]) {
+function mask({ number, mask: { size, sides, samples } }, color = [1, 1, 1]) {
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = size;
   canvas.style.aspectRatio = sides[0] > 0 && sides[1] > 0 ? `${sides[0]} / ${sides[1]}` : "1";
@@ -174,6 +175,6 @@ function mask({ number, kind, mask: { size, sides, samples } }, color = [1, 1, 1
   for (let k = 0; k < samples.length; k++) image.data.set([...colors[samples[k]], 255], 4 * k);
   canvas.getContext("2d").putImageData(image, 0, 0);
   const figure = document.createElement("figure");
-  figure.append(canvas, Object.assign(document.createElement("figcaption"), { textContent: `light ${number}, ${kind}, seen from there` }));
+  figure.append(canvas, Object.assign(document.createElement("figcaption"), { textContent: `light ${number}, as seen there` }));
   return figure;
 }

@@ -8,6 +8,11 @@ async function compiled() {
   return WebAssembly.compileStreaming(new Response(bytes, { headers: { "Content-Type": "application/wasm" } }));
 }
 
+/** On its way before the page asks for it. */
+const arriving = compiled();
+// Who starts a session hears of it.
+arriving.catch(() => {});
+
 /** A session with so many workers. */
 export async function start(hands, { onReport, onLine, onOpened, onFault }) {
   const make = () => new Worker("worker.js", { type: "module" });
@@ -26,7 +31,7 @@ export async function start(hands, { onReport, onLine, onOpened, onFault }) {
   /** Those who wait for radiance. */
   const waiting = [];
   leader.onerror = (event) => onFault(event.message);
-  const module = await compiled();
+  const module = await arriving;
   const ports = pairs.map(({ channel }) => channel.port2);
   leader.postMessage({ kind: "lead", module, ports }, ports);
   for (const { worker, channel } of pairs) worker.postMessage({ kind: "help", module, port: channel.port1 }, [channel.port1]);

@@ -35,7 +35,7 @@ async function help({ module, port }) {
       } else if (data.kind === "request") engine.request(data.request);
       else engine.follow();
     } catch {
-      // What it is wrong with, the leader tells; it does this one's part.
+      // The leader tells why, and does this one's part.
       if (data.kind === "shade") port.postMessage({ kind: "part", radiance: new Uint8Array() });
     }
   };

@@ -2,12 +2,12 @@
 
 use std::sync::Once;
 
-// SAFETY: both are given when the module is instantiated, take numbers alone, and touch no memory but that which `complain` is told of.
+// SAFETY: the page gives both when it instantiates the module. They take numbers alone; `complain` reads the text that it is given.
 #[link(wasm_import_module = "page")]
 unsafe extern "C" {
     /// Seconds since any moment.
     safe fn now() -> f64;
-    /// Shows a line of UTF-8 text.
+    /// Passes a line of UTF-8 text on.
     safe fn complain(text: *const u8, length: usize);
 }
 

@@ -47,7 +47,7 @@ impl Page {
     fn answer(&mut self) -> Result<(), String> {
         let request = serde_json::from_slice(&self.given).map_err(|error| error.to_string())?;
         if let Request::Open { path, columns, leads } = request {
-            // What a scene is read from is needed no longer then.
+            // Files are needed no longer once the scene is read.
             let files = core::mem::take(&mut self.files);
             self.desk = Some(Desk::open(&files, path.as_deref(), columns, leads)?);
             (self.task, self.parts) = (None, Vec::new());
@@ -101,7 +101,7 @@ impl Page {
         let of = self.parts.len();
         let mut parts = Vec::with_capacity(of);
         for (part, done) in core::mem::take(&mut self.parts).into_iter().enumerate() {
-            // What a helper has not done is done here.
+            // A part that a helper has not done is done here.
             parts.push(done.unwrap_or_else(|| desk.driver.shade(&task, part, of)));
         }
         desk.driver.finish(parts);

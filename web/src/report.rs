@@ -1,4 +1,4 @@
-//! What a page shows beside the picture.
+//! Everything that a page shows beside the picture.
 
 use crate::desk::{Desk, Thing};
 use glam::{Vec2, Vec3};

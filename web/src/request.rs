@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What a page may want. Places are in pixels of the picture on the screen.
+/// The wishes of a page. Places are in pixels of the picture on the screen.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "do", rename_all = "lowercase")]
 pub(crate) enum Request {

@@ -70,7 +70,12 @@ async function difference(page, scene) {
   return compare(size, radiance, scene);
 }
 
-const shot = (page, name) => SHOTS && page.screenshot({ path: join(SHOTS, `${name}.png`) });
+async function shot(page, name) {
+  if (!SHOTS) return;
+  // The hint fades.
+  await page.waitForTimeout(500);
+  await page.screenshot({ path: join(SHOTS, `${name}.png`) });
+}
 
 test("the first picture comes soon", async () => {
   const { page, faults } = await visit("");
