@@ -93,6 +93,19 @@ test("pictures are those of the command", async () => {
   }
 });
 
+test("every scene of the page's list opens without a complaint", async () => {
+  for (const { path, files } of JSON.parse(readFileSync("web/page/scenes.json"))) {
+    const engine = await start();
+    put(engine, ...files);
+    engine.request({ do: "open", path, columns: 64, leads: true });
+    run(engine);
+    const { lines, picture } = engine.report();
+    assert.deepEqual(lines, [], path);
+    assert.equal(picture.divisor, 1);
+    assert.ok(engine.radiance().some((value) => value > 0));
+  }
+});
+
 test("a dragged light's picture is that of the command", async () => {
   const engine = await start();
   put(engine, "glossy_spheres.toml");
