@@ -84,7 +84,6 @@ impl Backend {
     }
 
     /// How often the hierarchy of the GPU's rays was built or updated.
-    #[cfg_attr(not(feature = "gpu"), expect(clippy::unused_self, reason = "the CPU's is the renderer's"))]
     pub(crate) const fn worlds_followed(&self) -> u64 {
         match self {
             Self::Cpu => 0,

@@ -111,7 +111,7 @@ impl Layers {
     }
 
     /// Appends the next rows.
-    pub(crate) fn append(&mut self, next: &Self) {
+    pub fn append(&mut self, next: &Self) {
         self.unshadowed.extend_from_slice(&next.unshadowed);
         self.lights.resize(next.lights.len(), Vec::new());
         self.lights.iter_mut().zip(&next.lights).for_each(|(all, next)| all.extend_from_slice(next));

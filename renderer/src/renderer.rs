@@ -397,17 +397,39 @@ impl Renderer {
     /// # Errors
     /// [`RenderError`].
     pub fn render_reduced(&mut self, divisor: u32, listener: &mut Listener<'_>) -> Result<Image, RenderError> {
+        self.reduced(divisor, |own| {
+            let window = Window::whole(own.scene.width as usize, own.scene.height as usize);
+            own.render_window(&window, listener)
+        })
+    }
+
+    /// Renders parts of the whole picture with fewer pixels, as [`render_parts`](Self::render_parts) does: windows of the picture of
+    /// [`render_reduced`](Self::render_reduced).
+    ///
+    /// # Errors
+    /// Those of [`render_parts`](Self::render_parts).
+    pub fn render_reduced_parts(
+        &mut self,
+        divisor: u32,
+        parts: &[Window],
+        listener: &mut Listener<'_>,
+        sink: &mut Sink<'_>,
+    ) -> Result<ImageStats, RenderError> {
+        self.reduced(divisor, |own| own.render_parts(parts, listener, sink))
+    }
+
+    /// Renders with fewer pixels; the data that is kept for the whole picture stays.
+    fn reduced<R>(&mut self, divisor: u32, render: impl FnOnce(&mut Self) -> R) -> R {
         let (width, height) = (self.scene.width, self.scene.height);
         if divisor <= 1 {
-            return self.render_window(&Window::whole(width as usize, height as usize), listener);
+            return render(self);
         }
         (self.scene.width, self.scene.height) = (width.div_ceil(divisor), height.div_ceil(divisor));
         core::mem::swap(&mut self.kept, &mut self.reduced);
-        let window = Window::whole(self.scene.width as usize, self.scene.height as usize);
-        let image = self.render_window(&window, listener);
+        let done = render(self);
         core::mem::swap(&mut self.kept, &mut self.reduced);
         (self.scene.width, self.scene.height) = (width, height);
-        image
+        done
     }
 
     /// Renders a window on the CPU with other layers and another number of camera rays. All data that is kept for pictures stays.

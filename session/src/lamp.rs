@@ -1,5 +1,6 @@
 //! Lights as things to take hold of: where they are, how large, which way they shine, and the same with one of these changed.
 
+use crate::Dragged;
 use glam::{Mat4, Quat, Vec3};
 use lighting::{EnclosedLight, Light, SphereLight, SpotLight, SunLight, TubeLight};
 use lobe_core::{LightLobes, Sphere};
@@ -117,6 +118,16 @@ pub fn aimed(light: &Light, toward: Vec3) -> Light {
     let turn = Mat4::from_quat(Quat::from_rotation_arc(before.normalize_or(Vec3::NEG_Y), toward.normalize_or(before)));
     let middle = center(light).unwrap_or(Vec3::ZERO);
     light.moved(Mat4::from_translation(middle) * turn * Mat4::from_translation(-middle))
+}
+
+/// The light as a drag of its [handles](crate::Handles) leaves it.
+#[must_use]
+pub fn dragged(light: &Light, by: Dragged) -> Light {
+    match by {
+        Dragged::Shift(by) => shifted(light, by),
+        Dragged::Scale(by) => size(light).map_or_else(|| light.clone(), |size| resized(light, size * by)),
+        Dragged::Toward(direction) => aimed(light, direction),
+    }
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! - [`Session`]: takes an [`Edit`] at any time and never waits; gives the newest [`Picture`]. After an edit a coarse picture comes
 //!   first where the whole one would take too long; the whole one follows when nothing changes any more, with the same bits as
 //!   [`Renderer::render`](renderer::Renderer::render).
+//! - [`Driver`]: the same without a thread, in steps that the caller takes, for browsers; several share a picture by rows.
 //! - [`Edit`]: one change of a scene, with its inverse: [`Session::undo`], [`Session::redo`].
 //! - [`Probe`]: one pixel taken apart by lights, beside the Monte Carlo reference; [`Truth`]: the reference of the whole picture, which
 //!   grows while nothing else is to be done.
@@ -29,6 +30,7 @@
 //! # Ok::<(), renderer::RenderError>(())
 //! ```
 
+mod driver;
 mod edit;
 mod editor;
 pub mod gloss;
@@ -47,6 +49,7 @@ mod trade;
 mod truth;
 mod worker;
 
+pub use crate::driver::{Driver, Task};
 pub use crate::edit::Edit;
 pub use crate::editor::Editor;
 pub use crate::handles::{Drag, Dragged, Grip, Handles};

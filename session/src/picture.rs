@@ -12,7 +12,7 @@ pub struct Picture {
     pub radiance: Vec<Vec3>,
     /// The layers that were [requested](crate::Session::set_layers).
     pub layers: Layers,
-    /// By how much its sides are shorter than those of the whole picture, rounded up: 1 is the whole one.
+    /// By how much its sides are shorter than those of the whole picture, rounded up: 1 is the whole one; 0 where none was made.
     pub divisor: u32,
     /// The number of changes that it shows: edits, refused ones included, and steps back and forth.
     pub edits: u64,

@@ -1,5 +1,5 @@
 use crate::worker::{Command, Worker};
-use crate::{Edit, Picture, Probe, Truth};
+use crate::{Driver, Edit, Picture, Probe, Truth};
 use core::fmt;
 use renderer::{LayerSet, RenderError, Renderer};
 use scene::{Cancel, Stopwatch};
@@ -118,11 +118,23 @@ impl Session {
     /// Starts with a renderer, and at once with its first picture.
     #[must_use]
     pub fn new(renderer: Renderer) -> Self {
+        let (mut session, worker) = Self::apart(renderer);
+        session.worker = Some(thread::spawn(move || worker.run()));
+        session
+    }
+
+    /// A session without a thread, for targets that have none: nothing is done until the [`Driver`] takes a step.
+    #[must_use]
+    pub fn driven(renderer: Renderer) -> (Self, Driver) {
+        let (session, worker) = Self::apart(renderer);
+        (session, Driver::new(worker))
+    }
+
+    fn apart(renderer: Renderer) -> (Self, Worker) {
         let (commands, received) = mpsc::channel();
         let shared = Arc::new(Shared::default());
         let worker = Worker::new(renderer, received, Arc::clone(&shared));
-        let worker = Some(thread::spawn(move || worker.run()));
-        Self { commands, shared, worker }
+        (Self { commands, shared, worker: None }, worker)
     }
 
     /// Seconds in which the first picture after an edit is to be there: a thirtieth, unless set.

@@ -3,7 +3,7 @@ use crate::session::{Control, Shared};
 use crate::truth::Growth;
 use crate::{Edit, Picture, Snapshot};
 use core::ops::ControlFlow;
-use renderer::{LayerSet, RenderError, Renderer, Settings, Stale};
+use renderer::{Image, LayerSet, RenderError, Renderer, Settings, Stale};
 use scene::{Bounds, Stopwatch};
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
@@ -33,7 +33,7 @@ impl Command {
     }
 }
 
-/// The thread's side of a session.
+/// The side of a session that works: its thread's, or its driver's.
 pub(crate) struct Worker {
     renderer: Renderer,
     commands: Receiver<Command>,
@@ -95,13 +95,9 @@ impl Worker {
             // From here on the first picture is not interrupted by edits: they would leave nothing to look at.
             let cancel = self.shared.begin(Control::First, self.taken);
             self.renderer.set_cancel(cancel);
-            let mut next = first.or_else(|| self.commands.try_recv().ok());
-            while let Some(command) = next {
-                if matches!(command, Command::Quit) {
-                    return;
-                }
-                is_pending |= self.take(command);
-                next = self.commands.try_recv().ok();
+            match self.take_all(first) {
+                Some(is_new) => is_pending |= is_new,
+                None => return,
             }
             if is_pending {
                 is_pending = !self.refine();
@@ -112,6 +108,20 @@ impl Worker {
                 return;
             }
         }
+    }
+
+    /// Does all that is requested so far, after `first`; whether there is something new to see. None where the session is over.
+    pub(crate) fn take_all(&mut self, first: Option<Command>) -> Option<bool> {
+        let mut is_new = false;
+        let mut next = first.or_else(|| self.commands.try_recv().ok());
+        while let Some(command) = next {
+            if matches!(command, Command::Quit) {
+                return None;
+            }
+            is_new |= self.take(command);
+            next = self.commands.try_recv().ok();
+        }
+        Some(is_new)
     }
 
     /// Does what is requested; whether there is something new to see.
@@ -172,11 +182,8 @@ impl Worker {
 
     /// Pictures from the coarsest that is needed to the whole one; whether that is there now.
     fn refine(&mut self) -> bool {
-        let is_new = usize::from(self.renderer.stale().has(Stale::POINTS));
-        let divisor = match self.whole[is_new].or(self.whole[1 - is_new]) {
-            Some(seconds) => divisor_for(seconds, self.budget),
-            None => COARSEST / 2,
-        };
+        let is_new = self.has_new_points();
+        let divisor = self.divisor(is_new);
         if divisor > 1 {
             match self.show(divisor, is_new) {
                 Shown::Yes => {}
@@ -189,6 +196,32 @@ impl Worker {
         self.show(1, is_new) != Shown::Interrupted
     }
 
+    /// Whether the next picture finds its visible points anew: the place of its time in `whole`.
+    pub(crate) fn has_new_points(&self) -> usize {
+        usize::from(self.renderer.stale().has(Stale::POINTS))
+    }
+
+    /// The divisor of the first picture.
+    pub(crate) fn divisor(&self, is_new: usize) -> u32 {
+        match self.seconds_of_whole(is_new) {
+            Some(seconds) => divisor_for(seconds, self.budget),
+            None => COARSEST / 2,
+        }
+    }
+
+    /// Seconds of the last whole picture, if possible of one alike.
+    pub(crate) fn seconds_of_whole(&self, is_new: usize) -> Option<f64> {
+        self.whole[is_new].or(self.whole[1 - is_new])
+    }
+
+    pub(crate) const fn budget(&self) -> f64 {
+        self.budget
+    }
+
+    pub(crate) const fn renderer(&mut self) -> &mut Renderer {
+        &mut self.renderer
+    }
+
     /// Makes a picture and shows it.
     fn show(&mut self, divisor: u32, is_new: usize) -> Shown {
         let watch = Stopwatch::start();
@@ -197,17 +230,27 @@ impl Worker {
             Ok(image) => image,
             Err(RenderError::Cancelled) => return Shown::Interrupted,
             Err(error) => {
-                self.shared.fail(error, Some(self.edits));
+                self.fail(error);
                 return Shown::Failed;
             }
         };
+        self.publish(image, divisor, is_new, watch.seconds());
+        Shown::Yes
+    }
+
+    /// Says why there is no picture.
+    pub(crate) fn fail(&self, error: RenderError) {
+        self.shared.fail(error, Some(self.edits));
+    }
+
+    /// Shows a picture that took so many seconds.
+    pub(crate) fn publish(&mut self, image: Image, divisor: u32, is_new: usize, seconds: f64) {
         if divisor == 1 {
-            self.whole[is_new] = Some(watch.seconds());
+            self.whole[is_new] = Some(seconds);
         }
         let latency = self.waiting.take().map_or(0.0, |since| since.seconds());
-        let (size, radiance, layers, stats) = (image.size, image.radiance, image.layers, image.stats);
-        let (edits, seen, upkeep, seconds) = (self.edits, self.seen, self.renderer.upkeep(), watch.seconds());
-        let scene = self.snapshot();
+        let Image { size, radiance, layers, stats } = image;
+        let (edits, seen, upkeep, scene) = (self.edits, self.seen, self.renderer.upkeep(), self.snapshot());
         self.shared.show(Picture {
             size,
             radiance,
@@ -221,7 +264,6 @@ impl Worker {
             upkeep,
             scene,
         });
-        Shown::Yes
     }
 
     /// The scene as it is now.
@@ -253,13 +295,13 @@ impl Worker {
     }
 
     /// Whether the reference is to grow.
-    fn wants_growth(&self) -> bool {
+    pub(crate) fn wants_growth(&self) -> bool {
         let samples = self.growth.as_ref().filter(|growth| growth.edits() >= self.seen).map_or(0, Growth::samples);
         samples < self.samples
     }
 
     /// Lets the reference grow by a step, unless something interrupts it.
-    fn grow(&mut self) {
+    pub(crate) fn grow(&mut self) {
         let cancel = self.shared.begin(Control::Refining, self.taken);
         if self.growth.as_ref().is_none_or(|growth| growth.edits() < self.seen) {
             self.growth = Some(Growth::new(&mut self.renderer, self.edits));

@@ -260,14 +260,7 @@ impl Desk {
         match &self.motion {
             Some(Motion::Light(handle, before, drag)) => {
                 let Some(dragged) = drag.to(pointer) else { return };
-                let light = match dragged {
-                    Dragged::Shift(by) => lamp::shifted(before, by),
-                    Dragged::Scale(by) => {
-                        lamp::size(before).map_or_else(|| (**before).clone(), |size| lamp::resized(before, size * by))
-                    }
-                    Dragged::Toward(direction) => lamp::aimed(before, direction),
-                };
-                self.editor.set_light(*handle, light);
+                self.editor.set_light(*handle, lamp::dragged(before, dragged));
             }
             Some(Motion::Object(handle, before, drag)) => {
                 if let Some(Dragged::Shift(by)) = drag.to(pointer) {
