@@ -317,3 +317,26 @@ fn read_spot(t: &mut Table<'_>) -> Result<[f32; 2], SceneError> {
     }
     Ok([begin, end].map(|degrees| degrees.to_radians().cos()))
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::context::Context;
+    use crate::scene_file;
+    use std::path::Path;
+
+    #[test]
+    fn directions_may_have_any_length() {
+        let text = |length: &str| {
+            format!(
+                "[[objects]]\nplane = {{ point = [0, 0, 0], normal = [0, {length}, 0] }}\n[[lights]]\nkind = \"sun\"\n\
+                 direction = [0, -{length}, 0]\nirradiance = 1\n"
+            )
+        };
+        let mut context = Context::default();
+        let of = |length: &str, context: &mut Context| {
+            scene_file::parse(Path::new("test.toml"), &text(length), context).expect("a scene").0.lights
+        };
+        let usual = of("1", &mut context);
+        assert!(["1e30", "1e-30", "3"].iter().all(|length| of(length, &mut context) == usual));
+    }
+}
