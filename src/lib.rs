@@ -206,7 +206,7 @@ pub use visibility_spheres;
 
 pub use pictures::{
     Comparison, Display, FlipMap, ImageFileError, Output, Picture, PngDepth, RegionError, ShadowErrors, SizesDiffer,
-    ToneMap, Window, checksum, luminance, remove_unfinished, signed_difference, srgb_bytes,
+    ToneMap, Window, checksum, luminance, remove_unfinished, signed_difference, srgb_bytes, sweep_unfinished,
 };
 #[cfg(feature = "files")]
 pub use pictures::{

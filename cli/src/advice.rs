@@ -139,7 +139,10 @@ fn about_spheres(mesh: &Mesh) -> String {
     } else if thin < THIN {
         format!("closed but thin, {:.1} % of its diagonal: spheres would be many or bulge", 100.0 * thin)
     } else {
-        format!("closed and compact, {:.0} % of its diagonal thick: spheres are faster, and near", 100.0 * thin)
+        format!(
+            "closed and compact, {:.0} % of its diagonal thick: spheres may be faster, and --prices says how far off they are",
+            100.0 * thin
+        )
     }
 }
 

@@ -36,8 +36,18 @@ pub(crate) fn give_way() {
     }
 }
 
+/// From now on a file that grows beyond what the system allows (`ulimit -f`) is an error of its writing and does not kill the program.
+#[cfg(unix)]
+fn survive_file_limits() -> Result<(), Failure> {
+    let seen = std::sync::Arc::new(AtomicBool::new(false));
+    let caught = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, seen);
+    caught.map(|_| ()).map_err(|e| Failure::new(format_args!("cannot catch SIGXFSZ: {e}")))
+}
+
 /// From now on Ctrl-C and SIGTERM remove unfinished files and end the program with code 130.
 pub(crate) fn catch_interrupts() -> Result<(), Failure> {
+    #[cfg(unix)]
+    survive_file_limits()?;
     ctrlc::set_handler(|| {
         if GRACEFUL.load(Ordering::SeqCst) && !STOP.is_cancelled() {
             STOP.cancel();

@@ -32,7 +32,12 @@ pub(crate) fn renderer(
             gpu.unwrap_or(Backend::Cpu)
         }
     };
-    let renderer = Renderer::with_backend(scene, animation, settings, backend).map_err(explain)?;
+    let renderer = Renderer::with_backend(scene, animation, settings, backend).map_err(|error| {
+        match (&error, &args.view.file) {
+            (RenderError::PaperLight(..), Some(file)) => Failure::new(format_args!("{}: {error}", file.display())),
+            _ => explain(error),
+        }
+    })?;
     watch_all(renderer.backend(), quiet);
     Ok(renderer)
 }

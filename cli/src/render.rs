@@ -9,7 +9,7 @@ use crate::stamp::Stamp;
 use crate::stats::{self, Figures};
 use crate::teller::Teller;
 use cosine_lobes::renderer::{Band, Layers, Settings, seconds};
-use cosine_lobes::{ExrLayer, ExrPart, ImageFileError, Output, Window};
+use cosine_lobes::{ExrLayer, ExrPart, ImageFileError, Output, Window, sweep_unfinished};
 use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -20,6 +20,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
 
 fn pictures(args: &RenderArgs) -> Result<(), Failure> {
     files::distinct(args.output.iter().chain(&args.stats), &args.view.file)?;
+    args.output.iter().for_each(|path| sweep_unfinished(path));
     if args.layers && !args.output.iter().any(|path| files::holds_layers(path)) {
         return Err(Failure::new("--layers: no .exr file is written, and no other holds layers (-o picture.exr)"));
     }

@@ -156,6 +156,34 @@ fn pictures_of_all_directions() {
     assert!(Environment::new(EnvironmentMap::uniform(Vec3::ZERO), 2, WORLD).lights().is_empty());
 }
 
+/// A sun of a few pixels keeps its light, however bright it is.
+#[test]
+fn bright_pixels_keep_their_light() {
+    let (width, height) = (128, 64);
+    for (radiance, across) in [(1e3_f32, 1), (1e5, 1), (2e6, 1), (1e9, 2)] {
+        let is_sun = |i: u32| i % width / across == 40 / across && i / width / across == 14 / across;
+        let texel = |i: u32| Vec3::splat(if is_sun(i) { radiance } else { 1.0 });
+        let map = EnvironmentMap::new(UVec2::new(width, height), (0..width * height).map(texel).collect());
+        let map = map.expect("a picture");
+        let want: f64 = (0..width * height)
+            .filter(|i| is_sun(*i))
+            .map(|i| f64::from(radiance - 1.0) * f64::from(map.solid_angle(i / width)))
+            .sum();
+        let got: f64 = Environment::new(map, 1, WORLD)
+            .lights()
+            .iter()
+            .filter_map(|light| match light {
+                Light::Sky(SkyLight::Sun(sun)) => {
+                    let one_minus_cos = 1.0 - (1.0 - f64::from(sun.sin).powi(2)).sqrt();
+                    Some(f64::from(sun.radiance.x) * core::f64::consts::TAU * one_minus_cos)
+                }
+                _ => None,
+            })
+            .sum();
+        assert!((got / want - 1.0).abs() < 2e-3, "{radiance}: {got} for {want}");
+    }
+}
+
 /// An outline that loses or adds area of the light shows in the flux that passes a far away sphere.
 #[test]
 fn flux_is_that_of_the_surface() {

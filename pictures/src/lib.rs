@@ -46,7 +46,7 @@ pub use crate::exr_file::{read_exr, read_exr_layer, write_exr};
 pub use crate::exr_layer::ExrLayer;
 #[cfg(feature = "files")]
 pub use crate::exr_part::{ExrPart, MergeError, merge_exr};
-pub use crate::output::{ImageFileError, Output, remove_unfinished};
+pub use crate::output::{ImageFileError, Output, remove_unfinished, sweep_unfinished};
 pub use crate::picture::{Picture, luminance};
 #[cfg(feature = "files")]
 pub use crate::png_file::write_png;

@@ -85,6 +85,27 @@ fn sweep(path: &Path) {
     swept.push(folder);
 }
 
+/// Removes what killed processes have left in the folder of `path`, as [`Output::create`] does: for programs that work long before they
+/// create their outputs.
+pub fn sweep_unfinished(path: &Path) {
+    sweep(path);
+}
+
+/// The most links that are followed from one to the next.
+const LINKS: usize = 40;
+
+/// The place that a name means: a link's target, whether or not it exists.
+fn target(mut path: PathBuf) -> Result<PathBuf, ImageFileError> {
+    for _ in 0..LINKS {
+        match fs::read_link(&path) {
+            // Relative to the link's folder.
+            Ok(next) => path = folder_of(&path).join(next),
+            Err(_) => return Ok(path),
+        }
+    }
+    Err(ImageFileError::format(&path, "is a link without an end"))
+}
+
 /// The process that a temporary file is named after.
 fn owner(name: &str) -> Option<u32> {
     let (name, id) = name.strip_prefix('.')?.strip_suffix(".tmp")?.rsplit_once('.')?;
@@ -112,10 +133,15 @@ pub struct Output {
 impl Output {
     /// Opens the temporary file for `path`.
     ///
+    /// A link is followed: the file that it names is replaced, and the link stays.
+    ///
     /// # Errors
-    /// When the folder does not exist or cannot be written, or `path` is a folder.
+    /// When the folder does not exist or cannot be written, or `path` is a folder, a pipe or a device.
     pub fn create(path: impl Into<PathBuf>) -> Result<Self, ImageFileError> {
-        let path = path.into();
+        let path = target(path.into())?;
+        if path.metadata().is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+            return Err(ImageFileError::format(&path, "is a pipe or a device: expected the name of a file"));
+        }
         let name = match path.file_name() {
             Some(name) if !path.is_dir() => name.to_string_lossy().into_owned(),
             _ => return Err(ImageFileError::format(&path, "is a folder")),
@@ -228,6 +254,28 @@ mod tests {
             assert_eq!(fs::read_to_string(&path).unwrap(), text);
         }
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("far")).unwrap();
+        let write = |name: &str| {
+            let output = Output::create(folder.path().join(name))?;
+            output.finish(|f| f.write_all(b"picture").map_err(|e| ImageFileError::io(Path::new(name), e)))
+        };
+        for (link, target) in [("a.png", "far/b.png"), ("c.png", "a.png"), ("d.png", "d.png")] {
+            std::os::unix::fs::symlink(target, folder.path().join(link)).unwrap();
+        }
+        for name in ["a.png", "c.png"] {
+            write(name).unwrap();
+            assert_eq!(fs::read_to_string(folder.path().join("far/b.png")).unwrap(), "picture");
+            assert!(fs::symlink_metadata(folder.path().join(name)).unwrap().is_symlink());
+            fs::remove_file(folder.path().join("far/b.png")).unwrap();
+        }
+        assert!(write("d.png").is_err_and(|e| e.to_string().contains("without an end")));
+        assert!(Output::create("/dev/null").is_err_and(|e| e.to_string().contains("device")));
     }
 
     #[test]

@@ -1,15 +1,16 @@
 //! Data that all readers of a file collect beside its meshes: warnings, skeletons, clips.
 
 use crate::animation::{Body, Mover};
-use crate::cut_out::CutOut;
+use crate::cut_out::{AlphaBounds, CutOut};
 use crate::deformer::BoundSphere;
 use crate::files::{Source, extension};
 use crate::normals::hide_edges;
 use crate::part::Part;
 use crate::skeleton::Skeleton;
-use crate::{Animation, Emission, Mesh, Normals, Pose, Proxy, SceneError};
+use crate::{Animation, Emission, Mesh, Normals, Pose, Proxy, SceneError, Texture};
 use glam::DVec3;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Everything in a file besides its objects.
 #[derive(Default)]
@@ -24,6 +25,10 @@ pub(crate) struct Context {
     pub(crate) clips: Vec<String>,
     /// The origin of the coordinates of the mesh file that was read last.
     pub(crate) origin: DVec3,
+    /// Of the images that surfaces were cut along.
+    pub(crate) alpha_bounds: Vec<(Texture, Arc<AlphaBounds>)>,
+    /// The surfaces of which alpha has left nothing.
+    pub(crate) cut_away: Vec<String>,
     /// The objects of which the file says whether their emission is light.
     pub(crate) emitters: Vec<usize>,
     /// Whether it is for the others.
@@ -86,12 +91,53 @@ impl Context {
         self.warnings.push(SceneError::file(path, message.to_string()).to_string());
     }
 
-    /// Cuts the transparent parts out of a mesh.
-    pub(crate) fn cut_out(&mut self, path: &Path, name: &str, cut_out: &CutOut, mesh: &mut Mesh, moves: bool) {
-        if moves {
+    /// Cuts the transparent parts out of a mesh, whose vertices have these alphas if any.
+    pub(crate) fn cut_out(
+        &mut self,
+        path: &Path,
+        name: &str,
+        cut_out: &CutOut,
+        (mesh, alphas): (&mut Mesh, &[f32]),
+        moves: bool,
+    ) {
+        if mesh.triangles.is_empty() {
+            return;
+        }
+        // The same everywhere: it moves with the surface.
+        let is_even = cut_out.map.is_none() && alphas.iter().all(|alpha| *alpha == alphas[0]);
+        if moves && !is_even {
             self.warn(path, format!("\"{name}\" moves: it is opaque where its alpha would cut it out"));
-        } else if !cut_out.cut(mesh) {
+            return;
+        }
+        let before = mesh.triangles.len();
+        let bounds = cut_out.map.as_ref().map(|map| self.bounds_of(&map.texture));
+        if !cut_out.cut(mesh, alphas, bounds.as_deref(), self.files.budget.triangles()) {
             self.warn(path, format!("\"{name}\" repeats its image too often to be cut out: it is opaque"));
+        }
+        self.files.budget.grow(mesh, before);
+        if mesh.triangles.is_empty() {
+            self.cut_away.push(name.to_owned());
+        }
+    }
+
+    /// The bounds of an image's alpha, made once.
+    fn bounds_of(&mut self, texture: &Texture) -> Arc<AlphaBounds> {
+        if let Some((_, known)) = self.alpha_bounds.iter().find(|(of, _)| of.is_same(texture)) {
+            return known.clone();
+        }
+        let bounds = Arc::new(AlphaBounds::new(texture));
+        self.alpha_bounds.push((texture.clone(), bounds.clone()));
+        bounds
+    }
+
+    /// The surfaces of which alpha has left nothing since the last call, as a line; empty for none.
+    pub(crate) fn cut_away(&mut self) -> String {
+        let names = std::mem::take(&mut self.cut_away);
+        let why = "alpha is nowhere as large as the cut-off";
+        match &names[..] {
+            [] => String::new(),
+            [name] => format!("\"{name}\" is cut away: its {why}"),
+            [first, ..] => format!("{} surfaces are cut away (\"{first}\" is the first): their {why}", names.len()),
         }
     }
 

@@ -5,7 +5,7 @@ use crate::{Mesh, Texture, TextureMap, Wrap};
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 
-/// A surface exists where its alpha is at least the limit.
+/// A surface exists where its alpha is at least the limit: that of the image times the factor times that of the vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CutOut {
     /// Its fourth channel is alpha; 1 without.
@@ -17,34 +17,40 @@ pub(crate) struct CutOut {
 /// Triangles and halves that are looked at of a mesh, unless it had a quarter as many: outlines are followed by texels, else by twos, fours …
 const MOST_TRIANGLES: usize = 1 << 20;
 
+/// Alphas that are equal but for rounding count as equal to the limit.
+const ROUNDING: f32 = 1e-6;
+
 impl CutOut {
-    /// Cuts a mesh. Triangles are halved along their longest side in the image until each is inside, outside or smaller than a texel.
-    /// The small ones are cut along alpha's line. Halves that are wholly inside stay whole. Returns false and leaves the mesh unchanged where
-    /// an image is repeated too often.
-    pub(crate) fn cut(&self, mesh: &mut Mesh) -> bool {
-        let Some(map) = &self.map else {
-            if self.factor < self.limit {
-                mesh.triangles.clear();
-            }
-            return true;
-        };
-        let most = MOST_TRIANGLES.max(4 * mesh.triangles.len());
+    /// Cuts a mesh, whose vertices have these alphas: one each, or none. Triangles are halved along their longest side in the image until
+    /// each is inside, outside or smaller than a texel. The small ones are cut along alpha's line, as those without an image are. Halves
+    /// that are wholly inside stay whole. Looks at no more than `most` triangles and halves. Returns false and leaves the mesh unchanged
+    /// where an image is repeated too often for that.
+    pub(crate) fn cut(&self, mesh: &mut Mesh, alphas: &[f32], bounds: Option<&AlphaBounds>, most: usize) -> bool {
+        let most = MOST_TRIANGLES.max(4 * mesh.triangles.len()).min(most);
         let limit = self.limit / self.factor.max(f32::MIN_POSITIVE);
-        let bounds = AlphaBounds::new(&map.texture);
+        let size = bounds.map_or([1.0; 2], |bounds| bounds.size);
         let mut cell = 1.0;
         loop {
             let own = Mesh { triangles: Vec::new(), ..mesh.clone() };
-            let (made, out) = (HashMap::new(), Vec::new());
-            let mut cutter = Cutter { mesh: own, map, bounds: &bounds, limit, cell, most, steps: 0, made, out };
+            let mut cutter = Cutter {
+                mesh: own,
+                alphas: alphas.to_vec(),
+                image: self.map.as_ref().zip(bounds),
+                limit,
+                cell,
+                steps: 0,
+                most,
+                made: HashMap::new(),
+                out: Vec::new(),
+            };
             mesh.triangles.iter().for_each(|triangle| cutter.triangle(*triangle, 0));
-            let fits = cutter.steps <= most;
-            if fits {
+            if cutter.steps <= most {
                 *mesh = Mesh { triangles: cutter.out, ..cutter.mesh };
                 return true;
             }
             cell *= 2.0;
             // Cells as large as the image follow nothing of it.
-            if cell > f32::max(bounds.size[0], bounds.size[1]) {
+            if cell > f32::max(size[0], size[1]) {
                 return false;
             }
         }
@@ -56,35 +62,44 @@ const DEEPEST: u32 = 80;
 
 struct Cutter<'a> {
     mesh: Mesh,
-    map: &'a TextureMap,
-    bounds: &'a AlphaBounds,
+    /// Of the vertices; none where all are 1.
+    alphas: Vec<f32>,
+    image: Option<(&'a TextureMap, &'a AlphaBounds)>,
     limit: f32,
     /// Triangles of at most this many texels a side are not halved further.
     cell: f32,
-    /// Vertices made between two others, by these and how.
     /// Triangles looked at, and the most that may be.
     steps: usize,
     most: usize,
+    /// Vertices made between two others, by these and how.
     made: HashMap<(u32, u32, bool), u32>,
     out: Vec<[u32; 3]>,
 }
 
 impl Cutter<'_> {
     fn triangle(&mut self, [a, b, c]: [u32; 3], depth: u32) {
-        let uv = [a, b, c].map(|i| self.uv(i));
         self.steps += 1;
         if self.steps > self.most {
             return;
         }
-        let (low, high) = self.bounds.of(uv, self.map.wrap).unwrap_or((0.0, 1.0));
-        if low >= self.limit {
+        let own = [a, b, c].map(|i| self.own_alpha(i));
+        let (least, largest) = own.into_iter().fold((1.0_f32, 0.0_f32), |(l, h), x| (l.min(x), h.max(x)));
+        let uv = [a, b, c].map(|i| self.uv(i));
+        let of_image = |(map, bounds): (&TextureMap, &AlphaBounds)| bounds.of(uv, map.wrap).unwrap_or((0.0, 1.0));
+        let (low, high) = self.image.map_or((1.0, 1.0), of_image);
+        let limit = self.limit * (1.0 - ROUNDING);
+        if low * least >= limit {
             self.out.push([a, b, c]);
             return;
         }
-        if high < self.limit {
+        if high * largest < limit {
             return;
         }
-        let size = Vec2::from_array(self.bounds.size);
+        let Some((_, bounds)) = self.image else {
+            self.follow([a, b, c]);
+            return;
+        };
+        let size = Vec2::from_array(bounds.size);
         let side = |i: usize| ((uv[(i + 1) % 3] - uv[i]) * size).length_squared();
         let longest = (0..3).max_by(|i, j| side(*i).total_cmp(&side(*j))).unwrap_or(0);
         if side(longest) <= self.cell * self.cell || depth >= DEEPEST || !side(longest).is_finite() {
@@ -125,15 +140,22 @@ impl Cutter<'_> {
     }
 
     fn uv(&self, vertex: u32) -> Vec2 {
-        let uv = self.mesh.uv_sets.get(self.map.uv_set).map_or(Vec2::ZERO, |set| set[vertex as usize]);
-        self.map.transform.transform_point2(uv)
+        let Some((map, _)) = self.image else { return Vec2::ZERO };
+        let uv = self.mesh.uv_sets.get(map.uv_set).map_or(Vec2::ZERO, |set| set[vertex as usize]);
+        map.transform.transform_point2(uv)
+    }
+
+    fn own_alpha(&self, vertex: u32) -> f32 {
+        self.alphas.get(vertex as usize).copied().unwrap_or(1.0)
     }
 
     /// Alpha at a vertex, the mean of a cell.
     fn alpha(&self, vertex: u32) -> f32 {
-        let side = (self.cell - 0.5).max(0.0) / Vec2::from_array(self.bounds.size);
+        let own = self.own_alpha(vertex);
+        let Some((map, bounds)) = self.image else { return own };
+        let side = (self.cell - 0.5).max(0.0) / Vec2::from_array(bounds.size);
         let footprint = if self.cell > 1.0 { [Vec2::X * side.x, Vec2::Y * side.y] } else { [Vec2::ZERO; 2] };
-        self.map.texture.sample(self.uv(vertex), footprint, self.map.wrap, self.map.is_pixelated)[3]
+        own * map.texture.sample(self.uv(vertex), footprint, map.wrap, map.is_pixelated)[3]
     }
 
     /// The vertex at the fraction `t` of the way from one to another.
@@ -155,6 +177,10 @@ impl Cutter<'_> {
             let color = mix(&mesh.colors);
             mesh.colors.push(color);
         }
+        if !self.alphas.is_empty() {
+            let alpha = self.alphas[i] + t * (self.alphas[j] - self.alphas[i]);
+            self.alphas.push(alpha);
+        }
         for set in &mut mesh.uv_sets {
             let uv = set[i].lerp(set[j], t);
             set.push(uv);
@@ -165,13 +191,13 @@ impl Cutter<'_> {
 }
 
 /// Least and largest alpha of squares of texels, twice as many a side from level to level.
-struct AlphaBounds {
+pub(crate) struct AlphaBounds {
     size: [f32; 2],
     levels: Vec<([usize; 2], Vec<[u8; 2]>)>,
 }
 
 impl AlphaBounds {
-    fn new(texture: &Texture) -> Self {
+    pub(crate) fn new(texture: &Texture) -> Self {
         let [width, height] = texture.size();
         let mut levels = vec![([width, height], texture.alphas().into_iter().map(|a| [a; 2]).collect::<Vec<_>>())];
         while let Some(([w, h], last)) = levels.last().filter(|(size, _)| size[0].max(size[1]) > 1) {
@@ -265,9 +291,14 @@ mod tests {
         TextureMap::new(Texture::new("disc", [n, n], (0..n * n).map(texel).collect(), Encoding::Srgb))
     }
 
+    fn cut_by(by: &CutOut, mesh: &mut Mesh, alphas: &[f32]) -> bool {
+        let bounds = by.map.as_ref().map(|map| AlphaBounds::new(&map.texture));
+        by.cut(mesh, alphas, bounds.as_ref(), MOST_TRIANGLES)
+    }
+
     fn cut(map: TextureMap, mesh: &Mesh) -> Mesh {
         let mut mesh = mesh.clone();
-        assert!(CutOut { map: Some(map), factor: 1.0, limit: 0.5 }.cut(&mut mesh));
+        assert!(cut_by(&CutOut { map: Some(map), factor: 1.0, limit: 0.5 }, &mut mesh, &[]));
         mesh.validate().expect("a mesh");
         mesh
     }
@@ -310,11 +341,11 @@ mod tests {
         let quad = Mesh::quad(Vec3::ZERO, Vec3::X, Vec3::Y);
         let flat = |alpha| TextureMap::new(Texture::new("flat", [8, 8], vec![[0, 0, 0, alpha]; 64], Encoding::Srgb));
         let mut all = quad.clone();
-        CutOut { map: Some(flat(255)), factor: 1.0, limit: 0.5 }.cut(&mut all);
+        cut_by(&CutOut { map: Some(flat(255)), factor: 1.0, limit: 0.5 }, &mut all, &[]);
         assert!((all.area() - 4.0).abs() < 1e-6);
         for (map, factor) in [(Some(flat(0)), 1.0), (Some(flat(255)), 0.3), (None, 0.3)] {
             let mut none = quad.clone();
-            CutOut { map, factor, limit: 0.5 }.cut(&mut none);
+            cut_by(&CutOut { map, factor, limit: 0.5 }, &mut none, &[]);
             assert!(none.triangles.is_empty());
         }
     }
@@ -325,9 +356,42 @@ mod tests {
         for uv in [f32::NAN, f32::INFINITY, 1e30, -1e9, 1e-30] {
             quad.uv_sets[0][2] = Vec2::new(uv, 0.3);
             let mut mesh = quad.clone();
-            CutOut { map: Some(disc(16, 0.4)), factor: 1.0, limit: 0.5 }.cut(&mut mesh);
+            cut_by(&CutOut { map: Some(disc(16, 0.4)), factor: 1.0, limit: 0.5 }, &mut mesh, &[]);
             assert!(mesh.triangles.len() <= 2 * MOST_TRIANGLES, "{uv}: {}", mesh.triangles.len());
             assert!(mesh.positions.iter().all(|p| p.is_finite()));
+        }
+    }
+
+    #[test]
+    fn the_alpha_of_vertices_cuts_with_and_without_an_image() {
+        // From 0 on the left to 1 on the right: the line of 0.3 is straight.
+        let quad = Mesh::quad(Vec3::ZERO, Vec3::X, Vec3::Y);
+        let alphas: Vec<f32> = quad.positions.iter().map(|p| 0.5 + 0.5 * p.x).collect();
+        let mut plain = quad.clone();
+        assert!(cut_by(&CutOut { map: None, factor: 1.0, limit: 0.3 }, &mut plain, &alphas));
+        assert!((plain.area() - 4.0 * 0.7).abs() < 1e-5, "{}", plain.area());
+        // An image of alpha 0.6 everywhere moves the line: 0.6·a = 0.3 at a half.
+        let flat = Texture::new("flat", [8, 8], vec![[0, 0, 0, 153]; 64], Encoding::Srgb);
+        let mut shown = quad;
+        assert!(cut_by(&CutOut { map: Some(TextureMap::new(flat)), factor: 1.0, limit: 0.3 }, &mut shown, &alphas));
+        assert!((shown.area() - 2.0).abs() < 0.02, "{}", shown.area());
+    }
+
+    #[test]
+    fn alphas_at_the_limit_are_kept() {
+        let quad = Mesh::quad(Vec3::ZERO, Vec3::X, Vec3::Y);
+        let flat = |alpha| TextureMap::new(Texture::new("flat", [4, 4], vec![[0, 0, 0, alpha]; 16], Encoding::Srgb));
+        for (map, factor, alpha, limit, area) in [
+            (Some(flat(255)), 1.0, 1.0, 1.0, 4.0),
+            (Some(flat(51)), 1.0, 1.0, 0.2, 4.0),
+            (None, 0.7, 0.6, 0.42, 4.0),
+            (None, 0.7, 0.6, 0.43, 0.0),
+            (Some(flat(255)), 1.0, 1.0, 1.5, 0.0),
+            (Some(flat(0)), 0.0, 0.0, 0.0, 4.0),
+        ] {
+            let mut mesh = quad.clone();
+            assert!(cut_by(&CutOut { map, factor, limit }, &mut mesh, &[alpha; 4]));
+            assert!((mesh.area() - area).abs() < 1e-6, "{factor} {alpha} {limit}: {}", mesh.area());
         }
     }
 }

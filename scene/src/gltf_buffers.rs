@@ -67,12 +67,15 @@ impl<'a> Buffers<'a> {
         self.read(index, accessor, component, kind, to_float)
     }
 
-    /// Colours of an accessor, within [0, 1]; alpha is left out.
-    pub(crate) fn colors(&self, index: Index<Accessor>) -> Result<Vec<Vec3>, String> {
+    /// Colours of an accessor, within [0, 1], and their alphas; none of these where all are 1.
+    pub(crate) fn colors(&self, index: Index<Accessor>) -> Result<(Vec<Vec3>, Vec<f32>), String> {
         let has_alpha = self.root.accessors.get(index.value()).is_some_and(|a| a.type_ == Checked::Valid(Type::Vec4));
         let values = self.floats(index, if has_alpha { Type::Vec4 } else { Type::Vec3 })?;
+        let rows = values.chunks_exact(if has_alpha { 4 } else { 3 });
         let color = |row: &[f32]| Vec3::new(unit(row[0]), unit(row[1]), unit(row[2]));
-        Ok(values.chunks_exact(if has_alpha { 4 } else { 3 }).map(color).collect())
+        let is_clear = has_alpha && rows.clone().any(|row| row[3] < 1.0 || row[3].is_nan());
+        let alphas = if is_clear { rows.clone().map(|row| unit(row[3])).collect() } else { Vec::new() };
+        Ok((rows.map(color).collect(), alphas))
     }
 
     /// The whole numbers of an accessor.
@@ -199,11 +202,13 @@ pub(crate) fn read_uri(files: &Source, path: &Path, uri: &str) -> Result<Vec<u8>
         return Err(format!("{uri}: only files and data URIs are read"));
     }
     let name = percent_decoded(uri).ok_or_else(|| format!("cannot read uri \"{uri}\""))?;
+    let name = if Path::new(&name).is_absolute() { name } else { name.replace('\\', "/") };
     let relative = Path::new(&name);
     if !relative.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir)) {
         return Err(format!("\"{name}\" lies outside the file's folder"));
     }
-    files.read(&path.with_file_name("").join(relative)).map_err(|e| e.to_string())
+    let file = files.beside(path, &name).unwrap_or_else(|| path.with_file_name("").join(relative));
+    files.read(&file).map_err(|e| e.to_string())
 }
 
 pub(crate) fn percent_decoded(text: &str) -> Option<String> {

@@ -2,9 +2,12 @@
 
 use crate::animation::CameraMover;
 use crate::context::Context;
+use crate::cut_out::CutOut;
 use crate::deformer::Deformer;
 use crate::gltf_animation::{clip_name, find_clip, play};
 use crate::gltf_buffers::Buffers;
+use crate::gltf_extensions::Extensions;
+use crate::gltf_instances::{expanded, read_instances};
 use crate::gltf_light::{PlacedLight, read_light};
 use crate::gltf_material::read_material;
 use crate::gltf_mesh::{Influences, Shapes, read_influences, read_primitive, read_skin};
@@ -17,20 +20,10 @@ use crate::skeleton::{Carrier, Skeleton};
 use crate::{Camera, Mesh, SceneError};
 use glam::Mat4;
 use gltf::json::Root;
+use gltf::json::mesh::Primitive;
 use gltf::json::validation::Checked;
 use std::collections::HashMap;
 use std::path::Path;
-
-/// Extensions that are read, or whose unread parts are named in a warning.
-const KNOWN_EXTENSIONS: [&str; 7] = [
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-    "KHR_materials_unlit",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_specular",
-    "KHR_lights_punctual",
-];
 
 /// The contents of a file.
 #[derive(Default)]
@@ -144,7 +137,7 @@ fn document(
         let version = asset.min_version.as_deref().unwrap_or(&asset.version);
         return Err(wrong_version(version));
     }
-    if let Some(name) = root.extensions_required.iter().find(|e| !KNOWN_EXTENSIONS.contains(&e.as_str())) {
+    if let Some(name) = Extensions::missing(root) {
         return Err(format!("requires the extension {name}, which is not supported"));
     }
     let buffers = Buffers::load(&context.files, path, root, chunk)?;
@@ -152,7 +145,8 @@ fn document(
     let mut skeleton = animated(path, root, json, &buffers, wanted, context)?;
     skeleton.origin = context.origin;
     skeleton.refine(|| fine_locals(json));
-    let shown = shown_nodes(root)?;
+    let extensions = Extensions::read(root, json);
+    let shown = shown_nodes(root, &extensions)?;
     let mut reader = Reader {
         root,
         buffers,
@@ -160,13 +154,16 @@ fn document(
         moving: skeleton.moving(),
         skeleton,
         materials: HashMap::new(),
+        uses: uses(root, &shown),
+        cut: HashMap::new(),
         images: Images::new(&context.files, path, root),
+        extensions,
         notes: Notes::default(),
     };
     let index = context.skeletons.len();
 
     let (mut parts, mut camera, mut moving_camera, mut lights) = (Vec::new(), None, None, Vec::new());
-    for &n in &shown {
+    for &(n, is_visible) in &shown {
         if let Some(which) = root.nodes[n].camera {
             match read_camera(root, which.value(), &reader.worlds[n])? {
                 Some(found) if camera.is_none() => {
@@ -179,11 +176,17 @@ fn document(
                 None => context.warn(path, "orthographic cameras are not supported"),
             }
         }
+        if !is_visible {
+            continue;
+        }
         if let Some(light) = read_light(root, n)? {
             let mover = reader.moving[n].then_some((index, n));
             lights.push(PlacedLight { light, world: reader.worlds[n], mover });
         }
         reader.parts_of(n, index, &mut parts, context)?;
+    }
+    if parts.is_empty() && shown.iter().any(|&(n, is_visible)| !is_visible && root.nodes[n].mesh.is_some()) {
+        return Err("no triangles: its meshes are in nodes that are not visible".to_owned());
     }
     let Notes { skipped, reduced, uneven, broken } = reader.notes;
     context.tell_broken(path, broken);
@@ -197,20 +200,12 @@ fn document(
         context.warn(path, format!("joint weights of {uneven} vertices do not add up to 1: they are made to"));
     }
     reader.images.notes.iter().for_each(|note| context.warn(path, note));
-    let unread = |name: &&String| !KNOWN_EXTENSIONS.contains(&name.as_str()) && is_seen(name);
-    for name in root.extensions_used.iter().filter(unread) {
-        context.warn(path, format!("the extension {name} is not read: surfaces are as without it"));
-    }
+    reader.extensions.tell(path, context);
     let moves_light = lights.iter().any(|light| light.mover.is_some());
     if moving_camera.is_some() || moves_light || parts.iter().any(|p: &Part| p.rig.is_some()) {
         context.skeletons.push(reader.skeleton);
     }
     Ok(Read { parts, camera, moving_camera, lights })
-}
-
-/// Whether an extension changes the look of a surface.
-fn is_seen(name: &str) -> bool {
-    name.contains("_materials_") || name.contains("_texture_")
 }
 
 /// The nodes with the requested clip, else with the first one that moves anything. A fault in this clip is a fault of the
@@ -265,6 +260,17 @@ fn spelling(json: &[u8], root: &Root, clip: usize) -> String {
     found.map_or_else(String::new, |found| format!(", found {found} in sampler {s}"))
 }
 
+/// For each mesh how many of some nodes show it.
+fn uses(root: &Root, shown: &[(usize, bool)]) -> Vec<usize> {
+    let mut uses = vec![0; root.meshes.len()];
+    for mesh in shown.iter().filter(|(_, is_visible)| *is_visible).filter_map(|(n, _)| root.nodes[*n].mesh) {
+        if let Some(count) = uses.get_mut(mesh.value()) {
+            *count += 1;
+        }
+    }
+    uses
+}
+
 /// Counts for the warnings that appear once a file.
 #[derive(Default)]
 struct Notes {
@@ -284,7 +290,12 @@ struct Reader<'a> {
     moving: Vec<bool>,
     /// The materials that were used so far.
     materials: HashMap<usize, Look>,
+    /// For each mesh how many nodes show it.
+    uses: Vec<usize>,
+    /// Primitives, by mesh and number, that are cut out for all nodes.
+    cut: HashMap<(usize, usize), Shapes>,
     images: Images<'a>,
+    extensions: Extensions,
     notes: Notes,
 }
 
@@ -302,10 +313,20 @@ impl Reader<'_> {
         let m = index.value();
         let mesh = self.root.meshes.get(m).ok_or_else(|| format!("node {n}: there is no mesh {m}"))?;
         let skin = node.skin.map(|skin| read_skin(self.root, &self.buffers, skin.value())).transpose()?;
+        let attributes = self.extensions.instances(n);
+        let instances = attributes.map(|attributes| read_instances(&self.buffers, attributes)).transpose();
+        let instances = instances.map_err(|e| format!("node {n}: {e}"))?;
+        if skin.is_some() && instances.is_some() {
+            self.images.note("instances of a mesh with a skin are one: the skin places it".to_owned());
+        }
         let name = node.name.clone().or_else(|| mesh.name.clone()).unwrap_or_else(|| format!("node {n}"));
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let fault = |e: String| format!("mesh {m}, primitive {p}: {e}");
-            let Some(shapes) = read_primitive(&self.buffers, primitive).map_err(fault)? else {
+            let material = self.material(primitive).map_err(fault)?;
+            let name = if mesh.primitives.len() == 1 { name.clone() } else { format!("{name} {p}") };
+            let cut_out = material.as_ref().and_then(|(_, look)| look.cut_out.as_ref());
+            let copies = instances.as_deref().filter(|_| skin.is_none());
+            let Some((shapes, is_cut)) = self.shapes([n, m, p], &name, cut_out, copies, context).map_err(fault)? else {
                 self.notes.skipped += 1;
                 continue;
             };
@@ -314,28 +335,61 @@ impl Reader<'_> {
                 Some(skin) => read_influences(&self.buffers, primitive, vertices, skin.len()).map_err(fault)?,
                 None => None,
             };
-            let material = match primitive.material {
-                None => None,
-                Some(index) => {
-                    let index = index.value();
-                    let known = match self.materials.get(&index) {
-                        Some(known) => known.clone(),
-                        None => read_material(self.root, index, &self.buffers, &mut self.images).map_err(fault)?,
-                    };
-                    self.materials.insert(index, known.clone());
-                    Some((index, known))
-                }
-            };
-            let name = if mesh.primitives.len() == 1 { name.clone() } else { format!("{name} {p}") };
             let joints = skin.as_deref().filter(|_| influences.is_some());
+            let alphas = shapes.alphas.clone();
             let (mut mesh, rig) = self.pose(n, skeleton, shapes, joints, influences).map_err(fault)?;
-            if let Some(cut_out) = material.as_ref().and_then(|(_, look): &(usize, Look)| look.cut_out.as_ref()) {
-                context.cut_out(self.images.path(), &name, cut_out, &mut mesh, rig.is_some());
+            if let Some(cut_out) = cut_out.filter(|_| !is_cut) {
+                context.cut_out(self.images.path(), &name, cut_out, (&mut mesh, &alphas), rig.is_some());
             }
             let is_bare = mesh.normals.is_empty();
             parts.push(Part { name, mesh, material, rig, is_bare });
         }
         Ok(())
+    }
+
+    /// The material of a primitive and its number, read once.
+    fn material(&mut self, primitive: &Primitive) -> Result<Option<(usize, Look)>, String> {
+        let Some(index) = primitive.material else { return Ok(None) };
+        let index = index.value();
+        let known = match self.materials.get(&index) {
+            Some(known) => known.clone(),
+            None => read_material(self.root, index, &self.buffers, &mut self.images)?,
+        };
+        self.materials.insert(index, known.clone());
+        Ok(Some((index, known)))
+    }
+
+    /// The shapes of a node's mesh's primitive, at the node's instances if it has some, and whether they are cut out already: those that
+    /// several nodes or instances show and none moves are cut once.
+    fn shapes(
+        &mut self,
+        [n, m, p]: [usize; 3],
+        name: &str,
+        cut_out: Option<&CutOut>,
+        instances: Option<&[Mat4]>,
+        context: &mut Context,
+    ) -> Result<Option<(Shapes, bool)>, String> {
+        let bone = &self.skeleton.bones[n];
+        let is_still = self.root.nodes[n].skin.is_none()
+            && !self.moving[n]
+            && bone.weights.is_none()
+            && bone.rest_weights.iter().all(|weight| *weight == 0.0);
+        let is_shared = self.uses[m] > 1 || instances.is_some();
+        let cut_out = cut_out.filter(|_| is_still && is_shared);
+        let known = self.cut.get(&(m, p)).filter(|_| cut_out.is_some()).cloned();
+        let is_new = known.is_none();
+        let read = || read_primitive(&self.buffers, &self.root.meshes[m].primitives[p]);
+        let Some(mut shapes) = known.map_or_else(read, |known| Ok(Some(known)))? else { return Ok(None) };
+        if let Some(cut_out) = cut_out.filter(|_| is_new) {
+            let alphas = core::mem::take(&mut shapes.alphas);
+            context.cut_out(self.images.path(), name, cut_out, (&mut shapes.mesh, &alphas), false);
+            self.cut.insert((m, p), shapes.clone());
+        }
+        context.files.budget.take_mesh(&shapes.mesh, instances.map_or(1, <[Mat4]>::len), name)?;
+        if let Some(instances) = instances {
+            shapes = expanded(&shapes, instances);
+        }
+        Ok(Some((shapes, cut_out.is_some())))
     }
 
     /// A primitive at the first moment, and its motion if it moves.
@@ -348,7 +402,7 @@ impl Reader<'_> {
         influences: Option<Influences>,
     ) -> Result<(Mesh, Option<(Deformer, Carrier)>), String> {
         let bone = &self.skeleton.bones[n];
-        let Shapes { mut mesh, targets, normal_targets, broken } = shapes;
+        let Shapes { mut mesh, targets, normal_targets, broken, .. } = shapes;
         self.notes.broken += broken;
         if targets.len() != bone.rest_weights.len() {
             let (k, first) = (targets.len(), bone.rest_weights.len());

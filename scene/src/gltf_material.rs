@@ -27,7 +27,7 @@ fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> 
     let limit = match material.alpha_mode {
         Checked::Invalid => return Err("unknown alphaMode".to_owned()),
         Checked::Valid(AlphaMode::Opaque) => None,
-        Checked::Valid(AlphaMode::Mask) => Some(unit(material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0))),
+        Checked::Valid(AlphaMode::Mask) => Some(cut_off(material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0))),
         Checked::Valid(AlphaMode::Blend) => {
             images.note("surfaces that are blended are cut out where their alpha is below a half".to_owned());
             Some(0.5)
@@ -97,6 +97,11 @@ fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> 
         ..Surface::default()
     };
     Ok(Look { material: metal.into(), surface, cut_out })
+}
+
+/// Nothing is opaque enough for one above 1.
+fn cut_off(x: f32) -> f32 {
+    if x > 0.0 { x } else { 0.0 }
 }
 
 /// The largest emission that is taken.

@@ -10,8 +10,11 @@ use gltf::json::validation::Checked;
 use gltf::json::{Index, Node, Root};
 
 /// A mesh and the shapes that it morphs to.
+#[derive(Clone)]
 pub(crate) struct Shapes {
     pub(crate) mesh: Mesh,
+    /// Alphas of the vertices; none where all are 1.
+    pub(crate) alphas: Vec<f32>,
     /// Displacements, one a vertex.
     pub(crate) targets: Vec<Vec<Vec3>>,
     /// The same of the normals; empty for targets without.
@@ -95,9 +98,9 @@ pub(crate) fn read_primitive(buffers: &Buffers<'_>, primitive: &Primitive) -> Re
         }
         uv_sets.push(pairs);
     }
-    let colors = match attribute(Semantic::Colors(0)) {
+    let (colors, alphas) = match attribute(Semantic::Colors(0)) {
         Some(index) => buffers.colors(index)?,
-        None => Vec::new(),
+        None => (Vec::new(), Vec::new()),
     };
     if !colors.is_empty() && colors.len() != vertices {
         return Err(format!("{} colours for {vertices} positions", colors.len()));
@@ -107,7 +110,7 @@ pub(crate) fn read_primitive(buffers: &Buffers<'_>, primitive: &Primitive) -> Re
         return Err(format!("position {bad} is not finite"));
     }
     let broken = mesh.repair_normals();
-    Ok(Some(Shapes { mesh, targets, normal_targets, broken }))
+    Ok(Some(Shapes { mesh, alphas, targets, normal_targets, broken }))
 }
 
 /// The joints of a skin and their inverse bind matrices.

@@ -2,6 +2,7 @@
 
 use crate::Camera;
 use crate::animation::node_camera;
+use crate::gltf_extensions::Extensions;
 use crate::placement::Clock;
 use crate::skeleton::{Bone, FineLocal, Local, Skeleton};
 use glam::{DMat4, DQuat, DVec3, Mat4, Quat, Vec3};
@@ -115,8 +116,10 @@ fn rest_weights(root: &Root, node: &Node) -> Result<Vec<f32>, String> {
     }
 }
 
-/// Nodes of the default scene, of the first one where none is named, or all where there is no scene; in document order.
-pub(crate) fn shown_nodes(root: &Root) -> Result<Vec<usize>, String> {
+/// Nodes of the default scene, of the first one where none is named, or all where there is no scene; in document order. With each whether
+/// it is visible: neither it nor a node above it says that it is not.
+pub(crate) fn shown_nodes(root: &Root, extensions: &Extensions) -> Result<Vec<(usize, bool)>, String> {
+    let n = root.nodes.len();
     let scene = match root.scene {
         Some(index) => {
             let i = index.value();
@@ -124,16 +127,25 @@ pub(crate) fn shown_nodes(root: &Root) -> Result<Vec<usize>, String> {
         }
         None => root.scenes.first(),
     };
-    let Some(scene) = scene else { return Ok((0..root.nodes.len()).collect()) };
-    let mut shown = vec![false; root.nodes.len()];
-    let mut open: Vec<usize> = scene.nodes.iter().map(Index::value).collect();
-    while let Some(i) = open.pop() {
+    let mut open: Vec<(usize, bool)> = match scene {
+        Some(scene) => scene.nodes.iter().map(|node| (node.value(), true)).collect(),
+        None => {
+            let mut is_child = vec![false; n];
+            let children = root.nodes.iter().flat_map(|node| node.children.iter().flatten());
+            children.for_each(|child| is_child[child.value()] = true);
+            (0..n).filter(|&i| !is_child[i]).map(|i| (i, true)).collect()
+        }
+    };
+    let mut shown: Vec<Option<bool>> = vec![None; n];
+    while let Some((i, is_visible)) = open.pop() {
         let slot = shown.get_mut(i).ok_or_else(|| format!("the scene names node {i}, which does not exist"))?;
-        if !std::mem::replace(slot, true) {
-            open.extend(root.nodes[i].children.iter().flatten().map(Index::value));
+        if slot.is_none() {
+            let is_visible = is_visible && !extensions.hides(i);
+            *slot = Some(is_visible);
+            open.extend(root.nodes[i].children.iter().flatten().map(|child| (child.value(), is_visible)));
         }
     }
-    Ok((0..shown.len()).filter(|&i| shown[i]).collect())
+    Ok(shown.into_iter().enumerate().filter_map(|(i, shown)| Some((i, shown?))).collect())
 }
 
 /// A perspective camera at a node with that world matrix.

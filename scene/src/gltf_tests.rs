@@ -263,3 +263,131 @@ fn punctual_lights_are_read() {
         assert!(message.contains(words), "{message}");
     }
 }
+
+/// The parts of a document, and its warnings.
+fn told(text: &str) -> (Vec<Part>, Vec<String>) {
+    let mut context = Context::default();
+    let file = gltf_file::parse(Path::new("m.gltf"), text.as_bytes(), None, &mut context).unwrap();
+    (file.parts, context.warnings)
+}
+
+/// A document with a buffer, a view and an accessor of this type more for each list, numbered from 1.
+fn with_floats(document: &str, lists: &[(&[f32], &str)]) -> String {
+    const DIGITS: &[u8] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut document = document.to_owned();
+    let mut append = |after: &str, text: String| {
+        let end = format!("}}],\n\"{after}\"");
+        assert!(document.contains(&end));
+        document = document.replace(&end, &format!("}}, {text}],\n\"{after}\""));
+    };
+    for (k, (list, kind)) in lists.iter().enumerate() {
+        let bytes: Vec<u8> = list.iter().flat_map(|x| x.to_le_bytes()).collect();
+        let of = |c: &[u8]| c.iter().fold(0_usize, |sum, b| sum << 8 | usize::from(*b));
+        let four = |c: &[u8]| [18, 12, 6, 0].map(|shift| char::from(DIGITS[of(c) >> shift & 63]));
+        assert!(bytes.len().is_multiple_of(3));
+        let base64: String = bytes.chunks_exact(3).flat_map(four).collect();
+        let (n, rows) = (bytes.len(), list.len() / if *kind == "VEC3" { 3 } else { 4 });
+        append("bufferViews", format!("{{\"byteLength\": {n}, \"uri\": \"data:x;base64,{base64}\"}}"));
+        append("accessors", format!("{{\"buffer\": {}, \"byteLength\": {n}}}", k + 1));
+        let view = format!("{{\"bufferView\": {}, \"componentType\": 5126, ", k + 1);
+        append("meshes", format!("{view}\"count\": {rows}, \"type\": \"{kind}\"}}"));
+    }
+    document
+}
+
+#[test]
+fn instances_stand_where_nodes_would() {
+    let turn = [0.0, 0.0, 0.5_f32.sqrt(), 0.5_f32.sqrt(), 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
+    let places = [1.0, 2.0, 3.0, 0.0, 0.0, 5.0, 0.0, 0.0, 7.0];
+    let nodes = r#"[{"translation": [10, 0, 0], "children": [1]}, {"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing":
+        {"attributes": {"TRANSLATION": 1, "ROTATION": 2, "_ID": 99}}}}]"#;
+    let text = with_floats(&triangle(nodes, ""), &[(&places, "VEC3"), (&turn, "VEC4")]);
+    let (parts, warnings) = told(&text);
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let got = &parts[0].mesh;
+    assert_eq!((parts.len(), got.triangles.len(), got.positions.len()), (1, 3, 9));
+    for (p, want) in got.positions.iter().zip([
+        [11.0, 2.0, 3.0],
+        [11.0, 3.0, 3.0],
+        [10.0, 2.0, 3.0],
+        [10.0, 0.0, 5.0],
+        [11.0, 0.0, 5.0],
+        [10.0, 1.0, 5.0],
+        [10.0, 0.0, 7.0],
+        [11.0, 0.0, 7.0],
+        [10.0, 1.0, 7.0],
+    ]) {
+        assert!((*p - Vec3::from_array(want)).length() < 1e-5, "{p} {want:?}");
+    }
+    let other = text.replace("\"TRANSLATION\": 1", "\"TRANSLATION\": 7");
+    assert!(parse(&other).err().unwrap().contains("node 1: instances: TRANSLATION: there is no accessor 7"));
+    let uneven = text.replace("\"count\": 3, \"type\": \"VEC4\"", "\"count\": 2, \"type\": \"VEC4\"");
+    assert!(parse(&uneven).err().unwrap().contains("different counts"));
+}
+
+#[test]
+fn nodes_that_are_not_visible_show_nothing_below_them() {
+    let hidden = r#""extensions": {"KHR_node_visibility": {"visible": false}}"#;
+    let shown = r#""extensions": {"KHR_node_visibility": {"visible": true}}"#;
+    let nodes = format!(
+        r#"[{{"mesh": 0, {shown}}}, {{{hidden}, "children": [2]}}, {{"mesh": 0, {shown}, "children": [3]}},
+        {{"camera": 0, "name": "eye"}}]"#
+    );
+    let camera = r#", "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}]"#;
+    let (parts, camera) = parse(&triangle(&nodes, camera)).unwrap();
+    assert_eq!(parts.len(), 1);
+    assert!(camera.is_some());
+    let none = parse(&triangle(&format!(r#"[{{"mesh": 0, {hidden}}}]"#), "")).err().unwrap();
+    assert!(none.contains("not visible"), "{none}");
+}
+
+#[test]
+fn extensions_that_change_the_picture_are_told() {
+    for (name, is_told) in [
+        ("KHR_materials_clearcoat", true),
+        ("KHR_materials_sheen", true),
+        ("KHR_materials_anisotropy", true),
+        ("KHR_materials_transmission", true),
+        ("EXT_lights_image_based", true),
+        ("EXT_lights_area", true),
+        ("CESIUM_RTC", true),
+        ("KHR_gaussian_splatting", true),
+        ("VENDOR_never_heard_of", true),
+        ("KHR_xmp_json_ld", false),
+        ("KHR_draco_mesh_compression", false),
+        ("KHR_node_visibility", false),
+    ] {
+        let listed = format!(", \"extensionsUsed\": [\"{name}\"]");
+        // Some documents use what they do not list.
+        let unlisted =
+            format!(", \"extras\": {{\"extensions\": {{\"NOT_one\": {{}}}}}}, \"extensions\": {{\"{name}\": {{}}}}");
+        for more in [listed, unlisted] {
+            let (_, warnings) = told(&triangle(r#"[{"mesh": 0}]"#, &more));
+            assert_eq!(warnings.len(), usize::from(is_told), "{name}: {warnings:?}");
+            assert!(warnings.iter().all(|line| line.contains(name)), "{warnings:?}");
+        }
+    }
+}
+
+#[test]
+fn the_alpha_of_vertex_colours_cuts_all_nodes_of_a_mesh() {
+    // Alpha 1, 0 and 1 at the corners: the line of a half leaves three quarters of the triangle.
+    let colors = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 1.0];
+    let document = |nodes: &str, cutoff: &str| {
+        let text = with_floats(&triangle(nodes, ""), &[(&colors, "VEC4")]);
+        let text = text.replace("\"POSITION\": 0", "\"POSITION\": 0, \"COLOR_0\": 1");
+        text.replace(
+            "\"materials\": [{",
+            &format!("\"materials\": [{{\"alphaMode\": \"MASK\", \"alphaCutoff\": {cutoff}, "),
+        )
+    };
+    for nodes in [r#"[{"mesh": 0}]"#, r#"[{"mesh": 0}, {"mesh": 0, "translation": [0, 0, 3]}]"#] {
+        let (parts, warnings) = told(&document(nodes, "0.5"));
+        assert!(warnings.is_empty(), "{warnings:?}");
+        assert!(parts.iter().all(|part| (part.mesh.area() - 0.375).abs() < 1e-5), "{}", parts[0].mesh.area());
+        assert_eq!(parts[0].mesh.positions[0].z, 0.0);
+        assert_eq!(parts.last().map(|part| part.mesh.positions[0].z), Some(if parts.len() == 2 { 3.0 } else { 0.0 }));
+        let (parts, _) = told(&document(nodes, "1.1"));
+        assert!(parts.iter().all(|part| part.mesh.triangles.is_empty()));
+    }
+}

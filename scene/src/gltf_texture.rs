@@ -138,12 +138,11 @@ impl<'a> Images<'a> {
             (None, None) => return Err(fault("has neither uri nor bufferView".to_owned())),
         };
         let ending = image.uri.as_deref().and_then(|uri| uri.rsplit_once('.')).map_or("", |(_, ending)| ending);
-        image_file::decode(&name, ending, &bytes, encoding).map(Some)
+        image_file::decode(&name, ending, &bytes, encoding, &self.files.budget).map(Some)
     }
 
     fn is_missing(&self, uri: &str) -> bool {
-        let file = percent_decoded(uri).map(|name| self.path.with_file_name("").join(name));
-        file.is_some_and(|file| !self.files.exists(&file))
+        percent_decoded(uri).is_some_and(|name| self.files.beside(self.path, &name).is_none())
     }
 }
 

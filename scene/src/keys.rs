@@ -204,7 +204,7 @@ pub(crate) fn read_scale(v: Value<'_>) -> Result<Vec3, SceneError> {
 /// `{ axis = [x, y, z], degrees = d }`.
 pub(crate) fn read_rotation(v: Value<'_>) -> Result<(Vec3, f32), SceneError> {
     let mut t = v.table()?;
-    let axis = t.require("axis")?.nonzero_vec3()?.normalize();
+    let axis = t.require("axis")?.direction()?;
     let degrees = t.require("degrees")?.number()?;
     t.finish()?;
     Ok((axis, degrees))

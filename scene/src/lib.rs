@@ -19,7 +19,8 @@
 //! turn normals to the viewer. Fields of view are full, vertical, and in radians here but in degrees in files.
 //!
 //! # Files
-//! Whatever a file contains, loading neither panics nor reserves memory that the file's own size does not justify; it
+//! Whatever a file contains, loading neither panics nor takes memory that the files' own sizes do not justify: meshes and images get 1.7 GB
+//! in all, and 128 bytes for each byte of the files that they are read from; it
 //! returns a scene or a [`SceneError`] of one line. Files that a scene file or a glTF refers to are looked for beside
 //! it; a glTF reads nothing outside its folder. Triangles without an area are left out. Coordinates may be as large as
 //! 1e9; NaN and infinity are refused. The numbers of scene files, OBJ and PLY are read in double precision: a scene 32 times
@@ -29,11 +30,11 @@
 //! glTF: triangles (strips and fans too) of the default scene, with skins and morph targets; sparse and quantised
 //! accessors; the first perspective camera; metallic–roughness materials with their textures (base colour, metalness, roughness, normal,
 //! emission; samplers, transforms, all sets of coordinates), vertex colours, cut-outs by alpha, KHR_materials_ior, specular,
-//! emissive_strength and unlit. KHR_lights_punctual is read. Not read: other extensions of materials, Draco and meshopt compression
-//! ([`load_with_warnings`] says which of these a file has).
+//! emissive_strength and unlit; KHR_lights_punctual, KHR_node_visibility, EXT_mesh_gpu_instancing. Not read: other extensions, of which
+//! [`load_with_warnings`] names those that may change the picture; Draco and meshopt compression.
 //!
 //! OBJ: one object for each material in use; of MTL `Kd`, `Ks`, `Ns`, `Ke`, `Pr`, `Pm`, `illum` and their maps, `norm`. PLY: colours and
-//! texture coordinates of vertices.
+//! texture coordinates of vertices and faces, images that its comments name.
 //!
 //! Images: PNG, JPEG, BMP, TGA up to 16384 texels a side ([`Texture`]). A missing image gives a warning, and its factor is used
 //! alone; a broken image is an error.
@@ -58,6 +59,8 @@
 mod animation;
 mod animation_edits;
 mod bounds;
+#[cfg(feature = "files")]
+mod budget;
 mod builtin;
 mod camera;
 mod camera_keys;
@@ -84,7 +87,11 @@ mod gltf_animation;
 #[cfg(feature = "files")]
 mod gltf_buffers;
 #[cfg(feature = "files")]
+mod gltf_extensions;
+#[cfg(feature = "files")]
 mod gltf_file;
+#[cfg(feature = "files")]
+mod gltf_instances;
 #[cfg(feature = "files")]
 mod gltf_light;
 #[cfg(feature = "files")]
@@ -99,11 +106,15 @@ mod gltf_tests;
 #[cfg(feature = "files")]
 mod gltf_texture;
 #[cfg(feature = "files")]
+mod hdr_header;
+#[cfg(feature = "files")]
 mod height;
 #[cfg(feature = "files")]
 mod image_file;
 #[cfg(feature = "files")]
 mod keys;
+#[cfg(feature = "files")]
+mod known_errors;
 #[cfg(feature = "files")]
 mod load;
 #[cfg(feature = "files")]
@@ -125,6 +136,8 @@ mod normals;
 #[cfg(feature = "files")]
 mod obj;
 #[cfg(feature = "files")]
+mod obj_libraries;
+#[cfg(feature = "files")]
 mod obj_normals;
 mod origin;
 #[cfg(feature = "files")]
@@ -132,6 +145,10 @@ mod part;
 mod placement;
 #[cfg(feature = "files")]
 mod ply;
+#[cfg(feature = "files")]
+mod ply_mesh;
+#[cfg(feature = "files")]
+mod polygon;
 mod scene;
 #[cfg(feature = "files")]
 mod scene_environment;
@@ -158,6 +175,8 @@ mod texture_tests;
 #[cfg(feature = "files")]
 mod toml_reader;
 mod track;
+#[cfg(feature = "files")]
+mod vertex_colors;
 
 pub use crate::animation::{Animation, Pose, Rig};
 pub use crate::animation_edits::{KeyFrame, KeyFrames};

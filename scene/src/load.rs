@@ -6,7 +6,9 @@ use crate::files::{Files, Source, extension};
 use crate::mesh_file::file_parts;
 use crate::mesh_scene::{Bare, MESH_OR_SCENE, bare, bare_objects};
 use crate::placement::Placement;
-use crate::{Animation, Emission, Mesh, Normals, Object, Scene, SceneError, Shape, Surface, obj, scene_file};
+use crate::{
+    Animation, Emission, Mesh, Normals, Object, Scene, SceneError, Shape, Surface, known_errors, obj, scene_file,
+};
 use glam::Mat4;
 use std::path::Path;
 use std::sync::Arc;
@@ -79,7 +81,7 @@ pub fn load_from(
     path: impl AsRef<Path>,
     clip: Option<&str>,
 ) -> Result<(Scene, Animation, Vec<String>), SceneError> {
-    load_any(path.as_ref(), clip, Context { files: Source(files), ..Context::default() })
+    load_any(path.as_ref(), clip, Context { files: Source::new(files), ..Context::default() })
 }
 
 /// The choices in how a scene is loaded.
@@ -216,6 +218,7 @@ fn load_any(
                 .warn(path, format!("object \"{name}\" shows a light, but shines not: its material has no `emission`"));
         }
     }
+    known_errors::lines(&scene).into_iter().for_each(|line| context.warn(path, line));
     let wants_uvs = |o: &&Object| scene.surface(o.material).is_some_and(Surface::has_textures);
     let has_none = |o: &&Object| matches!(&o.shape, Shape::Mesh(mesh) if mesh.uv_sets.is_empty());
     for object in scene.objects.iter().filter(wants_uvs).filter(has_none) {

@@ -26,6 +26,7 @@ pub(crate) fn near_parts(
     endings: &str,
 ) -> Result<Read, SceneError> {
     let (lines, skeletons, clips) = (context.warnings.len(), context.skeletons.len(), context.clips.len());
+    let mark = context.files.budget.mark();
     context.origin = DVec3::ZERO;
     let file = file_parts(path, clip, context, endings)?;
     let bounds = file.parts.iter().fold(Bounds::EMPTY, |b, part| b.union(part.mesh.bounds()));
@@ -33,6 +34,8 @@ pub(crate) fn near_parts(
     if context.origin == DVec3::ZERO {
         return Ok(file);
     }
+    drop(file);
+    context.files.budget.back_to(mark);
     context.warnings.truncate(lines);
     context.skeletons.truncate(skeletons);
     context.clips.truncate(clips);
@@ -64,7 +67,7 @@ pub(crate) fn file_parts(
             return Err(SceneError::file(path, "looks like a PLY file: expected the ending .ply"));
         }
         "obj" => meshes(obj::parse(path, &obj::obj_text(path, bytes)?, context)?),
-        "ply" => meshes(vec![ply::parse(path, &bytes, context)?]),
+        "ply" => meshes(ply::parse(path, &bytes, context)?),
         "glb" if is(b"\x89PNG") => return Err(SceneError::file(path, "not a GLB file: looks like a PNG image")),
         _ => gltf_file::parse(path, &bytes, clip, context)?,
     };
@@ -92,6 +95,11 @@ pub(crate) fn file_parts(
     if parts.is_empty() && dropped > 0 {
         what += " (corners equal or in a line, or nearer to each other than about 1e-18)";
     }
+    let cut_away = context.cut_away();
+    if !cut_away.is_empty() && !what.is_empty() {
+        what += "; ";
+    }
+    what += &cut_away;
     context.left_out(path, parts.is_empty(), &what)?;
     Ok(file)
 }

@@ -3,6 +3,7 @@
 use crate::context::Context;
 use crate::cut_out::CutOut;
 use crate::files::extension;
+use crate::hdr_header::RGB_OF_XYZ;
 use crate::height::{self, Source};
 use crate::look::Look;
 use crate::{Channel, Encoding, SceneError, Surface, Texture, TextureMap, Wrap, image_file};
@@ -10,32 +11,38 @@ use brdf::{Lambert, Material, MetallicRoughness, Phong};
 use core::f32::consts::FRAC_1_PI;
 use glam::{Affine2, Mat2, Vec2, Vec3};
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The materials of a library by name; a warning names the keywords that are not read.
 ///
 /// `Kd`, `Ks`, `Ns` are those of Phong's model as the format prints it, so that a light of irradiance π gives `Kd`; with `Pr` or `Pm` the
 /// material is metallic–roughness of base `Kd`. `Ke` is emission. Maps: `map_Kd`, `map_Ks`, `map_Ns`, `map_Ke`, `map_Pr`, `map_Pm`, `norm`.
-/// `d`, `Tr` and `map_d` cut surfaces out where their opacity is below a half. `bump` is a height, of white as many texels as `-bm` says, or
+/// `d`, `Tr` and `map_d` cut surfaces out where their opacity is below a half; `d` wins, and `Tr 1` without it is opaque, with a warning.
+/// Names of images may have blanks, quotes and backslashes, and letters large or small. `bump` is a height, of white as many texels as `-bm` says, or
 /// a normal map where its colours are normals.
 pub(crate) fn parse(path: &Path, context: &mut Context) -> Result<HashMap<String, Look>, SceneError> {
     let text = String::from_utf8_lossy(&context.files.read(path)?).into_owned();
-    let mut reader = Reader { path, context, textures: HashMap::new(), unread: Vec::new() };
+    let mut reader = Reader { path, context, textures: HashMap::new(), unread: Vec::new(), inverted: 0 };
     let (mut all, mut entry): (HashMap<String, Look>, Option<Entry>) = (HashMap::new(), None);
     let unified = text.replace("\r\n", "\n").replace('\r', "\n");
     for (number, line) in unified.split('\n').enumerate() {
-        let content = line.split('#').next().unwrap_or("").trim();
+        let content = without_comment(line).trim();
         let (word, rest) = content.split_once(char::is_whitespace).unwrap_or((content, ""));
         let (word, rest) = (word, rest.trim());
-        if word == "newmtl" {
-            all.extend(entry.take().map(Entry::finish));
-            entry = Some(Entry { name: rest.to_owned(), ..Entry::default() });
+        if word.eq_ignore_ascii_case("newmtl") {
+            all.extend(entry.take().map(|entry| reader.finish(entry)));
+            let name = rest.split_whitespace().collect::<Vec<_>>().join(" ");
+            entry = Some(Entry { name, ..Entry::default() });
         } else if let Some(entry) = entry.as_mut().filter(|_| !word.is_empty()) {
             reader.line(entry, word, rest).map_err(|e| SceneError::at_line(path, number + 1, e))?;
         }
     }
-    all.extend(entry.map(Entry::finish));
-    let unread = core::mem::take(&mut reader.unread);
+    all.extend(entry.map(|entry| reader.finish(entry)));
+    let Reader { unread, inverted, .. } = reader;
+    if inverted > 0 {
+        let names = if inverted == 1 { "a material says".to_owned() } else { format!("{inverted} materials say") };
+        context.warn(path, format!("{names} `Tr 1` and no `d`: surfaces are opaque, not invisible"));
+    }
     if all.values().any(|look| look.cut_out.is_some()) {
         context.warn(path, "surfaces that are not opaque are cut out where their opacity is below a half");
     }
@@ -102,6 +109,8 @@ struct Reader<'a> {
     textures: HashMap<(String, Use), Option<(Texture, f32)>>,
     /// Words that mean something and are not read.
     unread: Vec<String>,
+    /// Materials whose `Tr` is taken as an opacity.
+    inverted: usize,
 }
 
 /// The meaning of an image.
@@ -115,10 +124,53 @@ enum Use {
 
 const MAX_EXPONENT: f32 = 1e7;
 
+/// The words that are read, and those that change nothing. Some programs write them with other letters large.
+const KEYWORDS: [&str; 23] = [
+    "Kd",
+    "Ks",
+    "Ke",
+    "Ns",
+    "Pr",
+    "Pm",
+    "illum",
+    "map_Kd",
+    "map_Ks",
+    "map_Ke",
+    "map_Ns",
+    "map_Pr",
+    "map_Pm",
+    "norm",
+    "bump",
+    "map_bump",
+    "map_d",
+    "d",
+    "Tr",
+    "Ka",
+    "map_Ka",
+    "Ni",
+    "sharpness",
+];
+
+/// A line before its comment: a `#` within a name is a part of that.
+pub(crate) fn without_comment(line: &str) -> &str {
+    let begins = |(at, _): &(usize, &str)| *at == 0 || line[..*at].ends_with(char::is_whitespace);
+    line.match_indices('#').find(begins).map_or(line, |(at, _)| &line[..at])
+}
+
 impl Reader<'_> {
+    /// A material that is whole. Some programs write opacity as `Tr`: a surface that is invisible would make no sense.
+    fn finish(&mut self, mut entry: Entry) -> (String, Look) {
+        if entry.opacity.is_none() && entry.opacity_map.is_none() && entry.transparency.is_some_and(|t| t >= 1.0) {
+            entry.transparency = None;
+            self.inverted += 1;
+        }
+        entry.finish()
+    }
+
     fn line(&mut self, entry: &mut Entry, word: &str, rest: &str) -> Result<(), String> {
         let surface = &mut entry.surface;
-        match word {
+        let known = KEYWORDS.iter().find(|known| known.eq_ignore_ascii_case(word));
+        match known.copied().unwrap_or(word) {
             "Kd" => entry.kd = self.color(word, rest)?,
             "Ks" => entry.ks = self.color(word, rest)?,
             "Ke" => surface.emission = self.color(word, rest)?.unwrap_or(Vec3::ZERO),
@@ -133,7 +185,7 @@ impl Reader<'_> {
             "map_Pr" => surface.roughness = self.channel(rest)?,
             "map_Pm" => surface.metallic = self.channel(rest)?,
             "norm" => surface.normal = self.map(rest, |_| Use::Number)?,
-            "bump" | "map_bump" | "map_Bump" => {
+            "bump" | "map_bump" => {
                 let of = |o: &Options| Use::Height {
                     source: o.source.unwrap_or(Source::Luminance),
                     is_repeated: o.wrap == Wrap::Repeat,
@@ -143,9 +195,9 @@ impl Reader<'_> {
             }
             "map_d" => entry.opacity_map = self.map(rest, |o| Use::Opacity(o.source))?.map(|(map, _)| map),
             "d" if !rest.starts_with("-halo") => entry.opacity = Some(number(word, rest)?),
-            // Some files mean the opposite by it: the other one, where it stands, is sure.
+            // Some files mean the opposite by it: `d`, where it stands, is sure.
             "Tr" => entry.transparency = Some(number(word, rest)?),
-            "Ka" | "map_Ka" | "Ni" | "Tf" | "sharpness" => {}
+            "Ka" | "map_Ka" | "Ni" | "sharpness" => {}
             _ if self.unread.iter().any(|known| known == word) => {}
             _ => self.unread.push(word.to_owned()),
         }
@@ -155,12 +207,15 @@ impl Reader<'_> {
     /// A colour; none for a spectrum or one in another space.
     fn color(&mut self, word: &str, rest: &str) -> Result<Option<Vec3>, String> {
         let words: Vec<&str> = rest.split_whitespace().collect();
-        if matches!(words.first(), Some(&("spectral" | "xyz"))) {
+        if words.first() == Some(&"spectral") {
             self.unread.push(format!("{word} {}", words[0]));
             return Ok(None);
         }
-        let values: Vec<f32> = words.iter().map(|w| number(word, w)).collect::<Result<_, _>>()?;
-        let color = match values[..] {
+        let is_xyz = words.first() == Some(&"xyz");
+        let values = words.iter().skip(usize::from(is_xyz)).map(|w| number(word, w));
+        let color = match values.collect::<Result<Vec<f32>, _>>()?[..] {
+            [x] if is_xyz => RGB_OF_XYZ * Vec3::splat(x),
+            [x, y, z] if is_xyz => RGB_OF_XYZ * Vec3::new(x, y, z),
             [grey] => Vec3::splat(grey),
             [r, g, b] => Vec3::new(r, g, b),
             _ => return Err(format!("{word}: expected one number or three")),
@@ -216,7 +271,7 @@ impl Reader<'_> {
                 name = name.trim_start().strip_prefix(word).unwrap_or(name);
             }
         }
-        let name = name.trim().replace('\\', "/");
+        let name = name.trim().to_owned();
         let Some((texture, steepness)) = self.texture(&name, of(&options))? else { return Ok(None) };
         if !(scale.is_finite() && offset.is_finite() && bump.is_finite()) {
             return Err(format!("the options of image \"{name}\" are not finite"));
@@ -228,6 +283,18 @@ impl Reader<'_> {
         Ok(Some((map, bump * steepness)))
     }
 
+    /// The file of an image: the one of that name, else the one of its last part beside the library, with a warning: paths of the
+    /// computer where the file was written.
+    fn find(&mut self, name: &str) -> Option<PathBuf> {
+        let found = self.context.files.beside(self.path, name);
+        let last = name.trim_matches('"').rsplit(['/', '\\']).next().filter(|last| *last != name);
+        found.or_else(|| {
+            let file = self.context.files.beside(self.path, last?)?;
+            self.context.warn(self.path, format!("image {name} is not there: {} is taken", file.display()));
+            Some(file)
+        })
+    }
+
     /// An image, and the factor of x and y if it is a normal map.
     fn texture(&mut self, name: &str, used: Use) -> Result<Option<(Texture, f32)>, String> {
         let key = (name.to_owned(), used);
@@ -237,19 +304,28 @@ impl Reader<'_> {
         if name.is_empty() {
             return Err("expected the name of an image".to_owned());
         }
-        let file = self.path.with_file_name("").join(name);
-        let texture = if self.context.files.exists(&file) {
+        let texture = if let Some(file) = self.find(name) {
             let bytes = self.context.files.read(&file).map_err(|e| e.to_string())?;
-            let (size, texels) = image_file::texels(name, &extension(&file), &bytes)?;
+            let ending = extension(&file);
+            let budget = &*self.context.files.budget;
+            let texels = || image_file::texels(name, &ending, &bytes, budget);
             Some(match used {
-                Use::Color => (Texture::new(name, size, texels, Encoding::Srgb), 1.0),
-                Use::Number => (Texture::new(name, size, texels, Encoding::Linear), 1.0),
-                Use::Opacity(source) => (height::opacity(name, size, texels, source), 1.0),
-                Use::Height { .. } if height::shows_normals(&texels) => {
-                    self.context.warn(self.path, format!("bump map {name} shows normals: it is taken as a normal map"));
-                    (Texture::new(name, size, texels, Encoding::Linear), 1.0)
+                Use::Color => (image_file::decode(name, &ending, &bytes, Encoding::Srgb, budget)?, 1.0),
+                Use::Number => (image_file::decode(name, &ending, &bytes, Encoding::Linear, budget)?, 1.0),
+                Use::Opacity(source) => {
+                    let (size, texels) = texels()?;
+                    (height::opacity(name, size, texels, source), 1.0)
                 }
-                Use::Height { source, is_repeated } => height::slopes(name, size, &texels, source, is_repeated),
+                Use::Height { source, is_repeated } => {
+                    let (size, texels) = texels()?;
+                    if height::shows_normals(&texels) {
+                        let note = format!("bump map {name} shows normals: it is taken as a normal map");
+                        self.context.warn(self.path, note);
+                        (Texture::new(name, size, texels, Encoding::Linear), 1.0)
+                    } else {
+                        height::slopes(name, size, &texels, source, is_repeated)
+                    }
+                }
             })
         } else {
             self.context.warn(self.path, format!("image {name} is not there: its factor is taken alone"));

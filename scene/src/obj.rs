@@ -1,13 +1,13 @@
 //! Wavefront OBJ: positions, normals, smoothing groups, texture coordinates, colours, polygons by material. Lines and curves are ignored.
 
 use crate::context::{Context, counted};
-use crate::look::Look;
+use crate::mtl::without_comment;
+use crate::obj_libraries::Libraries;
 use crate::obj_normals::{self, smoothing_group};
 use crate::part::Part;
-use crate::texture::{srgb_decoded, unit};
-use crate::{Mesh, SceneError, mtl};
+use crate::{Mesh, SceneError, polygon, vertex_colors};
 use brdf::Lambert;
-use glam::{DVec2, DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
@@ -55,10 +55,11 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
     let mut lists = Lists::default();
     // Triangles by material, in the order of first use.
     let mut names: Vec<String> = vec![String::new()];
+    let mut known: HashMap<String, usize> = HashMap::from([(String::new(), 0)]);
     let mut groups: Vec<Vec<Face>> = vec![Vec::new()];
     let (mut group, mut smoothing) = (0, 0);
     let (mut short, mut infinite) = (0, 0);
-    let mut libraries: Vec<String> = Vec::new();
+    let mut libraries = Libraries::default();
 
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     // Bare carriage returns end lines too, and a backslash at the end of a line joins it with the next.
@@ -108,33 +109,26 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
                 } else if !face.iter().all(|c| lists.positions[c.0 as usize].is_finite()) {
                     infinite += 1;
                 } else {
-                    triangulate(&face, &lists.positions, &mut |corners| {
-                        groups[group].push(Face { corners, group: smoothing });
+                    let places: Vec<_> = face.iter().map(|c| lists.positions[c.0 as usize].as_dvec3()).collect();
+                    polygon::ears(&places, &mut |triangle| {
+                        groups[group].push(Face { corners: triangle.map(|k| face[k]), group: smoothing });
                     });
                 }
             }
             Some("usemtl") => {
-                let name = words.collect::<Vec<_>>().join(" ");
-                group = names.iter().position(|known| *known == name).unwrap_or(names.len());
-                if group == names.len() {
-                    names.push(name);
+                let name = name_of(whole).split_whitespace().collect::<Vec<_>>().join(" ");
+                group = *known.entry(name).or_insert_with_key(|name| {
+                    names.push(name.clone());
                     groups.push(Vec::new());
-                }
+                    names.len() - 1
+                });
             }
             Some("s") => smoothing = smoothing_group(words),
-            Some("mtllib") => libraries.extend(words.map(str::to_owned)),
+            Some("mtllib") => libraries.add(path, name_of(whole), context),
             _ => {}
         }
     }
-    let mut looks: HashMap<String, Look> = HashMap::new();
-    for library in libraries {
-        let file = path.with_file_name(&library);
-        if file.is_file() {
-            looks.extend(mtl::parse(&file, context)?);
-        } else {
-            context.warn(path, format!("material library {library} does not exist: faces have the default material"));
-        }
-    }
+    let looks = libraries.looks(path, context)?;
     let mut left_out = vec![
         counted(short, "face", "fewer than three corners"),
         counted(infinite, "face", "corners that are NaN, infinite or beyond single precision (3.4e38)"),
@@ -148,6 +142,9 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
     }
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     let has_colors = lists.colors.len() == lists.positions.len();
+    if let Some(one) = vertex_colors::decode(&mut lists.colors) {
+        context.warn(path, vertex_colors::note(one));
+    }
     // Names that no library has mean nothing: their faces stay together.
     let mut unnamed: Vec<Face> = Vec::new();
     let mut parts: Vec<Part> = Vec::new();
@@ -158,7 +155,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
                 let wants_uvs = look.surface.has_textures() || cut_out.is_some_and(|cut_out| cut_out.map.is_some());
                 let mut mesh = assemble(&lists, &corners, wants_uvs, has_colors);
                 if let Some(cut_out) = cut_out {
-                    context.cut_out(path, &material, cut_out, &mut mesh, false);
+                    context.cut_out(path, &material, cut_out, (&mut mesh, &[]), false);
                 }
                 parts.push(Part::fixed(material, mesh, Some((number + 1, look.clone()))));
             }
@@ -171,6 +168,8 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
         parts.insert(0, Part::fixed(name.clone(), mesh, look));
     }
     parts.iter_mut().for_each(|part| part.is_bare = is_bare);
+    let take = |part: &Part| context.files.budget.take_mesh(&part.mesh, 1, &part.name);
+    parts.iter().try_for_each(take).map_err(|message| SceneError::file(path, message))?;
     if let [part] = &mut parts[..] {
         part.name = name;
     }
@@ -215,6 +214,11 @@ fn assemble(lists: &Lists, faces: &[Face], wants_uvs: bool, has_colors: bool) ->
     mesh
 }
 
+/// The name that a statement gives, which may have blanks and `#`.
+fn name_of(line: &str) -> &str {
+    without_comment(line).trim().split_once(char::is_whitespace).map_or("", |(_, name)| name.trim())
+}
+
 fn number(word: &str) -> Result<f32, String> {
     word.parse().map_err(|_| format!("cannot read number '{word}'"))
 }
@@ -234,14 +238,12 @@ fn texture_coordinates<'w>(mut words: impl Iterator<Item = &'w str>) -> Result<V
     Ok(Vec2::new(u, 1.0 - v))
 }
 
-/// `x y z`, `x y z w` (homogeneous) or `x y z r g b`: a position, relative to an origin, and an sRGB colour.
+/// `x y z`, `x y z w` (homogeneous) or `x y z r g b`, perhaps with alpha, which means nothing: a position, relative to an origin, and an
+/// sRGB colour of any range.
 fn vertex<'w>(words: impl Iterator<Item = &'w str> + Clone, origin: DVec3) -> Result<(Vec3, Option<Vec3>), String> {
     let mut more = words.clone().skip(3);
-    let color = match [more.next(), more.next(), more.next(), more.next()] {
-        [Some(r), Some(g), Some(b), None] => {
-            let channel = |word| number(word).map(|x| srgb_decoded(unit(x)));
-            Some(Vec3::new(channel(r)?, channel(g)?, channel(b)?))
-        }
+    let color = match [more.next(), more.next(), more.next()] {
+        [Some(r), Some(g), Some(b)] => Some(Vec3::new(number(r)?, number(g)?, number(b)?)),
         _ => None,
     };
     Ok((position(words, origin)?, color))
@@ -292,47 +294,4 @@ fn corner(word: &str, lists: &Lists) -> Result<Corner, String> {
         return Err(format!("cannot read face corner '{word}'"));
     }
     Ok((p, n, t))
-}
-
-/// Cuts a polygon into triangles: ears first in the plane of its normal, so that concave ones keep their area.
-fn triangulate(face: &[Corner], positions: &[Vec3], out: &mut impl FnMut([Corner; 3])) {
-    if face.len() == 3 {
-        out([face[0], face[1], face[2]]);
-        return;
-    }
-    let p = |i: usize| positions[face[i].0 as usize].as_dvec3();
-    let n = face.len();
-    // Newell's normal; corners in the plane's coordinates relative to the first.
-    let normal: DVec3 = (0..n).map(|i| (p(i) - p(0)).cross(p((i + 1) % n) - p(0))).sum();
-    let normal = normal.normalize_or(DVec3::Z);
-    let (u, v) = normal.any_orthonormal_pair();
-    let flat: Vec<DVec2> = (0..n).map(|i| p(i) - p(0)).map(|d| DVec2::new(u.dot(d), v.dot(d))).collect();
-    let side = |a: usize, b: usize, c: usize| (flat[b] - flat[a]).perp_dot(flat[c] - flat[a]);
-    let mut left: Vec<usize> = (0..n).collect();
-    while left.len() > 3 {
-        let m = left.len();
-        let around = |i: usize| (left[(i + m - 1) % m], left[i], left[(i + 1) % m]);
-        let is_ear = |i: usize| {
-            let (a, b, c) = around(i);
-            // An ear turns left and holds no other corner.
-            side(a, b, c) > 0.0
-                && left.iter().all(|&q| {
-                    q == a
-                        || q == b
-                        || q == c
-                        || side(a, b, q) < 0.0
-                        || side(b, c, q) < 0.0
-                        || side(c, a, q) < 0.0
-                        || flat[q] == flat[a]
-                        || flat[q] == flat[b]
-                        || flat[q] == flat[c]
-                })
-        };
-        // A polygon that crosses itself may have no ear: cut any corner then.
-        let ear = (0..m).find(|&i| is_ear(i)).unwrap_or(0);
-        let (a, b, c) = around(ear);
-        out([face[a], face[b], face[c]]);
-        left.remove(ear);
-    }
-    out([face[left[0]], face[left[1]], face[left[2]]]);
 }

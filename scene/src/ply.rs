@@ -1,10 +1,9 @@
-//! Stanford PLY: ascii and binary, positions, normals, colours, texture coordinates, polygons. Other elements and properties are skipped.
+//! Stanford PLY: ascii and binary, positions, normals, colours, texture coordinates, polygons, images. Other elements and properties are skipped.
 
+use crate::SceneError;
 use crate::context::Context;
 use crate::part::Part;
-use crate::texture::{srgb_decoded, unit};
-use crate::{Mesh, SceneError};
-use brdf::Lambert;
+use crate::ply_mesh::{Face, PlyMesh};
 use glam::{DVec3, Vec2, Vec3};
 use std::path::Path;
 
@@ -130,17 +129,18 @@ fn take_line<'a>(bytes: &mut &'a [u8]) -> &'a [u8] {
     line
 }
 
-/// Positions are relative to the context's origin.
-pub(crate) fn parse(path: &Path, bytes: &[u8], context: &mut Context) -> Result<Part, SceneError> {
+/// Positions are relative to the context's origin. One part for each image that the file names, if it names any.
+pub(crate) fn parse(path: &Path, bytes: &[u8], context: &mut Context) -> Result<Vec<Part>, SceneError> {
     let origin = context.origin;
     let mut rest = bytes;
     let mut line = 0;
-    let (format, elements) = header(&mut rest, &mut line, bytes.len()).map_err(|message| match line {
+    let header = header(&mut rest, &mut line, bytes.len()).map_err(|message| match line {
         0 | 1 => SceneError::file(path, message),
         _ => SceneError::at_line(path, line, message),
     })?;
+    let Header { format, elements, images } = header;
     let mut body = Body { format, bytes: rest, line, words: Vec::new(), next_word: 0 };
-    let mut mesh = Mesh::default();
+    let mut mesh = PlyMesh::new(images);
     for element in &elements {
         for i in 0..element.count {
             let read = read_element(&mut body, element, origin, &mut mesh);
@@ -150,30 +150,22 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], context: &mut Context) -> Result<
             })?;
         }
     }
-    if mesh.triangles.is_empty() {
+    if mesh.mesh.triangles.is_empty() {
         return Err(SceneError::file(path, "no triangles"));
     }
-    let is_bare = mesh.normals.len() != mesh.positions.len();
-    if is_bare {
-        // Faces that share a vertex share all that it has.
-        let vertices: Vec<u32> = (0..mesh.positions.len() as u32).collect();
-        mesh.remove_doubles(false);
-        mesh.smooth_normals_in(&vertices);
-    } else {
-        context.tell_broken(path, mesh.repair_normals());
-    }
-    if mesh.colors.len() != mesh.positions.len() {
-        mesh.colors.clear();
-    }
-    let count = mesh.positions.len();
-    mesh.uv_sets.retain(|set| set.len() == count);
-    let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    let look = (!mesh.colors.is_empty()).then(|| (0, Lambert { albedo: Vec3::ONE }.into()));
-    Ok(Part { is_bare, ..Part::fixed(name, mesh, look) })
+    mesh.parts(path, context).map_err(|message| SceneError::file(path, message))
 }
 
-fn header(rest: &mut &[u8], line: &mut usize, size: usize) -> Result<(Format, Vec<Element>), String> {
+struct Header {
+    format: Format,
+    elements: Vec<Element>,
+    /// Names of images: MeshLab's comments.
+    images: Vec<String>,
+}
+
+fn header(rest: &mut &[u8], line: &mut usize, size: usize) -> Result<Header, String> {
     let mut format = None;
+    let mut images = Vec::new();
     let mut elements: Vec<Element> = Vec::new();
     loop {
         if rest.is_empty() {
@@ -215,6 +207,11 @@ fn header(rest: &mut &[u8], line: &mut usize, size: usize) -> Result<(Format, Ve
                 elements.last_mut().ok_or("property before any element")?.properties.push(property);
             }
             ["end_header"] => break,
+            ["comment", key, _, ..] if key.eq_ignore_ascii_case("TextureFile") => {
+                // The name may have blanks.
+                let name = text.split_once(key).map_or("", |(_, name)| name.trim());
+                images.push(name.to_owned());
+            }
             [] | ["comment" | "obj_info", ..] => {}
             [word, ..] => return Err(format!("unknown header line \"{word}\"")),
         }
@@ -232,55 +229,43 @@ fn header(rest: &mut &[u8], line: &mut usize, size: usize) -> Result<(Format, Ve
     if !has("face", &["vertex_indices", "vertex_index"]) {
         return Err("face has no vertex_indices".to_owned());
     }
-    Ok((format, elements))
+    Ok(Header { format, elements, images })
 }
 
-fn read_element(body: &mut Body<'_>, element: &Element, origin: DVec3, mesh: &mut Mesh) -> Result<(), String> {
+fn read_element(body: &mut Body<'_>, element: &Element, origin: DVec3, all: &mut PlyMesh) -> Result<(), String> {
     body.start_element()?;
+    let (is_vertex, is_face) = (element.name == "vertex", element.name == "face");
     let (mut position, mut normal, mut normal_parts) = (Vec3::ZERO, Vec3::ZERO, 0);
     let (mut color, mut uv): ([Option<f32>; 3], [Option<f32>; 2]) = ([None; 3], [None; 2]);
+    let mut face = Face::default();
     for property in &element.properties {
-        let Some(length) = property.length else {
-            let fine = body.value(property.kind)?;
-            let value = fine as f32;
-            match property.name.as_str() {
-                "x" => position.x = (fine - origin.x) as f32,
-                "y" => position.y = (fine - origin.y) as f32,
-                "z" => position.z = (fine - origin.z) as f32,
-                "nx" => (normal.x, normal_parts) = (value, normal_parts + 1),
-                "ny" => (normal.y, normal_parts) = (value, normal_parts + 1),
-                "nz" => (normal.z, normal_parts) = (value, normal_parts + 1),
-                "red" | "r" => color[0] = Some(channel(fine, property.kind)),
-                "green" | "g" => color[1] = Some(channel(fine, property.kind)),
-                "blue" | "b" => color[2] = Some(channel(fine, property.kind)),
-                "s" | "u" | "texture_u" => uv[0] = Some(value),
-                // Counted from the lower edge of the image.
-                "t" | "v" | "texture_v" => uv[1] = Some(1.0 - value),
-                _ => {}
-            }
+        if property.length.is_some() {
+            let known = all.mesh.positions.len();
+            list(body, property, is_face.then_some((&mut face, known)))?;
             continue;
-        };
-        let count = body.value(length)?;
-        if !(count >= 0.0 && count.fract() == 0.0) {
-            return Err(format!("a list of {count} values"));
         }
-        let is_face = element.name == "face" && ["vertex_indices", "vertex_index"].contains(&&*property.name);
-        let mut corners: Vec<u32> = Vec::new();
-        for _ in 0..count as u64 {
-            let value = body.value(property.kind)?;
-            if is_face {
-                let known = mesh.positions.len();
-                if !(value >= 0.0 && value < known as f64 && value.fract() == 0.0) {
-                    return Err(format!("face uses vertex {value}, there are {known}"));
-                }
-                corners.push(value as u32);
-            }
-        }
-        for i in 2..corners.len() {
-            mesh.triangles.push([corners[0], corners[i - 1], corners[i]]);
+        let fine = body.value(property.kind)?;
+        let value = fine as f32;
+        match property.name.as_str() {
+            "x" => position.x = (fine - origin.x) as f32,
+            "y" => position.y = (fine - origin.y) as f32,
+            "z" => position.z = (fine - origin.z) as f32,
+            "nx" => (normal.x, normal_parts) = (value, normal_parts + 1),
+            "ny" => (normal.y, normal_parts) = (value, normal_parts + 1),
+            "nz" => (normal.z, normal_parts) = (value, normal_parts + 1),
+            "red" | "r" | "diffuse_red" => color[0] = Some(channel(fine, property.kind)),
+            "green" | "g" | "diffuse_green" => color[1] = Some(channel(fine, property.kind)),
+            "blue" | "b" | "diffuse_blue" => color[2] = Some(channel(fine, property.kind)),
+            "alpha" if is_vertex => all.clear += usize::from(channel(fine, property.kind) < 1.0),
+            "s" | "u" | "texture_u" => uv[0] = Some(value),
+            // Counted from the lower edge of the image.
+            "t" | "v" | "texture_v" => uv[1] = Some(1.0 - value),
+            "texnumber" => face.image = Some(fine as i64),
+            _ => {}
         }
     }
-    if element.name == "vertex" {
+    let mesh = &mut all.mesh;
+    if is_vertex {
         mesh.positions.push(position);
         if normal_parts == 3 {
             mesh.normals.push(normal);
@@ -292,11 +277,44 @@ fn read_element(body: &mut Body<'_>, element: &Element, origin: DVec3, mesh: &mu
             mesh.uv_sets.resize(1, Vec::new());
             mesh.uv_sets[0].push(Vec2::new(u, v));
         }
+    } else if is_face {
+        all.face(&Face { color, ..face })?;
     }
     Ok(())
 }
 
-/// The linear value of a colour's channel: integers are fractions of the largest.
+/// Reads a list; those of a face that mean something into it, with the number of vertices that are known.
+fn list(body: &mut Body<'_>, property: &Property, face: Option<(&mut Face, usize)>) -> Result<(), String> {
+    let count = body.value(property.length.unwrap_or(property.kind))?;
+    if !(count >= 0.0 && count.fract() == 0.0) {
+        return Err(format!("a list of {count} values"));
+    }
+    let count = count as u64;
+    match (property.name.as_str(), face) {
+        ("vertex_indices" | "vertex_index", Some((face, known))) => {
+            for _ in 0..count {
+                let value = body.value(property.kind)?;
+                if !(value >= 0.0 && value < known as f64 && value.fract() == 0.0) {
+                    return Err(format!("face uses vertex {value}, there are {known}"));
+                }
+                face.corners.push(value as u32);
+            }
+        }
+        ("texcoord", Some((face, _))) => {
+            for _ in 0..count {
+                face.uvs.push(body.value(property.kind)? as f32);
+            }
+        }
+        _ => {
+            for _ in 0..count {
+                body.value(property.kind)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A colour's channel: integers are fractions of the largest; of 32 bits, as floats, they are of a range that their largest tells.
 fn channel(value: f64, kind: Kind) -> f32 {
     let most = match kind {
         Kind::I8 => 127.0,
@@ -305,5 +323,5 @@ fn channel(value: f64, kind: Kind) -> f32 {
         Kind::U16 => 65535.0,
         _ => 1.0,
     };
-    srgb_decoded(unit((value / most) as f32))
+    (value / most) as f32
 }

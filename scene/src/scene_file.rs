@@ -15,6 +15,7 @@ use crate::{Animation, Camera, Scene, SceneError, Strategy};
 use glam::{DVec3, Vec3};
 use lighting::Light;
 use lobe_core::LightLobes;
+use std::cell::RefCell;
 use std::path::Path;
 use toml::de::DeTable;
 
@@ -27,6 +28,7 @@ const WORTH_SAYING: f32 = 0.02;
 /// Reads the text of a scene file. Messages name `path`, and relative paths start from it. A scene far from the
 /// origin, most of its objects and lights too, is read relative to a point near the first target of its camera.
 pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
+    let mark = context.files.budget.mark();
     let (scene, animation) = parse_from(path, text, DVec3::ZERO, context)?;
     let mut camera = scene.camera;
     if let Some(CameraMover::Keys(keys)) = &animation.camera {
@@ -41,6 +43,8 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<(S
     if origin == DVec3::ZERO || 2 * count <= all {
         return Ok((scene, animation));
     }
+    drop(scene);
+    context.files.budget.back_to(mark);
     *context = context.anew();
     parse_from(path, text, origin, context)
 }
@@ -110,9 +114,11 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
     let bounds = objects.iter().fold(crate::Bounds::EMPTY, |b, o| b.union(o.shape.bounds()));
     let mut lit = SceneLights::default();
     if let Some(value) = root.get("lights") {
+        let notes = RefCell::default();
         for entry in value.elements("[[lights]]")? {
-            lit.read(entry.table()?, &Around { path, files: &context.files, origin, bounds: &bounds })?;
+            lit.read(entry.table()?, &Around { path, files: &context.files, origin, bounds: &bounds, notes: &notes })?;
         }
+        notes.into_inner().into_iter().for_each(|note| context.warn(path, note));
     }
     for (object, key) in emitters {
         let surface = materials.surface(&objects[object]);
@@ -166,7 +172,7 @@ fn read_camera(value: Value<'_>, origin: DVec3) -> Result<(Camera, Option<Camera
     let camera = Camera {
         eye: eye.relative(origin)?,
         target: target.relative(origin)?,
-        up: up.map_or(Ok(Vec3::Y), |v| v.nonzero_vec3())?,
+        up: up.map_or(Ok(Vec3::Y), |v| v.direction())?,
         vertical_fov: degrees.to_radians(),
     };
     let keys = Keys::read(&mut t)?;

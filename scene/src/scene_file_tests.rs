@@ -343,8 +343,13 @@ fn lights_that_are_none_are_refused() {
     refused(&light("kind = \"lamp\"\nradiance = 1"), 4, &["lamp", "\"tube\""]);
     refused(
         &light("kind = \"rectangle\"\ncenter = [0, 3, 0]\nu = [1, 0, 0]\nv = [2, 0, 0]\nradiance = 1"),
-        5,
-        &["no area"],
+        7,
+        &["v: u and v are parallel"],
+    );
+    refused(
+        &light("kind = \"rectangle\"\ncenter = [0, 3, 0]\nu = [0, 0, 0]\nv = [2, 0, 0]\nradiance = 1"),
+        6,
+        &["u: vector has length zero"],
     );
     refused(&light("kind = \"disc\"\ncenter = [0, 3, 0]\nnormal = [0, 0, 0]\nradius = 1\nradiance = 1"), 6, &["0"]);
     refused(&light("kind = \"polygon\"\nradiance = 1\ncorners = [[0, 0, 0], [1, 0, 0]]"), 6, &["3 to 24 corners"]);

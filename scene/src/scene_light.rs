@@ -14,6 +14,7 @@ use crate::{Bounds, Object, SceneError, Surface};
 use glam::{DVec3, Mat4, Vec3};
 use lighting::{AmbientLight, Environment, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight};
 use lobe_core::{LightImage, LightLobes, Sphere};
+use std::cell::RefCell;
 use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::Arc;
@@ -38,6 +39,8 @@ pub(crate) struct Around<'a> {
     pub(crate) path: &'a Path,
     pub(crate) origin: DVec3,
     pub(crate) bounds: &'a Bounds,
+    /// Lines about what was replaced in images.
+    pub(crate) notes: &'a RefCell<Vec<String>>,
 }
 
 /// Lights in their own coordinates, and the key that says how bright they are.
@@ -146,7 +149,7 @@ fn sphere<'s>(
 }
 
 fn spot<'s>(t: &mut Table<'s>, around: &Around<'_>) -> Result<Own<'s>, SceneError> {
-    let axis = t.require("direction")?.nonzero_vec3()?.normalize();
+    let axis = t.require("direction")?.direction()?;
     let cos = read_spot(t)?;
     let own = sphere(t, around, Some(POINT), &["intensity", "radiance"])?;
     let spot = |light| match light {
@@ -160,7 +163,11 @@ fn rectangle<'s>(t: &mut Table<'s>, around: &Around<'_>) -> Result<Own<'s>, Scen
     let center = t.require("center")?;
     let origins = Origins::of(around.origin, center.place()?);
     let at = center.relative(origins.own)?;
-    let [u, v] = [t.require("u")?.vec3()?, t.require("v")?.vec3()?];
+    let (key_u, key_v) = (t.require("u")?, t.require("v")?);
+    let [u, v] = [key_u.nonzero_vec3()?, key_v.nonzero_vec3()?];
+    if u.normalize().cross(v.normalize()).length() < 1e-6 {
+        return Err(key_v.error("u and v are parallel"));
+    }
     let light = FlatLight::rectangle(at, u, v, Vec3::ONE).map_err(|e| center.error(e))?;
     flat(t, light, origins, around)
 }
@@ -169,7 +176,7 @@ fn disc<'s>(t: &mut Table<'s>, around: &Around<'_>) -> Result<Own<'s>, SceneErro
     let center = t.require("center")?;
     let origins = Origins::of(around.origin, center.place()?);
     let at = center.relative(origins.own)?;
-    let normal = t.require("normal")?.nonzero_vec3()?;
+    let normal = t.require("normal")?.direction()?;
     let radius = t.require("radius")?.positive()?;
     let light = FlatLight::disc(at, normal, radius, Vec3::ONE).map_err(|e| center.error(e))?;
     flat(t, light, origins, around)
@@ -223,7 +230,7 @@ fn tube<'s>(t: &mut Table<'s>, around: &Around<'_>) -> Result<Own<'s>, SceneErro
 }
 
 fn sun<'s>(t: &mut Table<'s>, around: &Around<'_>, world: Sphere) -> Result<Own<'s>, SceneError> {
-    let along = t.require("direction")?.nonzero_vec3()?.normalize();
+    let along = t.require("direction")?.direction()?;
     let degrees = match t.get("angle") {
         None => SunLight::HALF_ANGLE,
         Some(v) => match v.positive()? {
@@ -274,4 +281,27 @@ fn read_spot(t: &mut Table<'_>) -> Result<[f32; 2], SceneError> {
         return Err(place.error(format!("{begin} must lie between 0 and angle, which is {end} degrees")));
     }
     Ok([begin, end].map(|degrees| degrees.to_radians().cos()))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::context::Context;
+    use crate::scene_file;
+    use std::path::Path;
+
+    #[test]
+    fn directions_may_have_any_length() {
+        let text = |length: &str| {
+            format!(
+                "[[objects]]\nplane = {{ point = [0, 0, 0], normal = [0, {length}, 0] }}\n[[lights]]\nkind = \"sun\"\n\
+                 direction = [0, -{length}, 0]\nirradiance = 1\n"
+            )
+        };
+        let mut context = Context::default();
+        let of = |length: &str, context: &mut Context| {
+            scene_file::parse(Path::new("test.toml"), &text(length), context).expect("a scene").0.lights
+        };
+        let usual = of("1", &mut context);
+        assert!(["1e30", "1e-30", "3"].iter().all(|length| of(length, &mut context) == usual));
+    }
 }

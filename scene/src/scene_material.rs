@@ -34,7 +34,8 @@ impl ImageFiles {
             return Ok(known.clone());
         }
         let bytes = self.files.read(&key.0).map_err(|e| value.error(e))?;
-        let texture = image_file::decode(name, &extension(&key.0), &bytes, encoding).map_err(|e| value.error(e))?;
+        let texture = image_file::decode(name, &extension(&key.0), &bytes, encoding, &self.files.budget)
+            .map_err(|e| value.error(e))?;
         self.known.insert(key, texture.clone());
         Ok(texture)
     }

@@ -151,10 +151,10 @@ fn objects(
             part.mesh.validate().map_err(|e| value.error(e))?;
             let material = material.unwrap_or_else(|| materials.fallback());
             if let Some(cut_out) = materials.cut_out(material) {
-                context.cut_out(path, &part.name, cut_out, &mut part.mesh, mover.is_some());
+                context.cut_out(path, &part.name, cut_out, (&mut part.mesh, &[]), mover.is_some());
             }
             if part.mesh.triangles.is_empty() {
-                return Err(value.error("alpha_cutoff leaves nothing of it"));
+                return Err(value.error(context.cut_away()));
             }
             let proxy = proxy.unwrap_or(Proxy::None);
             let mover = mover.map(|m| Mover { proxy: bind(&proxy, &matrix), ..m });
@@ -168,7 +168,7 @@ fn objects(
             for mut part in parts {
                 let mover = part.place(normals, &placement);
                 if let Some(cut_out) = material.and_then(|material| materials.cut_out(material)) {
-                    context.cut_out(path, &part.name, cut_out, &mut part.mesh, mover.is_some());
+                    context.cut_out(path, &part.name, cut_out, (&mut part.mesh, &[]), mover.is_some());
                 }
                 if !part.mesh.triangles.is_empty() {
                     part.mesh.validate().map_err(|e| value.error(e))?;
@@ -179,8 +179,13 @@ fn objects(
             if shape == "mesh" {
                 context.tell_smoothed(&path.with_file_name("").join(value.string()?), &placed, normals, wish.is_some());
             }
+            let cut_away = context.cut_away();
             if placed.is_empty() {
-                return Err(value.error("mesh has no triangles once it is placed"));
+                let why = if cut_away.is_empty() { "mesh has no triangles once it is placed" } else { &cut_away };
+                return Err(value.error(why));
+            }
+            if !cut_away.is_empty() {
+                context.warn(path, cut_away);
             }
             let single = placed.len() == 1;
             let counts = match &proxy {
@@ -285,7 +290,7 @@ fn geometry(
             Geometry::Flat(Mesh::quad(center, u, v))
         }
         "plane" => {
-            let normal = t.require("normal")?.nonzero_vec3()?.normalize();
+            let normal = t.require("normal")?.direction()?;
             let half = 0.5 * t.get("size").map_or(Ok(100.0), |v| v.positive())?;
             let (u, v) = lobe_core::orthonormal_basis(normal);
             Geometry::Flat(Mesh::quad(center, u * half, v * half))

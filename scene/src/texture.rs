@@ -17,7 +17,8 @@ pub enum Encoding {
 /// Texture coordinates have their origin at the upper left corner, v downward, as in glTF. Copies share the texels.
 ///
 /// # Cost
-/// 5.3 bytes a texel, 10.7 of colours, which are kept linear. A lookup: docs/speed.md.
+/// 5.3 bytes a texel, 10.7 of colours, which are kept linear; a quarter of that where all texels are grey and opaque. A lookup:
+/// docs/speed.md.
 #[derive(Clone)]
 pub struct Texture {
     name: Arc<str>,
@@ -25,10 +26,12 @@ pub struct Texture {
     levels: Arc<Levels>,
 }
 
-/// Numbers as they are; colours as linear values.
+/// Numbers as they are; colours as linear values. One number a texel where all are grey and opaque.
 enum Levels {
     Bytes(Vec<Level<[u8; 4]>>),
     Words(Vec<Level<[u16; 4]>>),
+    GreyBytes(Vec<Level<u8>>),
+    GreyWords(Vec<Level<u16>>),
 }
 
 /// An expression of the levels, of whichever kind they are.
@@ -37,14 +40,56 @@ macro_rules! with {
         match $levels {
             Levels::Bytes($name) => $value,
             Levels::Words($name) => $value,
+            Levels::GreyBytes($name) => $value,
+            Levels::GreyWords($name) => $value,
         }
     };
 }
 
 /// Texels row by row.
-struct Rows {
+struct Rows<P> {
     size: [usize; 2],
-    texels: Vec<Texel>,
+    texels: Vec<P>,
+}
+
+/// A texel of a file.
+trait Pixel: Copy {
+    /// Adds so much of it to a sum of linear values.
+    fn add_to(self, sum: &mut [f32; 4], weight: f32, table: &[f32; 256]);
+
+    /// The texel of a sum.
+    fn of(sum: [f32; 4], encoding: Encoding) -> Self;
+}
+
+impl Pixel for Texel {
+    #[inline(always)]
+    fn add_to(self, sum: &mut [f32; 4], weight: f32, table: &[f32; 256]) {
+        let [r, g, b, a] = self;
+        sum[0] += weight * table[r as usize];
+        sum[1] += weight * table[g as usize];
+        sum[2] += weight * table[b as usize];
+        sum[3] += weight * DECODED.linear[a as usize];
+    }
+
+    fn of(sum: [f32; 4], encoding: Encoding) -> Self {
+        let color = |x: f32| if encoding == Encoding::Srgb { DECODED.encoded(x) } else { byte(x) };
+        [color(sum[0]), color(sum[1]), color(sum[2]), byte(sum[3])]
+    }
+}
+
+impl Pixel for u8 {
+    #[inline(always)]
+    fn add_to(self, sum: &mut [f32; 4], weight: f32, table: &[f32; 256]) {
+        sum[0] += weight * table[self as usize];
+    }
+
+    fn of(sum: [f32; 4], encoding: Encoding) -> Self {
+        if encoding == Encoding::Srgb { DECODED.encoded(sum[0]) } else { byte(sum[0]) }
+    }
+}
+
+fn byte(x: f32) -> u8 {
+    (x * 255.0 + 0.5) as u8
 }
 
 /// A footprint has one tap, and one more for each of these that the ratio of its sides, squared, is above.
@@ -71,9 +116,10 @@ impl Texture {
     /// ```
     #[must_use]
     pub fn new(name: &str, size: [u32; 2], texels: Vec<Texel>, encoding: Encoding) -> Self {
-        let size = size.map(|n| n as usize);
-        assert!(!texels.is_empty() && texels.len() == size[0] * size[1], "width times height texels");
-        let rows = Rows { size, texels };
+        if texels.iter().all(|[r, g, b, a]| r == g && g == b && *a == u8::MAX) {
+            return Self::grey(name, size, texels.into_iter().map(|texel| texel[0]).collect(), encoding);
+        }
+        let rows = Rows::new(size, texels);
         let levels = match encoding {
             Encoding::Linear => Levels::Bytes(rows.pyramid(encoding, |texel| texel)),
             Encoding::Srgb => {
@@ -83,6 +129,21 @@ impl Texture {
             }
         };
         Self { name: name.into(), encoding, levels: levels.into() }
+    }
+
+    /// Grey and opaque.
+    pub(crate) fn grey(name: &str, size: [u32; 2], texels: Vec<u8>, encoding: Encoding) -> Self {
+        let rows = Rows::new(size, texels);
+        let levels = match encoding {
+            Encoding::Linear => Levels::GreyBytes(rows.pyramid(encoding, |texel| texel)),
+            Encoding::Srgb => Levels::GreyWords(rows.pyramid(encoding, |texel| DECODED.words[texel as usize])),
+        };
+        Self { name: name.into(), encoding, levels: levels.into() }
+    }
+
+    /// The same image by another name.
+    pub(crate) fn named(&self, name: &str) -> Self {
+        Self { name: name.into(), ..self.clone() }
     }
 
     /// Its name in messages.
@@ -199,6 +260,8 @@ impl PartialEq for Texture {
                 && match (&*self.levels, &*other.levels) {
                     (Levels::Bytes(a), Levels::Bytes(b)) => a[0].texels().eq(b[0].texels()),
                     (Levels::Words(a), Levels::Words(b)) => a[0].texels().eq(b[0].texels()),
+                    (Levels::GreyBytes(a), Levels::GreyBytes(b)) => a[0].texels().eq(b[0].texels()),
+                    (Levels::GreyWords(a), Levels::GreyWords(b)) => a[0].texels().eq(b[0].texels()),
                     _ => false,
                 }
     }
@@ -214,8 +277,14 @@ impl core::fmt::Debug for Texture {
     }
 }
 
-impl Rows {
-    fn pyramid<T: Stored>(self, encoding: Encoding, store: impl Fn(Texel) -> T) -> Vec<Level<T>> {
+impl<P: Pixel> Rows<P> {
+    fn new(size: [u32; 2], texels: Vec<P>) -> Self {
+        let size = size.map(|n| n as usize);
+        assert!(!texels.is_empty() && texels.len() == size[0] * size[1], "width times height texels");
+        Self { size, texels }
+    }
+
+    fn pyramid<T: Stored>(self, encoding: Encoding, store: impl Fn(P) -> T) -> Vec<Level<T>> {
         let mut rows = self;
         let mut levels = vec![Level::new(rows.size, &rows.texels, &store)];
         while let Some(next) = rows.half(encoding) {
@@ -241,17 +310,10 @@ impl Rows {
                 for (dy, row) in rows.iter().enumerate().filter(|(_, w)| **w > 0.0) {
                     let line = &self.texels[(top + dy) * self.size[0]..];
                     for (dx, column) in weights.iter().enumerate().filter(|(_, w)| **w > 0.0) {
-                        let [r, g, b, a] = line[left + dx];
-                        let weight = row * column;
-                        sum[0] += weight * table[r as usize];
-                        sum[1] += weight * table[g as usize];
-                        sum[2] += weight * table[b as usize];
-                        sum[3] += weight * DECODED.linear[a as usize];
+                        line[left + dx].add_to(&mut sum, row * column, table);
                     }
                 }
-                let byte = |x: f32| (x * 255.0 + 0.5) as u8;
-                let color = |x: f32| if encoding == Encoding::Srgb { DECODED.encoded(x) } else { byte(x) };
-                texels.push([color(sum[0]), color(sum[1]), color(sum[2]), byte(sum[3])]);
+                texels.push(P::of(sum, encoding));
             }
         }
         Some(Self { size, texels })

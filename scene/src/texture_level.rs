@@ -65,6 +65,43 @@ impl Stored for [u16; 4] {
     }
 }
 
+/// Grey without alpha.
+impl Stored for u8 {
+    const SCALE: f32 = 1.0 / 255.0;
+
+    #[inline(always)]
+    fn numbers(self) -> Vec4 {
+        let grey = f32::from(self);
+        Vec4::new(grey, grey, grey, 255.0)
+    }
+
+    fn bits(self) -> u64 {
+        [self, self, self, Self::MAX].bits()
+    }
+
+    fn alpha(self) -> u8 {
+        Self::MAX
+    }
+}
+
+impl Stored for u16 {
+    const SCALE: f32 = 1.0 / 65535.0;
+
+    #[inline(always)]
+    fn numbers(self) -> Vec4 {
+        let grey = f32::from(self);
+        Vec4::new(grey, grey, grey, 65535.0)
+    }
+
+    fn bits(self) -> u64 {
+        [self, self, self, Self::MAX].bits()
+    }
+
+    fn alpha(self) -> u8 {
+        u8::MAX
+    }
+}
+
 /// Texels in blocks of 4 × 4, one or two lines of the processor's cache each, row by row of blocks.
 pub(crate) struct Level<T> {
     pub(crate) size: [usize; 2],
@@ -79,7 +116,7 @@ pub(crate) struct Level<T> {
 
 impl<T: Stored> Level<T> {
     /// From rows of texels.
-    pub(crate) fn new(size: [usize; 2], rows: &[Texel], store: impl Fn(Texel) -> T) -> Self {
+    pub(crate) fn new<P: Copy>(size: [usize; 2], rows: &[P], store: impl Fn(P) -> T) -> Self {
         let [width, height] = size;
         let blocks = width.div_ceil(4) | 1;
         let (w, h) = (width as f32, height as f32);

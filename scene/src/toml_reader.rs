@@ -161,6 +161,20 @@ impl<'s> Value<'s> {
         if v.length() > 1e-18 { Ok(v) } else { Err(self.error("vector has length zero")) }
     }
 
+    /// A direction of any length, as a unit vector.
+    pub(crate) fn direction(&self) -> Result<Vec3, SceneError> {
+        let v = self.vec3()?;
+        let (length, fine) = (v.length(), v.as_dvec3());
+        if length > 1e-18 && length.is_finite() {
+            Ok(v.normalize())
+        } else if fine.length() > 0.0 {
+            // Its square leaves single precision.
+            Ok(fine.normalize().as_vec3())
+        } else {
+            Err(self.error("vector has length zero"))
+        }
+    }
+
     /// `[r, g, b]`, or one number for a grey; not negative.
     pub(crate) fn color(&self) -> Result<Vec3, SceneError> {
         let c = match self.value.get_ref() {

@@ -96,7 +96,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop, conflicts_with = "tiles")]
     pub(crate) crop: Option<[u32; 4]>,
 
-    /// Only the I-th of N bands of rows, from 1: work for N processes or machines
+    /// Only the I-th of N bands of rows, from 1: work for N processes or machines. Bands are whole tiles of 8 rows, so that N is at
+    /// most an eighth of the rows
     #[arg(long, value_name = "I/N", value_parser = tiles)]
     pub(crate) tiles: Option<(u32, u32)>,
 

@@ -40,8 +40,8 @@ impl core::fmt::Display for EnvironmentError {
 impl core::error::Error for EnvironmentError {}
 
 impl EnvironmentMap {
-    /// Brighter texels, infinite ones included, have this radiance: the largest that half floats hold.
-    pub const BRIGHTEST: f32 = 65504.0;
+    /// Brighter texels, infinite ones included, have this radiance: sums over pictures stay far from overflow.
+    pub const BRIGHTEST: f32 = 1e12;
 
     /// Radiance (W·m⁻²·sr⁻¹ per channel) of so many texels across and down, the top row first. Negative values are read as 0, those above
     /// [`BRIGHTEST`](Self::BRIGHTEST) as that.

@@ -28,8 +28,8 @@ pub(super) fn cut(map: &EnvironmentMap, world: Sphere) -> (EnvironmentMap, Vec<S
     if texel > WIDEST {
         return (rest, Vec::new());
     }
-    let all: f32 =
-        (0..height).map(|y| (0..width).map(|x| map.texel(x, y).element_sum()).sum::<f32>() * map.solid_angle(y)).sum();
+    let row = |y: u32| (0..width).map(|x| f64::from(map.texel(x, y).element_sum())).sum::<f64>();
+    let all = (0..height).map(|y| row(y) * f64::from(map.solid_angle(y))).sum::<f64>() as f32;
     let bright = |i: &u32| map.texel(i % width, i / width).element_sum();
     let mean = all / (2.0 * core::f32::consts::TAU);
     let mut order: Vec<u32> = (0..width * height).filter(|i| bright(i) > BRIGHT * mean).collect();

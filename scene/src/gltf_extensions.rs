@@ -1,0 +1,133 @@
+//! The extensions of a glTF document: those that are read, those that change no picture, and the others, each of which gives a warning.
+
+use crate::context::Context;
+use gltf::json::{Root, Value};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Extensions that are read, or whose unread parts are named in a warning.
+const READ: [&str; 9] = [
+    "EXT_mesh_gpu_instancing",
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_node_visibility",
+    "KHR_texture_transform",
+];
+
+/// Extensions without which a picture is the same: metadata, sound, physics, choices of which the document's own is shown, and compressed
+/// copies of data that a document which does not require them has plain as well.
+const HARMLESS: [&str; 30] = [
+    "AGI_articulations",
+    "AGI_stk_metadata",
+    "ALCM_blend_shape_names",
+    "EXT_feature_metadata",
+    "EXT_instance_features",
+    "EXT_mesh_features",
+    "EXT_mesh_manifold",
+    "EXT_meshopt_compression",
+    "EXT_structural_metadata",
+    "FB_geometry_metadata",
+    "GODOT_single_root",
+    "KHR_audio_emitter",
+    "KHR_draco_mesh_compression",
+    "KHR_interactivity",
+    "KHR_materials_variants",
+    "KHR_meshopt_compression",
+    "KHR_node_hoverability",
+    "KHR_node_selectability",
+    "KHR_physics_rigid_bodies",
+    "KHR_implicit_shapes",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+    "MSFT_audio_emitter",
+    "MSFT_collision_primitives",
+    "MSFT_lod",
+    "MSFT_packing_normalRoughnessMetallic",
+    "MSFT_packing_occlusionRoughnessMetallic",
+    "MSFT_screencoverage",
+    "OMI_physics_body",
+    "OMI_physics_shape",
+];
+
+/// The parts of a document that its typed form leaves out.
+pub(crate) struct Extensions {
+    /// All names that the document lists or uses.
+    names: BTreeSet<String>,
+    /// For each node whether it says that it and all below it are not shown.
+    hidden: Vec<bool>,
+    /// For each node that has them: the accessors of its instances by name.
+    instances: Vec<Option<Value>>,
+}
+
+impl Extensions {
+    /// Those of a document, whose text is parsed again where there are any.
+    pub(crate) fn read(root: &Root, json: &[u8]) -> Self {
+        let n = root.nodes.len();
+        let listed = root.extensions_used.iter().chain(&root.extensions_required).cloned();
+        let mut own = Self { names: listed.collect(), hidden: vec![false; n], instances: vec![None; n] };
+        if !has(json, b"\"extensions\"") {
+            return own;
+        }
+        let Ok(value) = gltf::json::deserialize::from_slice::<Value>(json) else { return own };
+        own.gather(&value);
+        let nodes = value.get("nodes").and_then(Value::as_array);
+        for (i, node) in nodes.into_iter().flatten().enumerate().take(n) {
+            let visible = node.pointer("/extensions/KHR_node_visibility/visible").and_then(Value::as_bool);
+            own.hidden[i] = visible == Some(false);
+            own.instances[i] = node.pointer("/extensions/EXT_mesh_gpu_instancing/attributes").cloned();
+        }
+        own
+    }
+
+    /// The names of all extension objects below a value: some documents do not list them. JSON is as deep as its parser allows, 128.
+    fn gather(&mut self, value: &Value) {
+        match value {
+            Value::Array(items) => items.iter().for_each(|item| self.gather(item)),
+            Value::Object(fields) => {
+                for (key, field) in fields.iter().filter(|(key, _)| *key != "extras") {
+                    if key == "extensions" {
+                        self.names.extend(field.as_object().into_iter().flat_map(|all| all.keys().cloned()));
+                    }
+                    self.gather(field);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// A required extension that is not read, if there is one.
+    pub(crate) fn missing(root: &Root) -> Option<&str> {
+        root.extensions_required.iter().map(String::as_str).find(|name| !READ.contains(name))
+    }
+
+    /// Warns of each extension that may change the picture and is not read.
+    pub(crate) fn tell(&self, path: &Path, context: &mut Context) {
+        let unread = |name: &&str| !READ.contains(name) && !HARMLESS.contains(name);
+        for name in self.names.iter().map(String::as_str).filter(unread) {
+            let without = if is_of_surfaces(name) { "surfaces are" } else { "the picture is" };
+            context.warn(path, format!("the extension {name} is not read: {without} as without it"));
+        }
+    }
+
+    /// Whether a node and all below it are not shown; cameras are not affected.
+    pub(crate) fn hides(&self, node: usize) -> bool {
+        self.hidden[node]
+    }
+
+    /// The attributes of a node's instances, if it has them.
+    pub(crate) fn instances(&self, node: usize) -> Option<&Value> {
+        self.instances[node].as_ref()
+    }
+}
+
+fn is_of_surfaces(name: &str) -> bool {
+    name.contains("_materials_") || name.contains("_texture_")
+}
+
+fn has(text: &[u8], word: &[u8]) -> bool {
+    text.windows(word.len()).any(|window| window == word)
+}

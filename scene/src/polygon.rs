@@ -1,0 +1,131 @@
+//! Polygons as triangles.
+
+use earcut::Earcut;
+use glam::{DVec2, DVec3};
+
+/// Larger polygons are cut by `earcut`, whose cost is n log n for most; smaller ones by the search below, which is as quick there.
+const MOST_CORNERS: usize = 32;
+
+/// Newell's normal, and the corners in its plane, relative to the first.
+fn flattened(corners: &[DVec3]) -> (DVec3, Vec<DVec2>) {
+    let (n, p) = (corners.len(), |i: usize| corners[i] - corners[0]);
+    let normal: DVec3 = (0..n).map(|i| p(i).cross(corners[(i + 1) % n] - corners[0])).sum();
+    let normal = normal.normalize_or(DVec3::Z);
+    let (u, v) = normal.any_orthonormal_pair();
+    (normal, (0..n).map(p).map(|d| DVec2::new(u.dot(d), v.dot(d))).collect())
+}
+
+/// As triangles from the first corner where these keep the polygon's area, as in convex ones; else as [`ears`].
+pub(crate) fn fan_or_ears(corners: &[DVec3], out: &mut impl FnMut([usize; 3])) {
+    let n = corners.len();
+    if n > 3 {
+        let (normal, _) = flattened(corners);
+        let side = |k: usize| (corners[k - 1] - corners[0]).cross(corners[k] - corners[0]).dot(normal);
+        if !(2..n).all(|k| side(k) >= 0.0) {
+            return ears(corners, out);
+        }
+    }
+    (2..n).for_each(|k| out([0, k - 1, k]));
+}
+
+/// Cuts a polygon of three corners or more into triangles of corner numbers, in the plane of its normal, so that concave ones keep their
+/// area. A polygon that crosses itself is covered somehow.
+pub(crate) fn ears(corners: &[DVec3], out: &mut impl FnMut([usize; 3])) {
+    if corners.len() == 3 {
+        return out([0, 1, 2]);
+    }
+    let (_, flat) = flattened(corners);
+    if corners.len() > MOST_CORNERS {
+        let mut triangles: Vec<u32> = Vec::new();
+        Earcut::new().earcut(flat.iter().map(|p| p.to_array()), &[], &mut triangles);
+        triangles.as_chunks::<3>().0.iter().for_each(|t| out(t.map(|i| i as usize)));
+    } else {
+        search(&flat, out);
+    }
+}
+
+/// Ears one after the other, by a search through all corners.
+fn search(flat: &[DVec2], out: &mut impl FnMut([usize; 3])) {
+    let side = |a: usize, b: usize, c: usize| (flat[b] - flat[a]).perp_dot(flat[c] - flat[a]);
+    let mut left: Vec<usize> = (0..flat.len()).collect();
+    while left.len() > 3 {
+        let m = left.len();
+        let around = |i: usize| (left[(i + m - 1) % m], left[i], left[(i + 1) % m]);
+        let is_ear = |i: usize| {
+            let (a, b, c) = around(i);
+            // An ear turns left and holds no other corner.
+            side(a, b, c) > 0.0
+                && left.iter().all(|&q| {
+                    q == a
+                        || q == b
+                        || q == c
+                        || side(a, b, q) < 0.0
+                        || side(b, c, q) < 0.0
+                        || side(c, a, q) < 0.0
+                        || flat[q] == flat[a]
+                        || flat[q] == flat[b]
+                        || flat[q] == flat[c]
+                })
+        };
+        // A polygon that crosses itself may have no ear: cut any corner then.
+        let ear = (0..m).find(|&i| is_ear(i)).unwrap_or(0);
+        let (a, b, c) = around(ear);
+        out([a, b, c]);
+        left.remove(ear);
+    }
+    out([left[0], left[1], left[2]]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Corners of a star, whose area is known, in a tilted plane.
+    fn star(n: usize) -> (Vec<DVec3>, f64) {
+        let angle = |k: usize| core::f64::consts::TAU * k as f64 / n as f64;
+        let radius = |k: usize| if k.is_multiple_of(2) { 1.0 } else { 0.4 };
+        let (u, v) = DVec3::new(0.3, -0.5, 0.8).normalize().any_orthonormal_pair();
+        let corners = (0..n).map(|k| (u * angle(k).cos() + v * angle(k).sin()) * radius(k)).collect();
+        (corners, 0.5 * n as f64 * 0.4 * (core::f64::consts::TAU / n as f64).sin())
+    }
+
+    #[test]
+    fn concave_polygons_of_all_sizes_keep_their_area_and_their_side() {
+        for n in [4, 8, 30, 34, 100, 5000] {
+            let (corners, want) = star(n);
+            let (normal, _) = flattened(&corners);
+            for is_fan in [false, true] {
+                let (mut area, mut count) = (0.0, 0);
+                let mut out = |[a, b, c]: [usize; 3]| {
+                    area += 0.5 * (corners[b] - corners[a]).cross(corners[c] - corners[a]).dot(normal);
+                    count += 1;
+                };
+                if is_fan {
+                    fan_or_ears(&corners, &mut out)
+                } else {
+                    ears(&corners, &mut out)
+                }
+                assert!((area / want - 1.0).abs() < 1e-9, "{n}: {area} {want}");
+                assert!(count <= n - 2, "{n}: {count}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_polygon_of_random_corners_ends_soon() {
+        let mut seed = 1_u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 33) as f64 / f64::from(1_u32 << 31)
+        };
+        let corners: Vec<DVec3> = (0..30_000).map(|_| DVec3::new(random(), random(), random())).collect();
+        let begin = std::time::Instant::now();
+        let mut count = 0;
+        ears(&corners, &mut |triangle| {
+            assert!(triangle.iter().all(|i| *i < corners.len()));
+            count += 1;
+        });
+        assert!(begin.elapsed().as_secs_f64() < 30.0, "{:?}", begin.elapsed());
+        println!("{count} triangles in {:?}", begin.elapsed());
+    }
+}
