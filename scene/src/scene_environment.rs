@@ -52,13 +52,13 @@ fn tame(texels: &mut [Vec3]) -> Vec<String> {
     }
     let mut notes = Vec::new();
     if infinite > 0 {
-        notes.push(format!("{} infinite: they are taken as {largest}", pixels(infinite)));
+        notes.push(format!("{} infinite: taken as {largest}", pixels(infinite)));
     }
     if beyond > 0 {
-        notes.push(format!("{} brighter than {largest:e}: they are taken as that", pixels(beyond)));
+        notes.push(format!("{} brighter than {largest:e}: taken as that", pixels(beyond)));
     }
     if negative > 0 {
-        notes.push(format!("{} negative: they are taken as black", pixels(negative)));
+        notes.push(format!("{} negative: taken as black", pixels(negative)));
     }
     notes
 }
