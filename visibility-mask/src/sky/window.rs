@@ -40,7 +40,7 @@ impl SkyWindow {
             (place(polar + angle).ceil() as usize).min(resolution.samples()) + 1,
         ];
         let beside = angle.sin() / across;
-        if angle >= FRAC_PI_2 || polar <= angle || polar >= PI - angle || !(beside < 1.0) {
+        if angle >= FRAC_PI_2 || polar <= angle || polar >= PI - angle || beside >= 1.0 || beside.is_nan() {
             return Self { columns, is_whole: false, ..whole };
         }
         let (turn, azimuth) = (beside.asin(), direction.y.atan2(direction.x));
