@@ -88,7 +88,9 @@ pub(crate) fn emitted(
 /// How lights move as their object does.
 fn motion(mover: &Mover, lights: &[Light], skeletons: &[Skeleton]) -> Result<(LightPlace, Vec<Light>), String> {
     let (now, place) = match &mover.body {
-        Body::Mesh(_, Some(carrier)) => rigid(carrier, mover, skeletons).ok_or("it bends, or its size changes")?,
+        Body::Mesh(_, Some(carrier)) => {
+            rigid(carrier, mover, skeletons).ok_or("its clip bends it, or changes its size")?
+        }
         _ if mover.placement.keeps_size() => (mover.placement.at(0.0), LightPlace::Keys(mover.placement.clone())),
         _ => return Err("an object that lights the scene keeps its size".to_owned()),
     };
@@ -101,7 +103,7 @@ fn rigid(carrier: &Carrier, mover: &Mover, skeletons: &[Skeleton]) -> Option<(Ma
     const MOMENTS: u32 = 16;
     let Carrier { skeleton, joints, morph: None } = carrier else { return None };
     let [(Some(node), bind)] = joints[..] else { return None };
-    let of_file = &skeletons[*skeleton];
+    let of_file = skeletons.get(*skeleton)?;
     let is_placed = !mover.placement.is_fixed() || mover.placement.at(0.0) != Mat4::IDENTITY;
     if is_placed || bind != Mat4::IDENTITY {
         return None;
@@ -118,10 +120,10 @@ fn rigid(carrier: &Carrier, mover: &Mover, skeletons: &[Skeleton]) -> Option<(Ma
     is_rigid.then_some((first, LightPlace::Node { skeleton: *skeleton, node }))
 }
 
-/// Lets the objects of a scene that emit light the others, but for those that a key has decided upon. Whether there are any.
-pub(crate) fn light_up(path: &Path, scene: &mut Scene, animation: &mut Animation, context: &mut Context) -> bool {
+/// Lets the objects of a scene that emit light the others, but for those that a key has decided upon.
+pub(crate) fn light_up(path: &Path, scene: &mut Scene, animation: &mut Animation, context: &mut Context) {
     if context.emission == Emission::Seen {
-        return false;
+        return;
     }
     let before = scene.lights.len();
     let (mut dark, mut curved) = (Vec::new(), Vec::new());
@@ -156,7 +158,6 @@ pub(crate) fn light_up(path: &Path, scene: &mut Scene, animation: &mut Animation
         let more = and_others(others.len());
         context.warn(path, format!("object \"{first}\"{more} emits, but lights no other: {reason}"));
     }
-    scene.lights.len() > before
 }
 
 fn and_others(count: usize) -> String {

@@ -202,13 +202,15 @@ fn load_any(
         }
         let text = context.files.read_text(path)?;
         let (mut scene, mut animation) = scene_file::parse(path, &text, &mut context)?;
-        if light_up(path, &mut scene, &mut animation, &mut context) {
-            scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
-        }
+        // Lamps are where they are at first.
+        animation.seek(0.0, &mut scene);
+        light_up(path, &mut scene, &mut animation, &mut context);
         (scene, animation)
     } else {
         bare(path, clip, &mut context)?
     };
+    animation.seek(0.0, &mut scene);
+    scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
     for object in &scene.objects {
         let is_lamp = |sphere| scene.lights.iter().any(|light| light.is_shown_by(sphere));
         let is_dark = object.visible && !scene.surface(object.material).is_some_and(Surface::emits);
@@ -224,10 +226,6 @@ fn load_any(
     for object in scene.objects.iter().filter(wants_uvs).filter(has_none) {
         let name = &object.name;
         context.warn(path, format!("object \"{name}\" has no texture coordinates: it shows a corner of its textures"));
-    }
-    if !animation.is_still() {
-        animation.seek(0.0, &mut scene);
-        scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
     }
     Ok((scene, animation, context.warnings))
 }

@@ -122,9 +122,7 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
     }
     for (object, key) in emitters {
         let surface = materials.surface(&objects[object]);
-        if let Some(error) =
-            lit.emit((object, &objects[object]), surface, key, (movers[object].as_ref(), &context.skeletons))?
-        {
+        if let Some(error) = lit.emit((object, &objects[object]), surface, key, movers[object].as_ref())? {
             objects[object].strategy = Some(Strategy::None);
             if error > WORTH_SAYING {
                 let (name, percent) = (&objects[object].name, 100.0 * error);

@@ -8,7 +8,6 @@ use crate::keys::Keys;
 use crate::mesh::MAX_COORDINATE;
 use crate::origin::Origins;
 use crate::scene_environment::{read_environment, read_linear};
-use crate::skeleton::Skeleton;
 use crate::toml_reader::{Table, Value};
 use crate::{Bounds, Object, SceneError, Surface};
 use glam::{DVec3, Mat4, Vec3};
@@ -99,9 +98,10 @@ impl SceneLights {
         object: (usize, &Object),
         surface: &Surface,
         key: Value<'_>,
-        (mover, skeletons): (Option<&Mover>, &[Skeleton]),
+        mover: Option<&Mover>,
     ) -> Result<Option<f32>, SceneError> {
-        let lamp = emitted(object, surface, mover, skeletons).map_err(|reason| key.error(reason))?;
+        // Clips are not posed yet.
+        let lamp = emitted(object, surface, mover, &[]).map_err(|reason| key.error(reason))?;
         let inside = lamp.inside;
         lamp.add(&mut self.lights, &mut self.movers);
         Ok(inside)
