@@ -24,6 +24,8 @@ const WIDEST: f32 = 1.2;
 ///     assert!((wide.at(v) + narrow.at(v) - 1.0).abs() < 1e-6);
 /// }
 /// assert_eq!([wide.at(axis), narrow.at(axis)], [0.0, 1.0]);
+/// // A lobe that the first table resolves is all that table's, whatever its axis.
+/// assert_eq!(SkyBlend::of_level(&steps[..1], 0, Vec3::X), SkyBlend::ALL);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkyBlend {
@@ -46,6 +48,9 @@ impl SkyBlend {
         let angle_of = |level: usize| tables.get(level).map(angle);
         let outer = level.checked_sub(1).and_then(angle_of);
         let inner = if level + 1 < tables.len() { angle_of(level) } else { None };
+        if outer.is_none() && inner.is_none() {
+            return Self::ALL;
+        }
         Self { axis, angle: outer, rise: inner.map(chords), fall: outer.map(chords) }
     }
 
@@ -74,20 +79,25 @@ impl SkyBlend {
         if self.rise.is_none() && self.fall.is_none() {
             return None;
         }
-        let [zero, one] = [0.0, 1.0].map(|x| f32x8::splat(simd, x));
         let chord = v.minus(self.axis);
         let square = chord.dot(chord);
-        let mut all = one;
-        if let Some([first, last]) = self.fall {
-            let t = ((square - first) * (1.0 / (last - first))).max(zero).min(one);
-            all = one - t * t * (t * -2.0 + 3.0);
+        let mut all = f32x8::splat(simd, 1.0);
+        if let Some(range) = self.fall {
+            all = inside(simd, square, range);
         }
-        if let Some([first, last]) = self.rise {
-            let t = ((square - first) * (1.0 / (last - first))).max(zero).min(one);
-            all -= one - t * t * (t * -2.0 + 3.0);
+        if let Some(range) = self.rise {
+            all -= inside(simd, square, range);
         }
         Some(all)
     }
+}
+
+/// 1 below a range, 0 above it, and smooth between.
+#[inline(always)]
+fn inside<S: Simd>(simd: S, square: f32x8<S>, [first, last]: [f32; 2]) -> f32x8<S> {
+    let [zero, one] = [0.0, 1.0].map(|x| f32x8::splat(simd, x));
+    let t = ((square - first) * (1.0 / (last - first))).max(zero).min(one);
+    one - t * t * (t * -2.0 + 3.0)
 }
 
 /// The squares of the chords of half an angle, and of it.
