@@ -117,8 +117,7 @@ pub struct SkyScratch<S> {
     /// For each table.
     views: Vec<SkyView>,
     sums: Vec<LobeSum>,
-    /// Receivers with lobes for the present table: their numbers, they, and how they see the sky.
-    numbers: Vec<usize>,
+    /// Receivers with lobes for the present table, and how they see the sky.
     receivers: Vec<Receiver>,
     horizons: Vec<Horizon>,
     /// For each receiver of the tile how much of the sky it sees.
@@ -170,27 +169,22 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
     /// Adds to all lobes what one of the tables sums: the first table for all receivers of a tile, a finer one for those with narrow
     /// lobes.
     fn sum(&self, level: usize, at: &[Receiver], scratch: &mut SkyScratch<B::Scratch>, observer: &mut impl Observer) {
-        let SkyScratch { views, sums, numbers, receivers, horizons, seen: all_seen, blockers } = scratch;
-        numbers.clear();
-        numbers.extend(sums.iter().filter(|sum| sum.level >= level).map(|sum| sum.receiver));
-        numbers.dedup();
-        if numbers.is_empty() {
+        let SkyScratch { views, sums, receivers, horizons, seen: all_seen, blockers } = scratch;
+        let is_of_one = |a: &LobeSum, b: &LobeSum| a.receiver == b.receiver;
+        let takes_part = |own: &[LobeSum]| own.iter().any(|sum| sum.level >= level);
+        receivers.clear();
+        receivers.extend(sums.chunk_by(is_of_one).filter(|own| takes_part(own)).map(|own| at[own[0].receiver]));
+        if receivers.is_empty() {
             return;
         }
-        receivers.clear();
-        receivers.extend(numbers.iter().map(|number| at[*number]));
         horizons.clear();
         horizons.extend(receivers.iter().map(|at| Horizon::new(at, self.blockers.has_facet(at))));
         let table = self.tables[level];
         let tile = SkyTile { receivers, horizons, meridians: table.meridians() };
         self.blockers.enter(&tile, blockers);
         let view = &mut views[level];
-        let mut rest = &mut sums[..];
-        for (place, number) in numbers.iter().enumerate() {
-            let from = rest.iter().position(|sum| sum.receiver == *number).unwrap_or(rest.len());
-            let own = rest[from..].iter().take_while(|sum| sum.receiver == *number).count();
-            let (own, after) = core::mem::take(&mut rest)[from..].split_at_mut(own);
-            rest = after;
+        for (place, own) in sums.chunk_by_mut(is_of_one).filter(|own| takes_part(own)).enumerate() {
+            let number = own[0].receiver;
             let mut last = None;
             for sum in own.iter_mut().filter(|sum| sum.level >= level) {
                 let blend = SkyBlend::of_level(&self.resolutions[..=sum.level], level, sum.axis);
@@ -203,7 +197,7 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
                     view.settle(table, in_doubt, |v| self.blockers.hides(&tile, place, v, blockers));
                     if level == 0 {
                         observer.coverage(view.coverage());
-                        all_seen[*number].is_shut = view.is_shut();
+                        all_seen[number].is_shut = view.is_shut();
                     }
                     observer.end(Stage::Mask);
                 }
@@ -214,7 +208,7 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
             if level == 0 && own.iter().any(|sum| sum.level > 0) {
                 let lambert = Lobe::new(receivers[place].normal, 1.0, Vec3::ONE).into();
                 let [seen, all] = view.integrals(table, &receivers[place], &lambert);
-                all_seen[*number].is_little = SkyView::is_little(seen, all);
+                all_seen[number].is_little = SkyView::is_little(seen, all);
             }
             observer.end(Stage::Integration);
         }
@@ -235,7 +229,6 @@ impl<B: SkyBlockers> SkyLighting for SkyShader<'_, B> {
         SkyScratch {
             views: vec![SkyView::default(); self.tables.len()],
             sums: Vec::new(),
-            numbers: Vec::new(),
             receivers: Vec::new(),
             horizons: Vec::new(),
             seen: Vec::new(),
