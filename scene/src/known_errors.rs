@@ -1,7 +1,8 @@
 //! Lines about things that a picture shows with a known error.
 
-use crate::Scene;
+use crate::{Bounds, Scene};
 use brdf::Material;
+use core::cell::OnceCell;
 use lighting::Light;
 use lobe_core::{LightLobes, Sphere};
 
@@ -24,7 +25,8 @@ const SMALLEST: [f32; 2] = [2e-5, 5e-7];
 
 /// Lights that all objects see smaller than that.
 fn tiny(scene: &Scene) -> Option<String> {
-    let bounds = || scene.objects.iter().map(|object| object.shape.bounds());
+    // Of all vertices: once, and only where a light may be so small.
+    let bounds: OnceCell<Vec<Bounds>> = OnceCell::new();
     let is_tiny = |light: &&Light| {
         let least = match light {
             Light::Flat(_) | Light::Tube(_) => SMALLEST[0],
@@ -32,7 +34,9 @@ fn tiny(scene: &Scene) -> Option<String> {
             _ => return false,
         };
         let Sphere { center, radius } = light.bounds();
-        let nearest = bounds().map(|b| center.distance(center.clamp(b.min, b.max))).fold(f32::INFINITY, f32::min);
+        let bounds = bounds.get_or_init(|| scene.objects.iter().map(|object| object.shape.bounds()).collect());
+        let distances = bounds.iter().map(|b| center.distance(center.clamp(b.min, b.max)));
+        let nearest = distances.fold(f32::INFINITY, f32::min);
         nearest.is_finite() && radius < least * nearest
     };
     let count = scene.lights.iter().take(MOST).filter(is_tiny).count();
