@@ -196,21 +196,27 @@ fn load_any(
     clip: Option<&str>,
     mut context: Context,
 ) -> Result<(Scene, Animation, Vec<String>), SceneError> {
-    let (mut scene, animation) = if extension(path) == "toml" {
+    let is_scene_file = extension(path) == "toml";
+    let (mut scene, mut animation) = if is_scene_file {
         if clip.is_some() {
             return Err(SceneError::file(path, "a scene file names the clips of its objects itself"));
         }
         let text = context.files.read_text(path)?;
-        let (mut scene, mut animation) = scene_file::parse(path, &text, &mut context)?;
-        // Lamps are where they are at first.
-        animation.seek(0.0, &mut scene);
-        light_up(path, &mut scene, &mut animation, &mut context);
-        (scene, animation)
+        scene_file::parse(path, &text, &mut context)?
     } else {
         bare(path, clip, &mut context)?
     };
-    animation.seek(0.0, &mut scene);
-    scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
+    // Both have checked what they made; the first moment and lamps are new.
+    let lights = scene.lights.len();
+    if !animation.is_still() {
+        animation.seek(0.0, &mut scene);
+    }
+    if is_scene_file {
+        light_up(path, &mut scene, &mut animation, &mut context);
+    }
+    if !animation.is_still() || scene.lights.len() > lights {
+        scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
+    }
     for object in &scene.objects {
         let is_lamp = |sphere| scene.lights.iter().any(|light| light.is_shown_by(sphere));
         let is_dark = object.visible && !scene.surface(object.material).is_some_and(Surface::emits);
