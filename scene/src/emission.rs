@@ -115,8 +115,8 @@ fn rigid(carrier: &Carrier, mover: &Mover, skeletons: &[Skeleton]) -> Option<(Ma
         axes.iter().all(|axis| (axis.length() - size).abs() <= 1e-3 * size)
             && [(0, 1), (1, 2), (2, 0)].iter().all(|&(i, j)| axes[i].dot(axes[j]).abs() <= 1e-3 * size * size)
     };
-    let moments = (0..=MOMENTS).map(|k| of_file.end() * k as f32 / MOMENTS as f32);
-    let is_rigid = size > 0.0 && moments.into_iter().all(|time| keeps_size(&of_file.worlds(time)[node]));
+    let mut moments = (0..=MOMENTS).map(|k| of_file.end() * k as f32 / MOMENTS as f32);
+    let is_rigid = size > 0.0 && moments.all(|time| keeps_size(&of_file.worlds(time)[node]));
     is_rigid.then_some((first, LightPlace::Node { skeleton: *skeleton, node }))
 }
 
@@ -135,7 +135,7 @@ pub(crate) fn light_up(path: &Path, scene: &mut Scene, animation: &mut Animation
             continue;
         }
         let mover = animation.movers.get(number).and_then(Option::as_ref);
-        let room = MOST_LIGHTS - (scene.lights.len() - before).min(MOST_LIGHTS);
+        let room = MOST_LIGHTS.saturating_sub(scene.lights.len() - before);
         match by_default((number, object), surface, (mover, &animation.skeletons), room) {
             Ok(lamp) => {
                 if lamp.inside.is_some() {
@@ -177,6 +177,11 @@ fn by_default(
     if matches!(&object.shape, Shape::Mesh(mesh) if mesh.triangles.len() > MOST_TRIANGLES) {
         return Err(format!("it has more than {MOST_TRIANGLES} triangles"));
     }
+    let is_full = || format!("the scene has {MOST_LIGHTS} lights by emission already");
+    // Before curved meshes are fitted, which takes long.
+    if room == 0 {
+        return Err(is_full());
+    }
     let lamp = emitted((number, object), surface, mover, skeletons)?;
     if let Some(error) = lamp.inside
         && error > ERROR
@@ -187,7 +192,7 @@ fn by_default(
         ));
     }
     if lamp.lights.len() > room {
-        return Err(format!("the scene has {MOST_LIGHTS} lights by emission already"));
+        return Err(is_full());
     }
     Ok(lamp)
 }
