@@ -29,7 +29,7 @@ pub const CAP: &str = concat!(
 );
 
 /// The integral of lobes of microfacets. Needs [`CAP`] and [`MICROFACETS`].
-pub const CAP_MICROFACETS: &str = include_str!("cap/microfacets.wgsl");
+pub const CAP_MICROFACETS: &str = concat!(include_str!("cap/microfacets.wgsl"), include_str!("cap/albedo.wgsl"));
 
 /// In place of [`CAP_MICROFACETS`] where there are none.
 pub const CAP_NO_MICROFACETS: &str = include_str!("cap/microfacets_none.wgsl");

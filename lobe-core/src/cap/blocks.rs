@@ -1,8 +1,8 @@
 use super::chord::{self, Chord, finish};
 use super::microfacets::{self, Ellipse};
 use super::pair::Pair;
-use super::{form, lambert, slab};
-use crate::lanes::{Block, Columns, Lane, Level, WIDTH, map, ones, row, rows_with};
+use super::{albedo, form, lambert, slab};
+use crate::lanes::{Block, Columns, Lane, Level, WIDTH, map, ones, row, rows_with, set_row};
 use crate::seen::Seen;
 use crate::{PackedLobe, TileLobes};
 use core::f32::consts::FRAC_1_PI;
@@ -23,6 +23,7 @@ pub(super) struct Blocks {
     edge: Block<15>,
     microfacets: Facets,
     microfacets_cut: Facets,
+    microfacets_all: Facets,
 }
 
 impl Blocks {
@@ -37,6 +38,7 @@ impl Blocks {
             edge: Block::new(),
             microfacets: Facets::new(),
             microfacets_cut: Facets::new(),
+            microfacets_all: Facets::new(),
         }
     }
 
@@ -69,9 +71,11 @@ impl Blocks {
 
     fn push_facets(&mut self, level: Level, form: f32, pair: &Pair, of: [u32; 2], out: &mut [f32]) {
         if form == form::MICROFACETS {
-            self.microfacets.push::<false>(level, pair, of, out);
+            self.microfacets.push(level, over_chords::<false>, pair, of, out);
+        } else if form == form::MICROFACETS_CUT {
+            self.microfacets_cut.push(level, over_chords::<true>, pair, of, out);
         } else {
-            self.microfacets_cut.push::<true>(level, pair, of, out);
+            self.microfacets_all.push(level, over_facets, pair, of, out);
         }
     }
 
@@ -117,8 +121,9 @@ impl Blocks {
         flush::<{ chord::MANY }, false>(level, &mut self.many, out);
         flush::<{ chord::PIECE }, true>(level, &mut self.piece, out);
         flush::<{ chord::EDGE }, true>(level, &mut self.edge, out);
-        self.microfacets.flush::<false>(level, out);
-        self.microfacets_cut.flush::<true>(level, out);
+        self.microfacets.flush(level, over_chords::<false>, out);
+        self.microfacets_cut.flush(level, over_chords::<true>, out);
+        self.microfacets_all.flush(level, over_facets, out);
     }
 
     fn crossed(&mut self, level: Level, out: &mut [f32]) {
@@ -284,43 +289,91 @@ impl Facets {
     }
 
     #[inline(always)]
-    fn push<const IS_CUT: bool>(&mut self, level: Level, pair: &Pair, [base, edge]: [u32; 2], out: &mut [f32]) {
+    fn push(&mut self, level: Level, sum: SumOfPairs, pair: &Pair, [base, edge]: [u32; 2], out: &mut [f32]) {
         self.edges[self.pairs.len] = edge;
         if self.pairs.push(&bytemuck::cast(*pair), base as usize) {
-            self.flush::<IS_CUT>(level, out);
+            self.flush(level, sum, out);
         }
     }
 
-    /// The chord sums of those that wait; none does then.
-    #[inline(never)]
-    fn flush<const IS_CUT: bool>(&mut self, level: Level, out: &mut [f32]) {
+    /// The integrals of those that wait; none does then.
+    fn flush(&mut self, level: Level, sum: SumOfPairs, out: &mut [f32]) {
         if self.pairs.len == 0 {
             return;
         }
-        let mut ellipses = [[0.0; WIDTH]; 11];
-        map(level, &ToEllipse::<IS_CUT>, &self.pairs.columns, &[], &mut ellipses);
-        let sums = dispatch!(level, _simd => {
-            let mut sums = [[0.0; WIDTH]; 2];
-            for (cos, weight) in microfacets::nodes::<IS_CUT>() {
-                let [base, edge] = &mut sums;
-                for (j, (base, edge)) in base.iter_mut().zip(edge).enumerate() {
-                    let ellipse: Ellipse = bytemuck::cast(row(&ellipses, j));
-                    let node = ellipse.node::<IS_CUT>(cos, weight);
-                    *base += node[0];
-                    *edge += node[1];
-                }
-            }
-            sums
-        });
+        let sums = sum(level, &self.pairs.columns);
         for j in 0..self.pairs.len {
-            let weight = bytemuck::cast::<_, Ellipse>(row(&ellipses, j)).weight();
             for (k, sums) in [self.pairs.of[j], self.edges[j]].into_iter().zip(&sums) {
                 if k != NOWHERE {
-                    out[k as usize] += finish(weight, sums[j]);
+                    out[k as usize] += sums[j];
                 }
             }
         }
         self.pairs.len = 0;
+    }
+}
+
+/// The integrals of both parts of each pair of a block.
+type SumOfPairs = fn(Level, &Columns<12>) -> Columns<2>;
+
+/// By the chords of their ellipses.
+#[inline(never)]
+fn over_chords<const IS_CUT: bool>(level: Level, pairs: &Columns<12>) -> Columns<2> {
+    let mut ellipses = [[0.0; WIDTH]; 11];
+    map(level, &ToEllipse::<IS_CUT>, pairs, &[], &mut ellipses);
+    let sums = dispatch!(level, _simd => {
+        let mut sums = [[0.0; WIDTH]; 2];
+        for (cos, weight) in microfacets::nodes::<IS_CUT>() {
+            let [base, edge] = &mut sums;
+            for (j, (base, edge)) in base.iter_mut().zip(edge).enumerate() {
+                let ellipse: Ellipse = bytemuck::cast(row(&ellipses, j));
+                let node = ellipse.node::<IS_CUT>(cos, weight);
+                *base += node[0];
+                *edge += node[1];
+            }
+        }
+        sums
+    });
+    let weights: [f32; WIDTH] = core::array::from_fn(|j| bytemuck::cast::<_, Ellipse>(row(&ellipses, j)).weight());
+    sums.map(|sums| core::array::from_fn(|j| finish(weights[j], sums[j])))
+}
+
+/// Over all directions: by the facets that the eye sees.
+#[inline(never)]
+fn over_facets(level: Level, pairs: &Columns<12>) -> Columns<2> {
+    let mut facets = [[0.0; WIDTH]; 5];
+    map(level, &ToFacets, pairs, &[], &mut facets);
+    dispatch!(level, _simd => {
+        let mut sums = [[0.0; WIDTH]; 2];
+        for turn in albedo::TURNS {
+            let mut ranges = [[0.0; WIDTH]; 2];
+            for j in 0..WIDTH {
+                set_row(&mut ranges, j, &bytemuck::cast::<_, albedo::Facets>(row(&facets, j)).cap());
+            }
+            for _ in 0..albedo::HALVINGS {
+                for j in 0..WIDTH {
+                    let half = bytemuck::cast::<_, albedo::Facets>(row(&facets, j)).halve(row(&ranges, j), turn);
+                    set_row(&mut ranges, j, &half);
+                }
+            }
+            for place in albedo::PLACES {
+                let [base, edge] = &mut sums;
+                for (j, (base, edge)) in base.iter_mut().zip(edge).enumerate() {
+                    let node = bytemuck::cast::<_, albedo::Facets>(row(&facets, j)).node(row(&ranges, j), turn, place);
+                    *base += node[0];
+                    *edge += node[1];
+                }
+            }
+        }
+        sums
+    })
+}
+
+struct ToFacets;
+impl Lane<12, 0, 5> for ToFacets {
+    #[inline(always)]
+    fn value(&self, pair: [f32; 12], []: [f32; 0]) -> [f32; 5] {
+        bytemuck::cast(albedo::Facets::new(&bytemuck::cast(pair)))
     }
 }
 

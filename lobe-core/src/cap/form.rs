@@ -19,9 +19,10 @@ pub(super) const WHOLE: f32 = 3.0;
 pub(super) const PIECES: f32 = 4.0;
 /// A lobe that ends with an infinite slope.
 pub(super) const EDGE: f32 = 5.0;
-/// Microfacets, and a light above the horizon; microfacets, and one that it crosses.
+/// Microfacets, and a light above the horizon; microfacets, and one that it crosses; microfacets, and light from everywhere.
 pub(super) const MICROFACETS: f32 = 6.0;
 pub(super) const MICROFACETS_CUT: f32 = 7.0;
+pub(super) const MICROFACETS_ALL: f32 = 8.0;
 
 /// The form, and the value where that is done.
 #[inline(always)]
@@ -38,6 +39,8 @@ pub(super) fn of(light: &Seen, lobe: &PackedLobe) -> [f32; 2] {
     let glossy = if e >= MIRROR { DONE } else { glossy };
     let diffuse = if above { DONE } else { CROSSED };
     let microfacets = if above { MICROFACETS } else { MICROFACETS_CUT };
+    let everywhere = light.one_minus_cos >= 1.0 && light.axis == light.normal;
+    let microfacets = if everywhere { MICROFACETS_ALL } else { microfacets };
     let glossy = if lobe.is_microfacets() { microfacets } else { glossy };
     let form = if lambert { diffuse } else { glossy };
 

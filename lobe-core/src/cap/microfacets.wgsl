@@ -59,7 +59,18 @@ fn microfacets_integral(at: Receiver, lobe: Lobe, light: Seen) -> f32 {
         known_edge_integral.axis = vec3f(0.0);
         return known.integral;
     }
-    let ellipse = ellipse_of(at, lobe, light);
+    var both = vec2f();
+    if (light.one_minus_cos >= 1.0 && all(light.axis == at.normal)) {
+        both = microfacets_albedo(at, lobe);
+    } else {
+        both = ellipse_integral(ellipse_of(at, lobe, light));
+    }
+    known_edge_integral = KnownEdge(select(lobe.axis, vec3f(0.0), is_edge), lobe.exponent, light.axis, both.y);
+    return select(both.x, both.y, is_edge);
+}
+
+// Of both lobes.
+fn ellipse_integral(ellipse: Ellipse) -> vec2f {
     var sum = vec2f(0.0);
     let count = select(5u, 16u, ellipse.is_cut);
     for (var k = 0u; k < 2u * count; k++) {
@@ -72,9 +83,7 @@ fn microfacets_integral(at: Receiver, lobe: Lobe, light: Seen) -> f32 {
         }
         sum += ellipse_node(ellipse, select(node.x, -node.x, k < count), node.y);
     }
-    let both = max(sum * ellipse.half * FRAC_1_PI, vec2f(0.0));
-    known_edge_integral = KnownEdge(select(lobe.axis, vec3f(0.0), is_edge), lobe.exponent, light.axis, both.y);
-    return select(both.x, both.y, is_edge);
+    return max(sum * ellipse.half * FRAC_1_PI, vec2f(0.0));
 }
 
 fn root_of(x: f32) -> f32 { return sqrt(positive(x)); }

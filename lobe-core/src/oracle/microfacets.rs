@@ -26,6 +26,36 @@ impl CapMicrofacets {
         [d * w * (1.0 - s), d * w * s]
     }
 
+    /// The integrals of both over all directions above the horizon, in polar coordinates of slopes about the normal.
+    #[must_use]
+    pub fn albedo(&self) -> [f64; 2] {
+        let (v, rule, sectors) = (self.view, Gauss::new(16), 400);
+        let mut sum = [0.0; 2];
+        for i in 0..sectors {
+            let ray = DVec2::from_angle(PI * (f64::from(i) + 0.5) / f64::from(sectors));
+            let vr = v.truncate().dot(ray);
+            let horizon = vr / v.z + (vr * vr / (v.z * v.z) + 1.0).sqrt();
+            for (part, sum) in sum.iter_mut().enumerate() {
+                *sum += rule.composite(0.0, (horizon / self.alpha).atan(), 16, |angle| self.of_slope(ray, angle)[part])
+                    * (TAU / f64::from(sectors));
+            }
+        }
+        sum
+    }
+
+    /// Both parts at the half vector of slope `α tan ψ` along a ray, by the area of the plane of slopes per angle ψ.
+    fn of_slope(&self, ray: DVec2, angle: f64) -> [f64; 2] {
+        let r = self.alpha * angle.tan();
+        let h = (ray * r).extend(1.0).normalize();
+        let vh = self.view.dot(h);
+        if vh <= 0.0 {
+            return [0.0; 2];
+        }
+        // dω_h = h_z³ d²s, dω_l = 4 (ω_o·h) dω_h.
+        let area = r * self.alpha / angle.cos().powi(2) * h.z.powi(3) * 4.0 * vh;
+        self.value(2.0 * vh * h - self.view).map(|value| area * value)
+    }
+
     /// The integrals of both over what of a cone of directions is above the horizon.
     ///
     /// In polar coordinates of the half vector's slopes about the normal, along each of `sectors` rays that meet the light from one end
@@ -55,15 +85,9 @@ impl CapMicrofacets {
                 // r = α tan ψ. No range where `to` is less.
                 let angles = [from, to.max(from)].map(|r| (r / self.alpha).atan());
                 let at = |angle: f64, part: usize| {
-                    let r = self.alpha * angle.tan();
-                    let h = (ray * r).extend(1.0).normalize();
-                    let vh = v.dot(h);
-                    let l = 2.0 * vh * h - v;
-                    if vh <= 0.0 || l.dot(c) < half_angle.cos() - 1e-9 {
-                        return 0.0;
-                    }
-                    // dω_h = h_z³ d²s, dω_l = 4 (ω_o·h) dω_h.
-                    r * self.alpha / angle.cos().powi(2) * h.z.powi(3) * 4.0 * vh * self.value(l)[part]
+                    let h = (ray * self.alpha * angle.tan()).extend(1.0).normalize();
+                    let l = 2.0 * v.dot(h) * h - v;
+                    if l.dot(c) < half_angle.cos() - 1e-9 { 0.0 } else { self.of_slope(ray, angle)[part] }
                 };
                 for (part, sum) in sum.iter_mut().enumerate() {
                     *sum += rule.composite(angles[0], angles[1], 4, |angle| at(angle, part)) * weight;

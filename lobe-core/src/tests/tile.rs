@@ -92,7 +92,9 @@ fn pairs_of_microfacets_are_the_single_ones_on_every_machine() {
         let beta = random.between(0.0, 0.5 * PI + 0.5 * theta);
         let axis = random.axis_at(normal, beta).as_vec3().normalize();
         at.push(receiver(normal));
-        cones.push(Cone { axis, one_minus_cos: (1.0 - theta.cos()) as f32, distance: 1.0 });
+        // Some are inside the light.
+        let one_minus_cos = if k % 10 == 0 { 2.0 } else { (1.0 - theta.cos()) as f32 };
+        cones.push(Cone { axis, one_minus_cos, distance: 1.0 });
         let tilt = random.between(0.0, 1.5);
         let view = random.axis_at(normal, tilt).as_vec3().normalize();
         let alpha = random.log_uniform(0.01, 1.0) as f32;
