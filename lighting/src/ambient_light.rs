@@ -24,7 +24,11 @@ impl LightLobes for AmbientLight {
         *receivers
     }
 
-    /// All directions: strategies are not queried from inside a light.
+    fn has_shadows(&self) -> bool {
+        false
+    }
+
+    /// All directions.
     fn seen_from(&self, at: &Receiver) -> SeenLight {
         let cone = Cone { axis: at.normal, one_minus_cos: 2.0, distance: f32::MIN_POSITIVE };
         SeenLight::of_cone(cone, self.radiance)
@@ -51,10 +55,6 @@ impl LightKind for AmbientLight {
 
     fn area(&self, from: Vec3) -> Option<Area<'_>> {
         Some(Area::sphere(Sphere { center: from, radius: 1.0 }))
-    }
-
-    fn has_shadows(&self) -> bool {
-        false
     }
 
     fn world(&self) -> Option<Sphere> {

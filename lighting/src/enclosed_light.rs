@@ -43,6 +43,10 @@ impl LightLobes for EnclosedLight {
     fn image(&self) -> Option<&LightImage> {
         self.light.image()
     }
+
+    fn has_shadows(&self) -> bool {
+        self.light.has_shadows()
+    }
 }
 
 impl LightKind for EnclosedLight {
@@ -81,10 +85,6 @@ impl LightKind for EnclosedLight {
 
     fn distance_to(&self, point: Vec3) -> Option<f32> {
         self.light.distance_to(point)
-    }
-
-    fn has_shadows(&self) -> bool {
-        self.light.kind().has_shadows()
     }
 
     fn roundness(&self) -> Option<f32> {

@@ -91,11 +91,6 @@ pub trait LightKind: LightLobes + Debug + Send + Sync {
         self.sphere().map(|sphere| (point.distance(sphere.center) - sphere.radius).abs())
     }
 
-    /// Whether objects hide it. Provided: they do.
-    fn has_shadows(&self) -> bool {
-        true
-    }
-
     /// Of a light that may have an [outline](LightLobes::outline) its [roundness](Outline::roundness), by which masks are made finer.
     /// Provided: none, a light that is always a cone.
     fn roundness(&self) -> Option<f32> {

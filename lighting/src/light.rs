@@ -146,6 +146,10 @@ impl LightLobes for Light {
     fn seen_from(&self, at: &Receiver) -> SeenLight {
         self.kind().seen_from(at)
     }
+    fn has_shadows(&self) -> bool {
+        self.kind().has_shadows()
+    }
+
     fn image(&self) -> Option<&LightImage> {
         self.kind().image()
     }

@@ -66,6 +66,11 @@ pub trait LightLobes {
         None
     }
 
+    /// Whether objects hide it. Provided: they do.
+    fn has_shadows(&self) -> bool {
+        true
+    }
+
     /// Appends lobes of the incident radiance (Eq. 7). Provided: the moment lobe of what is seen, whose flux and mean vector
     /// are exact.
     fn light_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {

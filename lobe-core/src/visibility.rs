@@ -237,6 +237,11 @@ impl<'v, V: Visibility + ?Sized> LightVisibility<'v, V> {
         Self { group, ..Self::alone(visibility, shaft.id, accuracy, scratch) }
     }
 
+    /// A light that nothing hides: no receiver needs to ask.
+    pub fn unhidden(visibility: &'v V, light: LightId, accuracy: Accuracy, scratch: &'v mut V::Scratch) -> Self {
+        Self { group: Coverage::Lit, ..Self::alone(visibility, light, accuracy, scratch) }
+    }
+
     /// A single receiver: the strategy has entered no group with this scratch.
     pub fn alone(visibility: &'v V, light: LightId, accuracy: Accuracy, scratch: &'v mut V::Scratch) -> Self {
         Self { visibility, scratch, light, image: None, accuracy, group: Coverage::Partial, queries: 0 }

@@ -152,7 +152,7 @@ impl<'a> RayShader<'a> {
                     continue;
                 }
                 let coverage = match self.culled {
-                    _ if !light.kind().has_shadows() => Coverage::Lit,
+                    _ if !light.has_shadows() => Coverage::Lit,
                     true => self.select(at, &cone, scratch),
                     false => Coverage::Partial,
                 };

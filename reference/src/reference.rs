@@ -230,7 +230,7 @@ impl Sampler {
             if sky.is_some() && matches!(light, Light::Sky(_)) {
                 continue;
             }
-            let geometry = if light.kind().has_shadows() { job.geometry } else { Geometry::None };
+            let geometry = if light.has_shadows() { job.geometry } else { Geometry::None };
             if geometry.has_spheres() {
                 let bounds = receivers.iter().fold(Bounds::EMPTY, |b, at| b.with_point(at.position));
                 let around = Sphere { center: bounds.center(), radius: bounds.radius() };

@@ -279,13 +279,14 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
         let shaft = Shaft::new(sphere, light.bounds_from(&sphere), id).in_box(half_extent);
         // Receivers that all face away from the light need no query.
         let any = !I::TAKES_INTEGRALS || light.image().is_some() || integrals.iter().any(|integral| *integral > 0.0);
-        let mut visibility = match any {
-            true => LightVisibility::enter(&self.visibility, &shaft, accuracy, scratch),
-            false => LightVisibility::alone(&self.visibility, id, accuracy, scratch),
+        let mut visibility = match (light.has_shadows(), any) {
+            (false, _) => LightVisibility::unhidden(&self.visibility, id, accuracy, scratch),
+            (true, true) => LightVisibility::enter(&self.visibility, &shaft, accuracy, scratch),
+            (true, false) => LightVisibility::alone(&self.visibility, id, accuracy, scratch),
         }
         .with_image(light.image());
         // A facet under a smooth normal may hide the light that nothing else does.
-        if receivers.iter().any(|at| at.face != at.normal) {
+        if light.has_shadows() && receivers.iter().any(|at| at.face != at.normal) {
             visibility.query_each_receiver();
         }
         stats.lap(2);

@@ -7,7 +7,7 @@ use crate::files::{Source, extension};
 use crate::normals::hide_edges;
 use crate::part::Part;
 use crate::skeleton::Skeleton;
-use crate::{Animation, Emission, Mesh, Normals, Pose, Proxy, SceneError, Texture};
+use crate::{Animation, Emission, Mesh, Normals, Pose, Proxy, SceneError, Studio, Texture};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -33,6 +33,8 @@ pub(crate) struct Context {
     pub(crate) emitters: Vec<usize>,
     /// Whether it is for the others.
     pub(crate) emission: Emission,
+    /// The lights of a model that brings none.
+    pub(crate) studio: Studio,
     /// The normals of meshes for which the scene file names none.
     pub(crate) normals: Normals,
 }

@@ -7,14 +7,15 @@ use crate::mesh_file::file_parts;
 use crate::mesh_scene::{Bare, MESH_OR_SCENE, bare, bare_objects};
 use crate::placement::Placement;
 use crate::{
-    Animation, Emission, Mesh, Normals, Object, Scene, SceneError, Shape, Surface, known_errors, obj, scene_file,
+    Animation, Emission, Mesh, Normals, Object, Scene, SceneError, Shape, Studio, Surface, known_errors, obj,
+    scene_file,
 };
 use glam::Mat4;
 use std::path::Path;
 use std::sync::Arc;
 
 /// Loads a scene: a scene file (`.toml`; keys in [`SCHEMA_EXAMPLE`](crate::SCHEMA_EXAMPLE)), or a mesh (`.obj`, `.ply`,
-/// `.gltf`, `.glb`) to which a floor, a light and, where the file has none, a camera are added. Moving objects stand at their
+/// `.gltf`, `.glb`) to which a floor and, where the file has none, [lights](Studio) and a camera are added. Moving objects stand at their
 /// first moment: [`load_animated`] gives the others.
 ///
 /// # Errors
@@ -94,6 +95,8 @@ pub struct LoadOptions {
     pub normals: Normals,
     /// Whether objects that emit light the others.
     pub emission: Emission,
+    /// The lights of a model that brings none.
+    pub studio: Studio,
 }
 
 impl LoadOptions {
@@ -113,6 +116,13 @@ impl LoadOptions {
     #[must_use]
     pub const fn with_normals(mut self, normals: Normals) -> Self {
         self.normals = normals;
+        self
+    }
+
+    /// Lights a model that brings no lights so.
+    #[must_use]
+    pub const fn with_studio(mut self, studio: Studio) -> Self {
+        self.studio = studio;
         self
     }
 
@@ -136,8 +146,8 @@ impl LoadOptions {
 /// # Ok::<(), scene::SceneError>(())
 /// ```
 pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<(Scene, Animation, Vec<String>), SceneError> {
-    let LoadOptions { clip, normals, emission } = options;
-    let context = Context { normals: *normals, emission: *emission, ..Context::default() };
+    let LoadOptions { clip, normals, emission, studio } = options;
+    let context = Context { normals: *normals, emission: *emission, studio: *studio, ..Context::default() };
     load_any(path.as_ref(), clip.as_deref(), context)
 }
 

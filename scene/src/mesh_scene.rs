@@ -1,4 +1,4 @@
-//! A mesh file as a scene of its own: with a floor, and a light and a camera where it has none.
+//! A mesh file as a scene of its own: with a floor, and lights and a camera where it has none.
 
 use crate::animation::{LightMover, LightPlace};
 use crate::context::Context;
@@ -13,13 +13,11 @@ use crate::placement::Placement;
 use crate::{Animation, Bounds, Camera, Mesh, Object, Proxy, Scene, SceneError};
 use brdf::ModifiedPhong;
 use glam::{Mat4, Vec3};
-use lighting::{Light, SphereLight};
-use lobe_core::Sphere;
 use std::path::Path;
 
 pub(crate) const MESH_OR_SCENE: &str = ".toml, .obj, .ply, .gltf or .glb";
 
-/// The contents of a mesh file, without the floor and the light that [`bare`] adds. The objects are not posed yet.
+/// The contents of a mesh file, without the floor and the lights that [`bare`] adds. The objects are not posed yet.
 pub(crate) struct Bare {
     pub(crate) objects: Vec<Object>,
     looks: Vec<Look>,
@@ -54,15 +52,6 @@ pub(crate) fn bare_objects(path: &Path, file: Read, context: &mut Context) -> Ba
         objects.push(Object::mesh(part.name, part.mesh, material, Proxy::Count(count)));
     }
     Bare { objects, looks, animation, camera, lights }
-}
-
-/// A sphere of half-angle 6° from the middle of the model, with an irradiance of π there.
-fn key_light(bounds: &Bounds) -> Light {
-    let distance = 5.0 * bounds.radius();
-    let sin = 6.0_f32.to_radians().sin();
-    let center = bounds.center() + distance * Vec3::new(-0.5, 0.9, 0.55).normalize();
-    let sphere = Sphere { center, radius: distance * sin };
-    SphereLight::new(sphere, Vec3::splat(1.0 / (sin * sin))).into()
 }
 
 /// The box that holds the objects at all times, approximated by its union over several moments.
@@ -107,7 +96,7 @@ pub(crate) fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Re
     let mut scene = Scene { camera, width, height, materials, surfaces, objects, lights, ..Scene::default() };
     light_up(path, &mut scene, &mut animation, context);
     if scene.lights.is_empty() {
-        scene.lights.push(key_light(&bounds));
+        scene.lights = context.studio.lights(&bounds);
     }
     scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
     Ok((scene, animation))

@@ -72,7 +72,7 @@ fn a_panel_of_a_gltf_is_the_only_light() {
     assert!(warnings.is_empty(), "{warnings:?}");
     // Seen only, the model has the light that models without lights get.
     let seen = load_text("room.gltf", &text, Emission::Seen);
-    assert_eq!((seen.scene.lights.len(), seen.scene.lights[0].name()), (1, "sphere"));
+    assert_eq!((seen.scene.lights.len(), seen.scene.lights[2].name()), (3, "ambient"));
     assert!(seen.warnings.is_empty(), "{:?}", seen.warnings);
 }
 
@@ -151,7 +151,7 @@ fn curved_meshes_light_within_two_percent() {
     // Thirty spheres are more than what stands for one mesh.
     let many: String = (0..30).map(|k| globe(4, 5 + k * 40, 0.2, k as f32)).collect();
     let Loaded { scene, warnings, .. } = load_obj(&many);
-    assert_eq!(scene.lights.len(), 1, "the model's key light");
+    assert_eq!(scene.lights[2].name(), "ambient", "the studio of models without lights");
     assert!(warnings.iter().any(|w| w.contains("lights no other") && w.contains("separate parts")), "{warnings:?}");
 }
 

@@ -1,5 +1,7 @@
 //! The scene files of the repository load.
 
+use lighting::Light;
+use scene::{LoadOptions, Scene, Studio};
 use std::path::Path;
 
 const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes");
@@ -48,4 +50,30 @@ fn mesh_scenes_load_and_stand_on_their_floor() {
         let angle = (light.radius / light.center.distance(model.center())).asin().to_degrees();
         assert!((angle - 6.0).abs() < 0.15, "{name}: {angle}");
     }
+}
+
+/// A model that brings no lights stands in the studio; the key light alone is as bright in the middle as all of the studio, within 7 %.
+#[test]
+fn models_without_lights_stand_in_a_studio() {
+    let path = Path::new(SCENES).join("assets/moebius.obj");
+    let load = |studio| scene::load_with(&path, &LoadOptions::new().with_studio(studio)).unwrap().0;
+    let (soft, key) = (load(Studio::default()), load(Studio::Key));
+    let names = |scene: &Scene| scene.lights.iter().map(Light::name).collect::<Vec<_>>();
+    assert_eq!((names(&soft), names(&key)), (vec!["sphere", "sphere", "ambient"], vec!["sphere"]));
+    assert_eq!((&soft.camera, &soft.objects[0]), (&key.camera, &key.objects[0]));
+    let middle = soft.objects[1].shape.bounds().center();
+    // The irradiance over π of a surface that faces each light; of ambient light its radiance.
+    let bright = |scene: &Scene| -> f32 {
+        let of = |light: &Light| {
+            let sin_sq = light.sphere().map_or(1.0, |s| (s.radius / s.center.distance(middle)).powi(2));
+            sin_sq * light.full_radiance().y
+        };
+        scene.lights.iter().map(of).sum()
+    };
+    assert!(
+        (bright(&key) - 1.0).abs() < 1e-3 && (bright(&soft) - 1.06).abs() < 0.01,
+        "{} {}",
+        bright(&key),
+        bright(&soft)
+    );
 }

@@ -16,6 +16,10 @@ pub(crate) struct ModelArgs {
     /// Objects whose material emits
     #[arg(long, value_enum, default_value_t = Emission::Lights)]
     emission: Emission,
+
+    /// Lights of a model that brings none
+    #[arg(long, value_enum, default_value_t = Studio::Soft)]
+    studio: Studio,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -39,6 +43,15 @@ enum Emission {
     Seen,
 }
 
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Studio {
+    /// A key light, a fill and ambient light, which metals mirror
+    #[default]
+    Soft,
+    /// One light, as --method paper needs it
+    Key,
+}
+
 impl ModelArgs {
     /// How a file is loaded, with the clip that is requested.
     pub(crate) fn options(&self, clip: Option<&str>) -> LoadOptions {
@@ -51,6 +64,10 @@ impl ModelArgs {
             Emission::Lights => scene::Emission::Lights,
             Emission::Seen => scene::Emission::Seen,
         };
-        LoadOptions::new().with_clip(clip).with_normals(normals).with_emission(emission)
+        let studio = match self.studio {
+            Studio::Soft => scene::Studio::Soft,
+            Studio::Key => scene::Studio::Key,
+        };
+        LoadOptions::new().with_clip(clip).with_normals(normals).with_emission(emission).with_studio(studio)
     }
 }

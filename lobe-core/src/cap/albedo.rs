@@ -113,7 +113,7 @@ mod tests {
     use crate::{Cone, Microfacets, Receiver, cap_integral};
     use glam::{DVec3, Vec3};
 
-    /// What `cap_integral` promises: mean and largest error of both parts, relative to the whole albedo.
+    /// The promise of `cap_integral`: mean and largest error of both parts, relative to the whole albedo.
     const PROMISED: [f64; 2] = [0.002, 0.01];
 
     fn albedo(cos: f32, alpha: f32) -> [f32; 2] {
