@@ -1,4 +1,5 @@
 use core::sync::atomic::AtomicBool;
+use glam::Vec3;
 use pictures::luminance;
 use ray_tracing::{GBuffer, World};
 use reference::{Geometry, Reference, ReferenceJob};
@@ -43,7 +44,18 @@ pub fn exposure(world: &World<'_>) -> f32 {
     let job = ReferenceJob { world, gbuffer: &gbuffer, blockers: &blockers, geometry: Geometry::Mesh, seed: 0 };
     let mut reference = Reference::new(job);
     reference.advance(RAYS, &AtomicBool::new(false), &|_| {});
-    let luminances = reference.estimate().radiance.into_iter().map(luminance);
+    exposure_of(reference.estimate().radiance)
+}
+
+/// The [`exposure`] that suits these pixels: that of a scene is metered without its method and its window.
+///
+/// ```
+/// use glam::Vec3;
+/// assert_eq!(renderer::exposure_of([Vec3::ZERO, Vec3::splat(0.25)]), 1.0);
+/// ```
+#[must_use]
+pub fn exposure_of(radiance: impl IntoIterator<Item = Vec3>) -> f32 {
+    let luminances = radiance.into_iter().map(luminance);
     let mut lit: Vec<f64> = luminances.filter(|y| *y > 0.0 && y.is_finite()).collect();
     lit.sort_unstable_by(f64::total_cmp);
     let Some(last) = lit.len().checked_sub(1) else { return 0.0 };

@@ -66,7 +66,7 @@ pub use crate::custom_strategy::CustomStrategy;
 pub use crate::edit_error::EditError;
 pub use crate::error::RenderError;
 pub use crate::event::{Event, Listener};
-pub use crate::exposure::exposure;
+pub use crate::exposure::{exposure, exposure_of};
 pub use crate::frame_blockers::{FrameBlockers, ShaderTask};
 pub use crate::handles::{LightHandle, MaterialHandle, ObjectHandle};
 pub use crate::image::{Band, Image, ImageStats, Sink};

@@ -5,8 +5,8 @@ use crate::gesture::Motion;
 use crate::request::Request;
 use glam::{Vec2, Vec3};
 use lobe_core::Accuracy;
-use pictures::{Display, ToneMap, luminance};
-use renderer::{LightHandle, ObjectHandle, PixelSamples, RenderError, Renderer, Settings, Window};
+use pictures::{Display, ToneMap};
+use renderer::{LightHandle, ObjectHandle, PixelSamples, RenderError, Renderer, Settings, Window, exposure_of};
 use scene::{Animation, Camera, Scene, Strategy};
 use session::{Driver, Editor, Probe, Projection, Session, Task, framed, gloss, lamp};
 use std::collections::HashMap;
@@ -119,7 +119,8 @@ impl Desk {
         let is_new = self.editor.follow();
         self.lines.extend(self.editor.take_errors().iter().map(ToString::to_string));
         if is_new && self.meter == Meter::Nothing && !self.editor.picture().radiance.is_empty() {
-            self.expose(guessed(&self.editor.picture().radiance), Meter::Guess);
+            let stops = exposure_of(self.editor.picture().radiance.iter().copied());
+            self.expose(stops, Meter::Guess);
         }
         is_new
     }
@@ -298,17 +299,6 @@ impl Desk {
 fn size_of(columns: u32, aspect: f32) -> [u32; 2] {
     let columns = columns.clamp(1, LARGEST);
     [columns, ((columns as f32 * aspect).round() as u32).clamp(1, LARGEST)]
-}
-
-/// Nearly the exposure that the renderer would meter, from a picture: nine tenths of the lit pixels become darker than half of white.
-fn guessed(radiance: &[Vec3]) -> f32 {
-    let mut lit: Vec<f32> = radiance.iter().map(|rgb| luminance(*rgb) as f32).filter(|y| *y > 0.0).collect();
-    if lit.is_empty() {
-        return 0.0;
-    }
-    let place = lit.len() * 9 / 10;
-    let (_, bright, _) = lit.select_nth_unstable_by(place, f32::total_cmp);
-    (10.0 * (0.5 / *bright).log2()).round() / 10.0
 }
 
 fn named(name: Option<&str>) -> Result<Option<Strategy>, String> {
