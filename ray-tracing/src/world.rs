@@ -119,6 +119,23 @@ impl<'s> World<'s> {
             || self.hierarchy.spheres.any(ray, |b, r| if b.blocks && by(b.object) { b.meet(r) } else { f32::INFINITY })
     }
 
+    /// Whether the nearest triangle or sphere on a ray of unit direction is met from behind: from inside of a sphere, or from the side on
+    /// which a triangle's corners go round with the clock. `None` where the ray meets nothing.
+    ///
+    /// From inside a closed body whose triangles are wound as usual every ray meets a back. `origin` is to be off the surface already,
+    /// see [`leave`](Self::leave).
+    #[must_use]
+    pub fn meets_back(&self, origin: Vec3, direction: Vec3) -> Option<bool> {
+        let ray = Ray::new_inf(origin.into(), direction.into());
+        let triangle = self.hierarchy.triangles.nearest(ray, |c, r| c.meet(r, |_| self.exact_distance(c, &ray)));
+        let limit = Ray { tmax: triangle.map_or(f32::INFINITY, |(_, t)| t), ..ray };
+        if let Some((sphere, _)) = self.hierarchy.spheres.nearest(limit, |b, r| b.intersect(r)) {
+            return Some(sphere.sphere.center.distance(origin) < sphere.sphere.radius);
+        }
+        let [a, b, c] = self.positions(triangle?.0);
+        Some((b - a).cross(c - a).dot(direction.as_dvec3()) > 0.0)
+    }
+
     /// Start of a shadow ray: `position` moved along the geometric normal by 5e-7 of its largest coordinate (4 to 8 units
     /// in the last place).
     ///
