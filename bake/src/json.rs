@@ -30,7 +30,9 @@ impl Json {
     fn open(&mut self) {
         let Self::Raw(text) = self else { return };
         match text.as_bytes().first() {
-            Some(b'[') => *self = Self::Array(pieces(text).into_iter().map(|item| Self::Raw(item.to_owned())).collect()),
+            Some(b'[') => {
+                *self = Self::Array(pieces(text).into_iter().map(|item| Self::Raw(item.to_owned())).collect())
+            }
             Some(b'{') => {
                 let field = |field: &str| {
                     let name = string_end(field.as_bytes(), 0);
@@ -172,7 +174,8 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    const TEXT: &str = r#" { "b" : [1.0e-5, 0.10 ,"a,]\"}"], "a":{"x\u0041": {"deep":[ { } ,[ ]]}, "é" : null}, "c":[] } "#;
+    const TEXT: &str =
+        r#" { "b" : [1.0e-5, 0.10 ,"a,]\"}"], "a":{"x\u0041": {"deep":[ { } ,[ ]]}, "é" : null}, "c":[] } "#;
 
     #[test]
     fn untouched_values_stay_as_written() {

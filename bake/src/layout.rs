@@ -90,7 +90,7 @@ impl OwnPages {
     fn texels(&self, part: &GltfPart) -> Result<Vec<(usize, f64)>, String> {
         let (name, mesh) = (&part.name, &part.geometry);
         let uvs = &mesh.uv_sets[SECOND];
-        let inside = |uv: &Vec2| uv.min_element() >= -BEYOND && uv.max_element() <= 1.0 + BEYOND;
+        let inside = |uv: &Vec2| uv.cmpge(Vec2::splat(-BEYOND)).all() && uv.cmple(Vec2::splat(1.0 + BEYOND)).all();
         if let Some(far) = uvs.iter().position(|uv| !inside(uv)) {
             let [u, v] = uvs[far].to_array();
             return Err(format!(
@@ -190,7 +190,9 @@ fn add_atlas(all: &mut Layout, file: &GltfDocument, parts: &[usize], atlas: &Atl
         let page = rectangle.map_or_else(|| used.next().unwrap_or(0), |rectangle| rectangle.page);
         if used.any(|other| other != page) {
             let side = atlas.width;
-            return Err(format!("mesh \"{name}\": its charts do not fit one page of {side}: a larger page or less padding fits"));
+            return Err(format!(
+                "mesh \"{name}\": its charts do not fit one page of {side}: a larger page or less padding fits"
+            ));
         }
         let place = |uv: [f32; 2]| {
             let [low, high] = rectangle.map_or([[0.0; 2], [1.0; 2]], |r| [r.min, r.max]).map(Vec2::from_array);

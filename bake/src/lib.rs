@@ -43,6 +43,7 @@ mod materials;
 mod mixing;
 mod page;
 mod rows;
+mod seams;
 mod settings;
 mod target;
 mod texels;

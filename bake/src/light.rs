@@ -21,7 +21,8 @@ pub(crate) fn light_groups(scene: &Scene) -> Vec<LightGroup> {
     let patches = scene.environment.as_ref().and_then(|sky| sky.patches_among(&scene.lights));
     let is_patch = |light: usize| patches.as_ref().is_some_and(|patches| patches[light]);
     let (sky, single): (Vec<usize>, Vec<usize>) = (0..scene.lights.len()).partition(|light| is_patch(*light));
-    let single = single.into_iter().enumerate().map(|(k, light)| LightGroup { name: format!("light{k}"), lights: vec![light] });
+    let single =
+        single.into_iter().enumerate().map(|(k, light)| LightGroup { name: format!("light{k}"), lights: vec![light] });
     let mut groups: Vec<LightGroup> = single.collect();
     if !sky.is_empty() {
         groups.push(LightGroup { name: "sky".to_owned(), lights: sky });
@@ -52,8 +53,11 @@ impl Irradiance {
         let white = [brdf::Material::lambert(Vec3::ONE)];
         let mut all = vec![Vec::with_capacity(receivers.len()); 1 + self.groups.len()];
         for chunk in receivers.chunks(POINTS) {
-            let points =
-                ShadingPoints { receivers: chunk.to_vec(), materials: vec![0; chunk.len()], ..ShadingPoints::default() };
+            let points = ShadingPoints {
+                receivers: chunk.to_vec(),
+                materials: vec![0; chunk.len()],
+                ..ShadingPoints::default()
+            };
             let light = renderer.shade_points(points, Some(&white), self.layers)?;
             all[0].extend(light.radiance.iter().map(|radiance| *radiance * PI));
             for (list, group) in all[1..].iter_mut().zip(&self.groups) {

@@ -34,7 +34,15 @@ pub struct BakeSettings {
 impl Default for BakeSettings {
     /// Emission, on pages of 1024² texels, with 2 texels of padding and 2 × 2 points a texel.
     fn default() -> Self {
-        Self { form: Form::default(), page: 1024, density: None, padding: 2, samples: 2, per_light: false, unwrap: false }
+        Self {
+            form: Form::default(),
+            page: 1024,
+            density: None,
+            padding: 2,
+            samples: 2,
+            per_light: false,
+            unwrap: false,
+        }
     }
 }
 

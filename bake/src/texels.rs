@@ -7,6 +7,7 @@ use crate::light::Irradiance;
 use crate::look::{Look, texel_sides};
 use crate::mixing;
 use crate::page::{Page, State};
+use crate::seams;
 use crate::target::Face;
 use core::f32::consts::FRAC_1_PI;
 use core::ops::ControlFlow;
@@ -62,6 +63,8 @@ impl Texels<'_> {
                 }
             }
             page.dilate(self.padding);
+            let surfaces = self.layout.targets.iter().filter(|target| target.page == number);
+            seams::close(&mut page, surfaces.map(|target| (&self.file.parts[target.part], target)));
             page.fill();
             pages.push(page);
         }
@@ -99,13 +102,7 @@ impl Texels<'_> {
         Face::new(part, point.triangle as usize).expect("points are on triangles with an area")
     }
 
-    fn band(
-        &self,
-        renderer: &mut Renderer,
-        page: &mut Page,
-        number: usize,
-        rows: [u32; 2],
-    ) -> Result<(), BakeError> {
+    fn band(&self, renderer: &mut Renderer, page: &mut Page, number: usize, rows: [u32; 2]) -> Result<(), BakeError> {
         let points = self.points(number, Grid { size: page.size, rows, cells: self.samples });
         let receivers: Vec<Receiver> = points.iter().map(|point| self.face(point).receiver(point.at)).collect();
         let mut values = self.light.of(renderer, &receivers)?;

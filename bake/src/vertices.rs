@@ -16,11 +16,7 @@ const INSIDE: f64 = 0.02;
 /// The irradiance of a part's vertices: the mean over the triangles around each, by their angles there.
 ///
 /// Vertices of triangles without an area, and those that lie inside of bodies alone, have none.
-pub(crate) fn vertices(
-    part: &GltfPart,
-    light: &Irradiance,
-    renderer: &mut Renderer,
-) -> Result<Vec<Vec3>, BakeError> {
+pub(crate) fn vertices(part: &GltfPart, light: &Irradiance, renderer: &mut Renderer) -> Result<Vec<Vec3>, BakeError> {
     let mesh = &part.geometry;
     let (mut receivers, mut corners) = (Vec::new(), Vec::new());
     for (number, triangle) in mesh.triangles.iter().enumerate() {

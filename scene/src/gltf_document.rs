@@ -1,7 +1,7 @@
 //! A glTF file as it stands, beside the scene that is made of it.
 
-use crate::context::Context;
 use crate::Mesh;
+use crate::context::Context;
 
 /// A glTF file as it stands, for programs that write it again with something added.
 #[derive(Clone, Debug, Default)]

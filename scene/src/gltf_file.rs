@@ -352,7 +352,16 @@ impl Reader<'_> {
             let copies = copies.map_or(1, <[Mat4]>::len);
             let (node, name, moves) = (n, name, rig.is_some());
             let is_turned = turn.is_some_and(|(i, t)| mesh.triangles[i] != t);
-            let part = GltfPart { node, mesh: m, primitive: p, name: name.clone(), copies, moves, is_turned, ..GltfPart::default() };
+            let part = GltfPart {
+                node,
+                mesh: m,
+                primitive: p,
+                name: name.clone(),
+                copies,
+                moves,
+                is_turned,
+                ..GltfPart::default()
+            };
             let source = context.keep(part, &mesh)?;
             if let Some(cut_out) = cut_out.filter(|_| !is_cut) {
                 context.cut_out(self.images.path(), &name, cut_out, (&mut mesh, &alphas), rig.is_some());
