@@ -7,12 +7,12 @@ use crate::page::{MOST_BYTES, Page, bytes};
 use crate::target::targets;
 use crate::texels::Texels;
 use crate::write::Writer;
-use crate::{BakeError, BakeSettings, Form, vertices};
+use crate::{BakeError, BakeSettings, Form, from_scene, vertices};
 use core::f32::consts::FRAC_1_PI;
 use core::ops::ControlFlow;
 use glam::Vec3;
 use renderer::{Renderer, Settings};
-use scene::{Cancel, GltfDocument, GltfPart, LoadOptions};
+use scene::{Animation, Cancel, GltfDocument, GltfPart, LoadOptions, Scene, SceneError};
 use std::path::{Path, PathBuf};
 
 /// A stage of baking.
@@ -47,7 +47,24 @@ pub struct Baked {
     pub scale: f32,
 }
 
-/// A glTF file whose light is baked.
+/// A scene with its document: of a glTF file its own, of others a new one.
+fn load(path: &Path, options: &LoadOptions) -> Result<(Scene, Animation, GltfDocument, Vec<String>), SceneError> {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+    if ["gltf", "glb"].contains(&&*ending) {
+        return scene::load_document(path, options);
+    }
+    let (scene, animation, mut notes) = scene::load_with(path, options)?;
+    let is_model = ending != "toml";
+    if is_model {
+        notes.push(format!("{}: has no light: it has the one that pictures show it in", path.display()));
+    }
+    // A model's first object is the floor that pictures have.
+    let (file, left_out) = from_scene::document(&scene, usize::from(is_model));
+    notes.extend(left_out);
+    Ok((scene, animation, file, notes))
+}
+
+/// A file whose light is baked.
 #[derive(Debug)]
 pub struct Baker {
     path: PathBuf,
@@ -74,7 +91,7 @@ impl Baker {
         settings.validate()?;
         let path = path.as_ref().to_owned();
         let fault = |message: &str| BakeError::File { path: path.clone(), message: message.to_owned() };
-        let (scene, animation, file, mut notes) = scene::load_document(&path, options)?;
+        let (scene, animation, file, mut notes) = load(&path, options)?;
         if scene.lights.is_empty() {
             return Err(fault("has no light to bake (KHR_lights_punctual, or materials that emit)"));
         }

@@ -43,15 +43,7 @@ impl Map {
             dithered(x, curve, threshold(place % width, place / width))
         };
         let bytes: Vec<u8> = (0..3 * self.values.len()).map(|k| byte(k / 3, k % 3)).collect();
-        let fault = |e: png::EncodingError| BakeError::Image(format!("{}: {e}", self.name));
-        let mut out = Vec::new();
-        let mut encoder = png::Encoder::new(&mut out, self.size[0], self.size[1]);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        let mut writer = encoder.write_header().map_err(fault)?;
-        writer.write_image_data(&bytes).map_err(fault)?;
-        writer.finish().map_err(fault)?;
-        Ok(out)
+        encoded(self.size, &bytes).map_err(|e| BakeError::Image(format!("{}: {e}", self.name)))
     }
 
     /// The linear PNG file of a light map: texel times [`scale`](Self::scale) is the value.
@@ -79,6 +71,24 @@ impl Map {
         written.map_err(|e| BakeError::Image(format!("{}: {e}", self.name)))?;
         Ok(out.into_inner())
     }
+}
+
+/// A PNG file of bytes, three a pixel.
+fn encoded(size: [u32; 2], bytes: &[u8]) -> Result<Vec<u8>, png::EncodingError> {
+    let mut out = Vec::new();
+    let mut encoder = png::Encoder::new(&mut out, size[0], size[1]);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(bytes)?;
+    writer.finish()?;
+    Ok(out)
+}
+
+/// A PNG file of linear colours in [0, 1], each rounded to the nearest byte of sRGB.
+pub(crate) fn encoded_srgb(size: [u32; 2], colors: impl Iterator<Item = Vec3>) -> Result<Vec<u8>, png::EncodingError> {
+    let byte = |x: f32| (srgb_encoded(x.clamp(0.0, 1.0)) * 255.0).round() as u8;
+    encoded(size, &colors.flat_map(|color| color.to_array().map(byte)).collect::<Vec<u8>>())
 }
 
 /// One of the two bytes beside a value, chosen so that the mean of decoded bytes over all thresholds from 0 to 1 is the value.

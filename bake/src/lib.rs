@@ -33,6 +33,7 @@
 mod baker;
 mod coverage;
 mod error;
+mod from_scene;
 mod glb;
 mod images;
 mod json;

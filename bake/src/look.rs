@@ -2,6 +2,7 @@
 
 use crate::target::Face;
 use brdf::Material;
+use core::f32::consts::PI;
 use glam::{Mat2, Vec2, Vec3};
 use scene::{GltfPart, Scene, Surface, TexturePlace};
 
@@ -38,14 +39,16 @@ impl<'a> Look<'a> {
 }
 
 /// The diffuse albedo and the metalness of a material.
-fn diffuse(material: &Material) -> (Vec3, f32) {
+pub(crate) fn diffuse(material: &Material) -> (Vec3, f32) {
     match material {
         Material::MetallicRoughness(metal) => {
             let (base, metallic, _) = metal.base();
             (base, metallic)
         }
         Material::Lambert(lambert) => (lambert.albedo, 0.0),
+        Material::Phong(phong) => (phong.kd * PI, 0.0),
         Material::ModifiedPhong(phong) => (phong.kd, 0.0),
+        Material::Neumann(neumann) => (neumann.kd, 0.0),
         _ => (Vec3::ZERO, 0.0),
     }
 }

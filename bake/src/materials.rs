@@ -2,8 +2,8 @@
 
 use crate::glb::Document;
 use crate::json::Json;
+use crate::look::diffuse;
 use crate::target::material;
-use brdf::Material;
 use scene::{GltfPart, Scene};
 use serde_json::{Value, json};
 use std::collections::HashMap;
@@ -47,11 +47,7 @@ impl Materials {
 
 /// A material for a surface without one, whose default would be a metal: the one that pictures take.
 fn bare(scene: &Scene, part: &GltfPart) -> Value {
-    let color = part.object.map(|object| match &scene.materials[scene.objects[object].material] {
-        Material::ModifiedPhong(phong) => phong.kd,
-        Material::Lambert(lambert) => lambert.albedo,
-        _ => glam::Vec3::ONE,
-    });
+    let color = part.object.map(|object| diffuse(&scene.materials[scene.objects[object].material]).0);
     let [r, g, b] = color.unwrap_or(glam::Vec3::ONE).to_array();
     json!({"pbrMetallicRoughness": {"baseColorFactor": [r, g, b, 1], "metallicFactor": 0}})
 }

@@ -227,6 +227,29 @@ mod tests {
         scene
     }
 
+    /// Every ray meets backs from inside of a box and a sphere, fronts from outside.
+    #[test]
+    fn bodies_show_their_backs_inside() {
+        let mut scene = Scene::default();
+        scene.materials.push(test_scenes::material());
+        let cube = Mesh::cuboid(Vec3::new(3.0, 0.0, 0.0), Vec3::ONE);
+        scene.objects.push(scene::Object::mesh("cube", cube, 0, scene::Proxy::None));
+        let sphere = Sphere { center: Vec3::new(-3.0, 0.0, 0.0), radius: 1.0 };
+        scene.objects.push(scene::Object::spheres("sphere", vec![sphere], 0));
+        let world = World::new(&scene);
+        let mut random = Random::new(3);
+        for _ in 0..200 {
+            let direction = random.axis().as_vec3().normalize();
+            for center in [3.0, -3.0].map(|x| Vec3::X * x) {
+                let near = center + random.axis().as_vec3() * 0.4;
+                assert_eq!(world.meets_back(near, direction), Some(true), "{near} {direction}");
+                let far = near - direction * 20.0;
+                assert_eq!(world.meets_back(far, direction), Some(false), "{far} {direction}");
+                assert_eq!(world.meets_back(far, -direction), None);
+            }
+        }
+    }
+
     /// A sphere that makes a light visible is seen and does not hide it.
     #[test]
     fn a_lamp_does_not_hide_its_light() {
