@@ -211,10 +211,11 @@ impl Baker {
             baked.pages.push(page.size);
             baked.texels += page.states.iter().filter(|state| **state == crate::page::State::Surface).count() as u64;
             let mut layers = page.layers.into_iter();
-            let map = |name: String, values: Vec<Vec3>| Map { name, size: page.size, values };
+            let map = |name: String, values: Vec<Vec3>| Map::whole(name, page.size, values);
             let all = map(format!("lightmap{number}"), layers.next().unwrap_or_default());
+            let all = if is_lightmap { all.cut(&page.states) } else { all };
             let png = all.png(if is_lightmap { Curve::Linear } else { Curve::Srgb })?;
-            textures.push((writer.document.add_texture(&all.name, &png), all.scale()));
+            textures.push((writer.document.add_texture(&all.name, &png), all.white));
             let singles = layers.zip(light.groups());
             let singles = singles.map(|(values, group)| map(format!("lightmap{number}.{}", group.name), values));
             baked.maps.extend(is_lightmap.then_some(all).into_iter().chain(singles));

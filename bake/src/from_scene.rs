@@ -21,7 +21,15 @@ pub(crate) fn document(scene: &Scene, first: usize) -> (GltfDocument, Vec<String
         let place = made.mesh(name, mesh, object.material);
         let node = made.node(json!({"name": name, "mesh": place}));
         let (name, geometry) = (name.clone(), mesh.clone());
-        parts.push(GltfPart { node, mesh: place, name, object: Some(number), copies: 1, geometry, ..GltfPart::default() });
+        parts.push(GltfPart {
+            node,
+            mesh: place,
+            name,
+            object: Some(number),
+            copies: 1,
+            geometry,
+            ..GltfPart::default()
+        });
     }
     for &number in &made.materials {
         let material = &scene.materials[number];
@@ -129,7 +137,8 @@ impl Made<'_> {
             _ => 1.0,
         };
         let [r, g, b] = color.min(Vec3::ONE).to_array();
-        let mut base = json!({"baseColorFactor": [r, g, b, 1], "metallicFactor": metallic, "roughnessFactor": roughness});
+        let mut base =
+            json!({"baseColorFactor": [r, g, b, 1], "metallicFactor": metallic, "roughnessFactor": roughness});
         let mut new = json!({"name": format!("material {number}")});
         if let Some(surface) = self.scene.surface(number) {
             if let Some(map) = &surface.color {
@@ -149,7 +158,12 @@ impl Made<'_> {
     /// The texture of colours, texel by texel, and its reference. A transform of its coordinates is left to emission.
     fn texture(&mut self, map: &TextureMap) -> Value {
         let [width, height] = map.texture.size();
-        let plain = TextureMap { transform: glam::Affine2::IDENTITY, wrap: [Wrap::Clamp; 2], is_pixelated: true, ..map.clone() };
+        let plain = TextureMap {
+            transform: glam::Affine2::IDENTITY,
+            wrap: [Wrap::Clamp; 2],
+            is_pixelated: true,
+            ..map.clone()
+        };
         let size = Vec2::new(width as f32, height as f32);
         let texel = |k: usize| {
             let uv = (Vec2::new((k % width) as f32, (k / width) as f32) + 0.5) / size;

@@ -1,6 +1,7 @@
 //! Pages as images: PNG with a scale, and OpenEXR of half floats.
 
 use crate::BakeError;
+use crate::page::State;
 use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage, f16};
 use glam::Vec3;
 use std::io::Cursor;
@@ -17,6 +18,8 @@ pub struct Map {
     pub size: [u32; 2],
     /// One value a texel, row by row from the top: irradiance in W·m⁻² per channel, or radiance in W·m⁻²·sr⁻¹.
     pub values: Vec<Vec3>,
+    /// The value that is white in a PNG file.
+    pub white: f32,
 }
 
 /// How an image stores numbers from 0 to 1.
@@ -27,16 +30,33 @@ pub(crate) enum Curve {
 }
 
 impl Map {
-    /// The value that is white in a PNG file: the largest of all channels, or 1 where all is black.
-    #[must_use]
-    pub fn scale(&self) -> f32 {
-        let most = self.values.iter().map(|v| v.max_element()).fold(0.0, f32::max);
-        if most > 0.0 { most } else { 1.0 }
+    /// A map whose white is the largest value of all channels, or 1 where all is black.
+    pub(crate) fn whole(name: String, size: [u32; 2], values: Vec<Vec3>) -> Self {
+        let most = values.iter().map(|v| v.max_element()).fold(0.0, f32::max);
+        Self { name, size, values, white: if most > 0.0 { most } else { 1.0 } }
     }
 
-    /// A PNG file of 8 bits a channel, of values over [`scale`](Self::scale).
+    /// A map whose white cuts one of a thousand texels of surfaces, if the largest value is more than half as large again: eight bits of
+    /// linear light would have few steps for all others beside a small lamp on a wall.
+    pub(crate) fn cut(self, states: &[State]) -> Self {
+        let on_surface = self.values.iter().zip(states).filter(|(_, state)| **state == State::Surface);
+        let mut each: Vec<f32> = on_surface.map(|(value, _)| value.max_element()).collect();
+        each.sort_unstable_by(f32::total_cmp);
+        let place = (each.len() * 999).div_ceil(1000).saturating_sub(1);
+        let most = each.get(place).copied().filter(|most| *most > 0.0);
+        let white = most.filter(|most| 1.5 * most < self.white).unwrap_or(self.white);
+        Self { white, ..self }
+    }
+
+    /// The number of texels of which a PNG file cuts a channel.
+    #[must_use]
+    pub fn cut_texels(&self) -> usize {
+        self.values.iter().filter(|value| value.max_element() > self.white).count()
+    }
+
+    /// A PNG file of 8 bits a channel, of values over [`white`](Self::white).
     pub(crate) fn png(&self, curve: Curve) -> Result<Vec<u8>, BakeError> {
-        let scale = 1.0 / self.scale();
+        let scale = 1.0 / self.white;
         let width = self.size[0] as usize;
         let byte = |place: usize, channel: usize| {
             let x = (self.values[place][channel] * scale).clamp(0.0, 1.0);
@@ -46,7 +66,7 @@ impl Map {
         encoded(self.size, &bytes).map_err(|e| BakeError::Image(format!("{}: {e}", self.name)))
     }
 
-    /// The linear PNG file of a light map: texel times [`scale`](Self::scale) is the value.
+    /// The linear PNG file of a light map: texel times [`white`](Self::white) is the value, unless that is larger.
     ///
     /// # Errors
     /// [`BakeError::Image`].
@@ -127,7 +147,7 @@ mod tests {
     use super::*;
 
     fn map(values: Vec<Vec3>, size: [u32; 2]) -> Map {
-        Map { name: "map".to_owned(), size, values }
+        Map::whole("map".to_owned(), size, values)
     }
 
     /// Blocks of 8 × 8 texels of one value have that mean once decoded, by both curves.
@@ -138,7 +158,7 @@ mod tests {
                 let mut values = vec![Vec3::splat(3.0 * value); 64];
                 values[0] = Vec3::splat(3.0);
                 let map = map(values, [8, 8]);
-                assert_eq!(map.scale(), 3.0);
+                assert_eq!(map.white, 3.0);
                 let png = map.png(curve).unwrap();
                 let mut reader = png::Decoder::new(Cursor::new(png)).read_info().unwrap();
                 let mut bytes = vec![0; 192];
@@ -156,6 +176,18 @@ mod tests {
                 assert_eq!(bytes[0], 255);
             }
         }
+    }
+
+    #[test]
+    fn one_of_a_thousand_is_cut() {
+        let mut values = vec![Vec3::ONE; 4000];
+        (0..4).for_each(|k| values[k] = Vec3::splat(9.0));
+        let states = vec![State::Surface; 4000];
+        let cut = |values: &[Vec3]| map(values.to_vec(), [40, 100]).cut(&states);
+        assert_eq!((cut(&values).white, cut(&values).cut_texels()), (1.0, 4));
+        values[5] = Vec3::splat(9.0);
+        assert_eq!((cut(&values).white, cut(&values).cut_texels()), (9.0, 0));
+        assert_eq!(map(vec![Vec3::ZERO], [1, 1]).cut(&states).white, 1.0);
     }
 
     #[test]

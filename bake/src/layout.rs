@@ -135,23 +135,33 @@ fn unwrap(
         (mesh.positions.iter().map(|p| p.to_array()).collect(), mesh.triangles.iter().flatten().copied().collect())
     };
     let meshes: Vec<_> = parts.iter().map(lists).collect();
-    // With a density of its own a surface stays on one page as a rectangle; without, all share one.
-    let scales: &[f32] = if settings.density.is_some() { &[1.0] } else { &[] };
-    let inputs: Vec<MeshInput<'_>> = meshes
-        .iter()
-        .map(|(positions, indices)| MeshInput { instance_scales: scales, ..MeshInput::new(positions, indices) })
-        .collect();
-    let density = match settings.density {
-        Some(texels_per_unit) => Density::Fixed { texels_per_unit, page_size: Some(settings.page) },
-        None => Density::Auto { page_size: settings.page },
-    };
-    let options = Options { density, padding: settings.padding, ..Options::default() };
     let faces: usize = meshes.iter().map(|(_, indices)| indices.len() / 3).sum();
-    let made = uvunwrap::generate_with_progress(&inputs, &options, |progress| {
-        let done = progress.done as f32 / progress.total.unwrap_or(faces).max(1) as f32;
-        heard(done.min(1.0)).is_continue()
-    });
-    made.map_err(|error| explain(path, file, parts, settings, &error))
+    // With several pages a surface stays on one of them as a rectangle.
+    let made = |density: Density, scales: &[f32]| {
+        let inputs = meshes
+            .iter()
+            .map(|(positions, indices)| MeshInput { instance_scales: scales, ..MeshInput::new(positions, indices) });
+        let options = Options { density, padding: settings.padding, ..Options::default() };
+        uvunwrap::generate_with_progress(&inputs.collect::<Vec<_>>(), &options, |progress| {
+            let done = progress.done as f32 / progress.total.unwrap_or(faces).max(1) as f32;
+            heard(done.min(1.0)).is_continue()
+        })
+    };
+    let page_size = settings.page;
+    let found = match settings.density {
+        None => made(Density::Auto { page_size }, &[]),
+        Some(texels_per_unit) => {
+            let area: f64 = parts.iter().map(|part| file.parts[*part].geometry.area()).sum();
+            let may_fit = area * f64::from(texels_per_unit).powi(2) <= f64::from(page_size).powi(2);
+            let one = may_fit.then(|| made(Density::Fixed { texels_per_unit, page_size: None }, &[]));
+            match one {
+                Some(Err(error)) => Err(error),
+                Some(Ok(atlas)) if atlas.width.max(atlas.height) <= page_size => Ok(atlas),
+                _ => made(Density::Fixed { texels_per_unit, page_size: Some(page_size) }, &[1.0]),
+            }
+        }
+    };
+    found.map_err(|error| explain(path, file, parts, settings, &error))
 }
 
 fn explain(

@@ -19,10 +19,13 @@ pub(crate) enum Light {
     Vertices,
 }
 
+/// A material, and the texture and set of coordinates of its light, where each is one.
+type Key = (Option<usize>, Option<(usize, usize)>);
+
 /// The materials that were made, by the material and the light that they are made of.
 #[derive(Default)]
 pub(crate) struct Materials {
-    made: HashMap<(Option<usize>, Option<(usize, usize)>), usize>,
+    made: HashMap<Key, usize>,
 }
 
 impl Materials {

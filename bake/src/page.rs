@@ -88,8 +88,10 @@ impl Page {
                 levels.push((half_w, half_h, sums));
             }
             for at in (0..width * height).filter(|at| self.states[*at] == State::Empty) {
-                let sum =
-                    levels.iter().enumerate().map(|(k, (w, _, sums))| sums[(at / width >> k) * w + (at % width >> k)]);
+                let sum = levels
+                    .iter()
+                    .enumerate()
+                    .map(|(k, (w, _, sums))| sums[((at / width) >> k) * w + ((at % width) >> k)]);
                 if let Some(sum) = sum.into_iter().find(|sum| sum.w > 0.0) {
                     self.layers[layer][at] = sum.truncate() / sum.w;
                 }

@@ -79,7 +79,7 @@ fn write_maps(args: &BakeArgs, baked: &Baked) -> Result<Vec<PathBuf>, Failure> {
 
 fn summary(args: &BakeArgs, baked: &Baked, maps: &[PathBuf], [load, seconds]: [f64; 2]) {
     if args.json {
-        let scale = |map: &Map| json!({"name": map.name, "scale": map.scale()});
+        let scale = |map: &Map| json!({"name": map.name, "white": map.white, "cut_texels": map.cut_texels()});
         say(json!({
             "surfaces": baked.surfaces,
             "pages": baked.pages,
@@ -107,7 +107,11 @@ fn summary(args: &BakeArgs, baked: &Baked, maps: &[PathBuf], [load, seconds]: [f
     }
     say(format_args!("time       {seconds:.2} s, and {load:.2} s to load"));
     for map in baked.maps.iter().filter(|map| !map.name.contains('.')) {
-        say(format_args!("{:<10} white in the PNG is {} W/m²", map.name, map.scale()));
+        let cut = match map.cut_texels() {
+            0 => String::new(),
+            count => format!(", which cuts {} (not in the EXR)", counted(count, "texel")),
+        };
+        say(format_args!("{:<10} white in the PNG is {} W/m²{cut}", map.name, map.white));
     }
     if baked.scale > 1.0 {
         say(format_args!("colours    {:.4} times darker than the light, so that none is above 1", baked.scale));

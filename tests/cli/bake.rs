@@ -53,7 +53,8 @@ fn a_room_is_baked_in_each_form() {
     let folder = folder.path();
     fs::write(folder.join("room.gltf"), room(POINT)).unwrap();
     let small = ["--page", "64", "--json"];
-    let bake = |more: &[&str]| super::json(folder, &[&["bake", "room.gltf", "-o", "out.glb"], &small[..], more].concat());
+    let bake =
+        |more: &[&str]| super::json(folder, &[&["bake", "room.gltf", "-o", "out.glb"], &small[..], more].concat());
     let plain = bake(&[]);
     assert_eq!((&plain["surfaces"], &plain["vertices"], &plain["files"]), (&json!(2), &json!(0), &json!([])));
     assert!(plain["texels"].as_u64().unwrap() > 1500, "{plain}");

@@ -122,7 +122,7 @@ fn single_lights_add_up() {
     let names: Vec<&str> = baked.maps.iter().map(|map| map.name.as_str()).collect();
     let lights = ["light0", "light1", "light2"].map(|light| format!("lightmap0.{light}"));
     assert_eq!(names[0], "lightmap0");
-    assert!(lights.iter().all(|name| names.contains(&name.as_str())) && names.len() % 4 == 0, "{names:?}");
+    assert!(lights.iter().all(|name| names.contains(&name.as_str())) && names.len().is_multiple_of(4), "{names:?}");
     let map = |name: &str| &baked.maps.iter().find(|map| map.name == name).unwrap().values;
     let all = map("lightmap0");
     let mut dark = [0; 3];

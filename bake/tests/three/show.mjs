@@ -64,8 +64,8 @@ async function compared(name, options) {
 }
 
 for (const [name, options, most] of [
-  ["emission", ["--density", "64"], 0.02],
-  ["lightmap", ["--density", "64", "--as", "lightmap"], 0.02],
+  ["emission", ["--density", "40"], 0.02],
+  ["lightmap", ["--density", "40", "--as", "lightmap"], 0.02],
 ]) {
   test(`three.js shows the room by ${name}`, async () => {
     const { baked, error } = await compared(name, options);
