@@ -14,6 +14,9 @@ pub(crate) fn bytes(pages: &[[u32; 2]], values: usize) -> u64 {
     texels * (TEXEL_BYTES + (values - 1) * size_of::<Vec3>()) as u64
 }
 
+/// A texel with less of a surface than this shows its very edge alone, where another surface may begin: in texels.
+pub(crate) const THIN: f64 = 0.01;
+
 /// The origin of a texel's value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum State {
@@ -22,6 +25,8 @@ pub(crate) enum State {
     Empty,
     /// It has none: its surface is inside of a body.
     Buried,
+    /// Less of a surface than [`THIN`]: the texels beside it decide, if there are any.
+    Thin,
     /// The surface.
     Surface,
     /// The texels around it.
@@ -68,6 +73,8 @@ impl Page {
                 self.layers.iter_mut().zip(values).for_each(|(layer, value)| layer[at] = value);
             }
         }
+        let alone = self.states.iter_mut().filter(|state| **state == State::Thin);
+        alone.for_each(|state| *state = State::Surface);
     }
 
     /// Gives all other texels the mean of the smallest block of 2, 4, 8 … texels a side around them that has values: coarser levels of the
@@ -122,5 +129,11 @@ mod tests {
         // The block of the last two texels has none; that of the last four has two.
         assert_eq!(row(&page)[6], 3.0);
         assert_eq!(page.states[6], State::Empty);
+        let mut page = Page::new([4, 1], 1);
+        page.states = vec![State::Surface, State::Thin, State::Empty, State::Thin];
+        page.layers[0] = [1.0, 9.0, 0.0, 7.0].map(Vec3::splat).to_vec();
+        page.dilate(1);
+        assert_eq!(page.layers[0].iter().map(|v| v.x).collect::<Vec<_>>(), [1.0, 1.0, 0.0, 7.0]);
+        assert_eq!(page.states, [State::Surface, State::Around, State::Empty, State::Surface]);
     }
 }

@@ -6,7 +6,7 @@ use crate::layout::Layout;
 use crate::light::Irradiance;
 use crate::look::{Look, texel_sides};
 use crate::mixing;
-use crate::page::{Page, State};
+use crate::page::{Page, State, THIN};
 use crate::seams;
 use crate::target::Face;
 use core::f32::consts::FRAC_1_PI;
@@ -122,9 +122,10 @@ impl Texels<'_> {
         let mut first = 0;
         for (weights, &end) in weights.iter().zip(&ends) {
             let texel = points[first].texel as usize;
-            page.states[texel] = if weights.is_some() { State::Surface } else { State::Buried };
+            page.states[texel] = State::Buried;
             if let Some(weights) = weights {
                 let all: f64 = weights.iter().sum();
+                page.states[texel] = if all < THIN { State::Thin } else { State::Surface };
                 for (layer, values) in page.layers.iter_mut().zip(&values) {
                     let each = values[first..end].iter().zip(weights);
                     let sum: DVec3 = each.map(|(value, weight)| value.as_dvec3() * *weight).sum();

@@ -93,3 +93,27 @@ fn bodies_leave_no_dark_rims() {
     assert!(at(-0.03, 0.04).all(|k| with[k].x > 0.9), "{:?}", at(-0.03, 0.04).map(|k| with[k].x).fold(9.0, f32::min));
     assert!(at(-9.0, -0.2).all(|k| with[k].x == 0.0), "far under it");
 }
+
+/// Where a floor ends at a wall its edge has the light of the floor, not of beyond the wall: texels that hold nothing but the edge itself, by
+/// rounding of coordinates, are those beside it.
+#[test]
+fn edges_at_walls_are_not_lit_from_behind() {
+    let mut file = File::new();
+    // From a texel's border, a millionth of a texel into the one before it.
+    let square = Some([Vec2::new(7.999_999 / 64.0, 0.25), Vec2::new(0.75, 0.75)]);
+    file.quad("floor", [Vec3::ZERO, Vec3::X * 2.0, Vec3::NEG_Z * 2.0], square);
+    file.quad(
+        "wall",
+        [Vec3::new(-2.0, 1.0, 0.0), Vec3::NEG_Z * 2.0, Vec3::Y],
+        Some([Vec2::new(0.8, 0.8), Vec2::new(0.95, 0.95)]),
+    );
+    file.light(json!({"type": "point", "intensity": 10.0}), Vec3::new(-2.5, 1.0, 0.0));
+    file.light(json!({"type": "point", "intensity": 1.0}), Vec3::new(0.0, 1.0, 0.0));
+    let baked = bake(&file, BakeSettings { per_light: true, ..MAPS });
+    let behind = baked.maps.iter().find(|map| map.name.ends_with("light0")).unwrap();
+    let lit: Vec<usize> = (0..4096).filter(|place| behind.values[*place].x > 0.0).collect();
+    assert!(lit.is_empty(), "{lit:?}");
+    let before = baked.maps.iter().find(|map| map.name.ends_with("light1")).unwrap();
+    let [edge, beside] = [7, 8].map(|x| before.values[32 * 64 + x].x);
+    assert!((edge - beside).abs() < 0.01 * beside && beside > 0.05, "{edge} {beside}");
+}
