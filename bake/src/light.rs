@@ -42,7 +42,7 @@ impl Irradiance {
         Self { groups, layers: LayerSet { lights: per_light, ..LayerSet::NONE } }
     }
 
-    /// The groups that are told apart.
+    /// The groups that have lists of their own.
     pub(crate) fn groups(&self) -> &[LightGroup] {
         &self.groups
     }

@@ -28,7 +28,7 @@ struct Point {
     area: f64,
 }
 
-/// What is baked, and how.
+/// The surfaces and the light that are baked, and the settings of texels.
 pub(crate) struct Texels<'a> {
     pub(crate) file: &'a GltfDocument,
     pub(crate) layout: &'a Layout,

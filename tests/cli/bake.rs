@@ -73,10 +73,8 @@ fn a_room_is_baked_in_each_form() {
     assert!(all.pixels().iter().any(|p| p.x == 0.0));
     let colors = bake(&["--as", "vertex-colors"]);
     assert_eq!((&colors["vertices"], &colors["pages"]), (&json!(8), &json!([])));
-    for file in ["out.glb"] {
-        succeed(folder, &["check", file]);
-        succeed(folder, &["render", file, "--size", "32x32", "-q", "-o", "out.png"]);
-    }
+    succeed(folder, &["check", "out.glb"]);
+    succeed(folder, &["render", "out.glb", "--size", "32x32", "-q", "-o", "out.png"]);
     // The same bytes again, and with one thread.
     let bytes = fs::read(folder.join("out.glb")).unwrap();
     bake(&["--as", "vertex-colors", "--threads", "1"]);
@@ -121,4 +119,39 @@ fn read_only_folders_are_refused_at_once() {
         refuse(folder, &["bake", "room.gltf", "-o", "closed/out.glb"], "closed/out.glb");
     }
     fs::set_permissions(&closed, fs::Permissions::from_mode(0o755)).unwrap();
+}
+
+/// A scene file becomes a new file with its meshes, materials and camera; a sky is one light of it. An OBJ gets the light of its picture.
+#[test]
+fn scenes_and_models_become_files() {
+    let folder = folder();
+    let folder = folder.path();
+    let sky = "\n[[lights]]\nkind = \"environment\"\nradiance = [0.3, 0.4, 0.5]\n";
+    let paint = "\n[materials.paint]\nmodel = \"lambert\"\nalbedo = [0.5, 0.25, 0.125]\n";
+    let scene = format!("{SCENE}{TABLE}material = \"paint\"\n{sky}{paint}").replace("size = 20.0", "size = 4.0");
+    fs::write(folder.join("sky.toml"), scene).unwrap();
+    let args = ["bake", "sky.toml", "-o", "sky.glb", "--page", "128", "--as", "lightmap", "--per-light", "--json"];
+    let ran = lobes(folder, &args);
+    let stderr = String::from_utf8(ran.stderr).unwrap();
+    assert!(ran.status.success() && stderr.contains("\"ball\" casts shadows and is not written"), "{stderr}");
+    let baked: Value = serde_json::from_slice(&ran.stdout).unwrap();
+    assert_eq!(baked["surfaces"], json!(2));
+    let parts = ["", ".light0", ".sky"].map(|end| format!("sky.lightmap0{end}.exr"));
+    let [all, lamp, sky] = parts.map(|name| read_exr(&folder.join(name)).unwrap());
+    for ((all, lamp), sky) in all.pixels().iter().zip(lamp.pixels()).zip(sky.pixels()) {
+        assert!((*all - *lamp - *sky).length() <= 2e-3 * all.length(), "{all} {lamp} {sky}");
+    }
+    // Open floor sees the whole sky: π times its radiance.
+    let most = sky.pixels().iter().map(|p| p.x).fold(0.0, f32::max);
+    assert!((most / (0.3 * std::f32::consts::PI) - 1.0).abs() < 0.01, "{most}");
+    let bytes = fs::read(folder.join("sky.glb")).unwrap();
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let file: Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+    let colors: Vec<&Value> =
+        file["materials"].as_array().unwrap().iter().map(|m| &m["pbrMetallicRoughness"]["baseColorFactor"]).collect();
+    assert!(colors.contains(&&json!([0.5, 0.25, 0.125, 1])), "{colors:?}");
+    assert!((file["cameras"][0]["perspective"]["yfov"].as_f64().unwrap() - 30.0_f64.to_radians()).abs() < 1e-6);
+    fs::write(folder.join("corner.obj"), "v 0 0 0\nv 1 0 0\nv 0 0 -1\nv 0 1 0\nf 1 2 3\nf 1 4 2\n").unwrap();
+    let corner = super::json(folder, &["bake", "corner.obj", "-o", "corner.glb", "--page", "32", "--json", "-q"]);
+    assert!(corner["texels"].as_u64().unwrap() > 300, "{corner}");
 }

@@ -1,4 +1,4 @@
-//! What is not baked stays as it is.
+//! The rest of a document stays as it is.
 
 use crate::support::{File, WHOLE, bake, bake_file, chunks, glb};
 use bake::{BakeSettings, Form};
