@@ -192,3 +192,24 @@ fn emission_is_reflected_and_own_light() {
         assert!((found / want - 1.0).abs() < 2e-3, "{found} {want}");
     }
 }
+
+/// Work stops on request, by the listener and by another thread, and begins anew.
+#[test]
+fn baking_stops_on_request() {
+    use core::ops::ControlFlow;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("floor.glb");
+    std::fs::write(&path, floor(None).glb()).unwrap();
+    let open = || bake::Baker::open(&path, &scene::LoadOptions::new(), MAPS, renderer::Settings::default()).unwrap();
+    for stage in [bake::Stage::Coordinates, bake::Stage::Light] {
+        let mut baker = open();
+        let stopped = baker.bake(&mut |at, _| if at == stage { ControlFlow::Break(()) } else { ControlFlow::Continue(()) });
+        assert!(stopped.is_err_and(|error| error.is_cancelled()), "{stage:?}");
+        assert!(baker.bake(&mut |_, _| ControlFlow::Continue(())).is_ok());
+    }
+    let mut baker = open();
+    let cancel = scene::Cancel::new();
+    baker.set_cancel(cancel.clone());
+    cancel.cancel();
+    assert!(baker.bake(&mut |_, _| ControlFlow::Continue(())).is_err_and(|error| error.is_cancelled()));
+}
