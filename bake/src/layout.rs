@@ -8,10 +8,13 @@ use glam::Vec2;
 use renderer::RenderError;
 use scene::{GltfDocument, GltfPart};
 use std::path::Path;
-use uvunwrap::{Atlas, Density, MeshInput, Options};
+use uvunwrap::{Atlas, Density, MeshInput, Options, Packing};
 
 /// The set of coordinates that light maps take: the second.
 const SECOND: usize = 1;
+
+/// Up to so many triangles charts are packed by their shapes, which takes minutes for 10⁵ of them.
+const SHAPED: usize = 20_000;
 
 /// How far beyond a page coordinates may lie, for rounding.
 const BEYOND: f32 = 1e-4;
@@ -141,7 +144,8 @@ fn unwrap(
         let inputs = meshes
             .iter()
             .map(|(positions, indices)| MeshInput { instance_scales: scales, ..MeshInput::new(positions, indices) });
-        let options = Options { density, padding: settings.padding, ..Options::default() };
+        let packing = if faces > SHAPED { Packing::Fast } else { Packing::Shape };
+        let options = Options { density, padding: settings.padding, packing, ..Options::default() };
         uvunwrap::generate_with_progress(&inputs.collect::<Vec<_>>(), &options, |progress| {
             let done = progress.done as f32 / progress.total.unwrap_or(faces).max(1) as f32;
             heard(done.min(1.0)).is_continue()

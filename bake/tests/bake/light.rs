@@ -203,7 +203,8 @@ fn baking_stops_on_request() {
     let open = || bake::Baker::open(&path, &scene::LoadOptions::new(), MAPS, renderer::Settings::default()).unwrap();
     for stage in [bake::Stage::Coordinates, bake::Stage::Light] {
         let mut baker = open();
-        let stopped = baker.bake(&mut |at, _| if at == stage { ControlFlow::Break(()) } else { ControlFlow::Continue(()) });
+        let stopped =
+            baker.bake(&mut |at, _| if at == stage { ControlFlow::Break(()) } else { ControlFlow::Continue(()) });
         assert!(stopped.is_err_and(|error| error.is_cancelled()), "{stage:?}");
         assert!(baker.bake(&mut |_, _| ControlFlow::Continue(())).is_ok());
     }
