@@ -72,6 +72,14 @@ pub(crate) fn create_png(path: &PathBuf) -> Result<Output, Failure> {
     }
 }
 
+/// Opens an output that can only be a binary glTF file.
+pub(crate) fn create_glb(path: &PathBuf) -> Result<Output, Failure> {
+    match path.extension() {
+        Some(ending) if ending.eq_ignore_ascii_case("glb") => Ok(Output::create(path)?),
+        _ => Err(Failure::new(format_args!("{}: the name must end in .glb", path.display()))),
+    }
+}
+
 /// Opens an output that can only be a JSON file.
 pub(crate) fn create_json(path: &PathBuf) -> Result<Output, Failure> {
     match path.extension() {

@@ -2,6 +2,7 @@
 
 mod advice;
 mod args;
+mod baking;
 mod check;
 mod checkpoint;
 mod compare;
@@ -43,6 +44,7 @@ fn run() -> Result<(), Failure> {
         Command::Compare(args) => compare::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Merge(args) => merge::run(&args),
+        Command::Bake(args) => baking::run(&args),
         Command::Spheres(args) => spheres::run(&args),
         Command::Trade(args) => trade::run(&args),
         Command::Figures(args) => figures::run(&args),

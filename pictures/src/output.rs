@@ -51,7 +51,7 @@ pub fn remove_unfinished() {
 }
 
 /// Endings of the files that are written here.
-const ENDINGS: [&str; 7] = ["png", "exr", "json", "csv", "md", "svg", "checkpoint"];
+const ENDINGS: [&str; 8] = ["png", "exr", "json", "csv", "md", "svg", "checkpoint", "glb"];
 
 /// The folder that a file is in.
 fn folder_of(path: &Path) -> PathBuf {

@@ -119,6 +119,23 @@ impl<'s> World<'s> {
             || self.hierarchy.spheres.any(ray, |b, r| if b.blocks && by(b.object) { b.meet(r) } else { f32::INFINITY })
     }
 
+    /// Whether the nearest triangle or sphere on a ray of unit direction is met from behind: from inside of a sphere, or from the side on
+    /// which a triangle's corners go round with the clock. `None` where the ray meets nothing.
+    ///
+    /// From inside a closed body whose triangles are wound as usual every ray meets a back. `origin` is to be off the surface already,
+    /// see [`leave`](Self::leave).
+    #[must_use]
+    pub fn meets_back(&self, origin: Vec3, direction: Vec3) -> Option<bool> {
+        let ray = Ray::new_inf(origin.into(), direction.into());
+        let triangle = self.hierarchy.triangles.nearest(ray, |c, r| c.meet(r, |_| self.exact_distance(c, &ray)));
+        let limit = Ray { tmax: triangle.map_or(f32::INFINITY, |(_, t)| t), ..ray };
+        if let Some((sphere, _)) = self.hierarchy.spheres.nearest(limit, |b, r| b.intersect(r)) {
+            return Some(sphere.sphere.center.distance(origin) < sphere.sphere.radius);
+        }
+        let [a, b, c] = self.positions(triangle?.0);
+        Some((b - a).cross(c - a).dot(direction.as_dvec3()) > 0.0)
+    }
+
     /// Start of a shadow ray: `position` moved along the geometric normal by 5e-7 of its largest coordinate (4 to 8 units
     /// in the last place).
     ///
@@ -208,6 +225,29 @@ mod tests {
             }
         }
         scene
+    }
+
+    /// Every ray meets backs from inside of a box and a sphere, fronts from outside.
+    #[test]
+    fn bodies_show_their_backs_inside() {
+        let mut scene = Scene::default();
+        scene.materials.push(test_scenes::material());
+        let cube = Mesh::cuboid(Vec3::new(3.0, 0.0, 0.0), Vec3::ONE);
+        scene.objects.push(scene::Object::mesh("cube", cube, 0, scene::Proxy::None));
+        let sphere = Sphere { center: Vec3::new(-3.0, 0.0, 0.0), radius: 1.0 };
+        scene.objects.push(scene::Object::spheres("sphere", vec![sphere], 0));
+        let world = World::new(&scene);
+        let mut random = Random::new(3);
+        for _ in 0..200 {
+            let direction = random.axis().as_vec3().normalize();
+            for center in [3.0, -3.0].map(|x| Vec3::X * x) {
+                let near = center + random.axis().as_vec3() * 0.4;
+                assert_eq!(world.meets_back(near, direction), Some(true), "{near} {direction}");
+                let far = near - direction * 20.0;
+                assert_eq!(world.meets_back(far, direction), Some(false), "{far} {direction}");
+                assert_eq!(world.meets_back(far, -direction), None);
+            }
+        }
     }
 
     /// A sphere that makes a light visible is seen and does not hide it.

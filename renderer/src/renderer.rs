@@ -213,6 +213,12 @@ impl Renderer {
         self.cancel = cancel;
     }
 
+    /// The request that [`set_cancel`](Self::set_cancel) has set.
+    #[must_use]
+    pub const fn cancel(&self) -> &Cancel {
+        &self.cancel
+    }
+
     pub(crate) fn mark(&mut self, stale: Stale) -> Stale {
         self.stale |= stale;
         stale

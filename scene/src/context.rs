@@ -4,6 +4,7 @@ use crate::animation::{Body, Mover};
 use crate::cut_out::{AlphaBounds, CutOut};
 use crate::deformer::BoundSphere;
 use crate::files::{Source, extension};
+use crate::gltf_document::GltfDocument;
 use crate::normals::hide_edges;
 use crate::part::Part;
 use crate::skeleton::Skeleton;
@@ -37,6 +38,8 @@ pub(crate) struct Context {
     pub(crate) studio: Studio,
     /// The normals of meshes for which the scene file names none.
     pub(crate) normals: Normals,
+    /// Of a glTF file that is read as it is: what it is made of. No floor and no light is added then.
+    pub(crate) document: Option<GltfDocument>,
 }
 
 impl Context {

@@ -37,6 +37,11 @@ impl<'a> Buffers<'a> {
         Ok(Self { root, data })
     }
 
+    /// All bytes, buffer by buffer.
+    pub(crate) fn into_data(self) -> Vec<Vec<u8>> {
+        self.data
+    }
+
     /// The bytes of a view, and their stride.
     pub(crate) fn view(&self, index: Index<buffer::View>) -> Result<(&[u8], Option<usize>), String> {
         let i = index.value();

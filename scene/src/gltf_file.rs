@@ -5,7 +5,8 @@ use crate::context::Context;
 use crate::cut_out::CutOut;
 use crate::deformer::Deformer;
 use crate::gltf_animation::{clip_name, find_clip, play};
-use crate::gltf_buffers::Buffers;
+use crate::gltf_buffers::{Buffers, read_uri};
+use crate::gltf_document::GltfPart;
 use crate::gltf_extensions::Extensions;
 use crate::gltf_instances::{expanded, read_instances};
 use crate::gltf_light::{PlacedLight, read_light};
@@ -201,6 +202,13 @@ fn document(
     }
     reader.images.notes.iter().for_each(|note| context.warn(path, note));
     reader.extensions.tell(path, context);
+    if let Some(document) = &mut context.document {
+        let external = |uri: &&String| !uri.starts_with("data:");
+        let image = |uri: &String| read_uri(&context.files, path, uri).ok();
+        document.images = root.images.iter().map(|i| i.uri.as_ref().filter(external).and_then(image)).collect();
+        document.json = String::from_utf8_lossy(json).into_owned();
+        document.buffers = reader.buffers.into_data();
+    }
     let moves_light = lights.iter().any(|light| light.mover.is_some());
     if moving_camera.is_some() || moves_light || parts.iter().any(|p: &Part| p.rig.is_some()) {
         context.skeletons.push(reader.skeleton);
@@ -326,7 +334,9 @@ impl Reader<'_> {
             let name = if mesh.primitives.len() == 1 { name.clone() } else { format!("{name} {p}") };
             let cut_out = material.as_ref().and_then(|(_, look)| look.cut_out.as_ref());
             let copies = instances.as_deref().filter(|_| skin.is_none());
-            let Some((shapes, is_cut)) = self.shapes([n, m, p], &name, cut_out, copies, context).map_err(fault)? else {
+            // A document that is kept keeps the whole of it.
+            let early = cut_out.filter(|_| context.document.is_none());
+            let Some((shapes, is_cut)) = self.shapes([n, m, p], &name, early, copies, context).map_err(fault)? else {
                 self.notes.skipped += 1;
                 continue;
             };
@@ -337,12 +347,27 @@ impl Reader<'_> {
             };
             let joints = skin.as_deref().filter(|_| influences.is_some());
             let alphas = shapes.alphas.clone();
+            let turn = shapes.mesh.triangles.iter().copied().enumerate().find(|(_, [_, b, c])| b != c);
             let (mut mesh, rig) = self.pose(n, skeleton, shapes, joints, influences).map_err(fault)?;
+            let copies = copies.map_or(1, <[Mat4]>::len);
+            let (node, name, moves) = (n, name, rig.is_some());
+            let is_turned = turn.is_some_and(|(i, t)| mesh.triangles[i] != t);
+            let part = GltfPart {
+                node,
+                mesh: m,
+                primitive: p,
+                name: name.clone(),
+                copies,
+                moves,
+                is_turned,
+                ..GltfPart::default()
+            };
+            let source = context.keep(part, &mesh)?;
             if let Some(cut_out) = cut_out.filter(|_| !is_cut) {
                 context.cut_out(self.images.path(), &name, cut_out, (&mut mesh, &alphas), rig.is_some());
             }
             let is_bare = mesh.normals.is_empty();
-            parts.push(Part { name, mesh, material, rig, is_bare });
+            parts.push(Part { name, mesh, material, rig, is_bare, source });
         }
         Ok(())
     }

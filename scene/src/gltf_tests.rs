@@ -391,3 +391,30 @@ fn the_alpha_of_vertex_colours_cuts_all_nodes_of_a_mesh() {
         assert!(parts.iter().all(|part| part.mesh.triangles.is_empty()));
     }
 }
+
+/// A document that is kept: parts by node, whole triangles where alpha cuts, turned ones named, nothing added.
+#[test]
+fn documents_are_kept_as_they_are() {
+    let nodes = r#"[{"mesh": 0, "name": "plain"}, {"mesh": 0, "scale": [-1, 1, 1], "translation": [5, 0, 0]},
+        {"mesh": 0, "scale": [0, 1, 1]}]"#;
+    let text = triangle(nodes, r#", "extras": [1.50]"#);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("m.gltf");
+    std::fs::write(&path, &text).unwrap();
+    let (scene, animation, document, _) = crate::load_document(&path, &crate::LoadOptions::new()).unwrap();
+    assert_eq!((scene.objects.len(), scene.lights.len(), animation.is_still()), (2, 0, true));
+    assert_eq!((document.json, document.buffers[0].len()), (text, 36));
+    let parts = &document.parts;
+    let places: Vec<_> = parts.iter().map(|part| (part.node, part.mesh, part.primitive, part.copies)).collect();
+    assert_eq!(places, [(0, 0, 0, 1), (1, 0, 0, 1), (2, 0, 0, 1)]);
+    assert_eq!([0, 1, 2].map(|k| parts[k].object), [Some(0), Some(1), None]);
+    assert_eq!([0, 1].map(|k| parts[k].is_turned), [false, true]);
+    assert_eq!(parts[0].name, "plain");
+    assert_eq!(parts[1].geometry.positions[1], Vec3::new(4.0, 0.0, 0.0));
+    assert_eq!(parts[1].geometry.triangles, [[0, 2, 1]]);
+    assert_eq!(parts[2].geometry.triangles.len(), 1);
+    let other = folder.path().join("m.obj");
+    std::fs::write(&other, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let fault = crate::load_document(&other, &crate::LoadOptions::new()).unwrap_err().to_string();
+    assert!(fault.ends_with("m.obj: unknown kind of file: expected .gltf or .glb"), "{fault}");
+}

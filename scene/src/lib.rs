@@ -87,6 +87,8 @@ mod gltf_animation;
 #[cfg(feature = "files")]
 mod gltf_buffers;
 #[cfg(feature = "files")]
+mod gltf_document;
+#[cfg(feature = "files")]
 mod gltf_extensions;
 #[cfg(feature = "files")]
 mod gltf_file;
@@ -194,8 +196,11 @@ pub use crate::error::SceneError;
 #[cfg(feature = "files")]
 pub use crate::files::{Disk, Files};
 #[cfg(feature = "files")]
+pub use crate::gltf_document::{GltfDocument, GltfPart};
+#[cfg(feature = "files")]
 pub use crate::load::{
-    LoadOptions, load, load_animated, load_clip, load_from, load_objects, load_with, load_with_warnings, obj_mesh,
+    LoadOptions, load, load_animated, load_clip, load_document, load_from, load_objects, load_with, load_with_warnings,
+    obj_mesh,
 };
 pub use crate::mesh::Mesh;
 pub use crate::normals::Normals;

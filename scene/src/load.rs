@@ -3,6 +3,7 @@
 use crate::context::Context;
 use crate::emission::light_up;
 use crate::files::{Files, Source, extension};
+use crate::gltf_document::GltfDocument;
 use crate::mesh_file::file_parts;
 use crate::mesh_scene::{Bare, MESH_OR_SCENE, bare, bare_objects};
 use crate::placement::Placement;
@@ -151,6 +152,32 @@ pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<(Scene
     load_any(path.as_ref(), clip.as_deref(), context)
 }
 
+/// As [`load_with`], of a glTF file as it is: no floor and no light is added. With the [document](GltfDocument), for programs that
+/// write it again.
+///
+/// # Errors
+/// As [`load_clip`]; files of other kinds are refused.
+///
+/// ```no_run
+/// let (scene, _animation, document, _warnings) = scene::load_document("room.glb", &scene::LoadOptions::new())?;
+/// let shown = document.parts.iter().filter_map(|part| part.object).count();
+/// assert_eq!(shown, scene.objects.len());
+/// # Ok::<(), scene::SceneError>(())
+/// ```
+pub fn load_document(
+    path: impl AsRef<Path>,
+    options: &LoadOptions,
+) -> Result<(Scene, Animation, GltfDocument, Vec<String>), SceneError> {
+    let (path, LoadOptions { clip, normals, emission, studio: _ }) = (path.as_ref(), options);
+    if !["gltf", "glb"].contains(&extension(path).as_str()) {
+        return Err(SceneError::file(path, "unknown kind of file: expected .gltf or .glb"));
+    }
+    let document = Some(GltfDocument::default());
+    let mut context = Context { normals: *normals, emission: *emission, document, ..Context::default() };
+    let (scene, animation, warnings) = load_in(path, clip.as_deref(), &mut context)?;
+    Ok((scene, animation, context.document.unwrap_or_default(), warnings))
+}
+
 /// The objects of a mesh file (`.obj`, `.ply`, `.gltf`, `.glb`) alone, at the first moment of its first clip or of the one
 /// named as for [`load_clip`]: no floor, light or camera is added. An object's number is that of the animation; its material
 /// is a number only.
@@ -206,15 +233,23 @@ fn load_any(
     clip: Option<&str>,
     mut context: Context,
 ) -> Result<(Scene, Animation, Vec<String>), SceneError> {
+    load_in(path, clip, &mut context)
+}
+
+fn load_in(
+    path: &Path,
+    clip: Option<&str>,
+    context: &mut Context,
+) -> Result<(Scene, Animation, Vec<String>), SceneError> {
     let is_scene_file = extension(path) == "toml";
     let (mut scene, mut animation) = if is_scene_file {
         if clip.is_some() {
             return Err(SceneError::file(path, "a scene file names the clips of its objects itself"));
         }
         let text = context.files.read_text(path)?;
-        scene_file::parse(path, &text, &mut context)?
+        scene_file::parse(path, &text, context)?
     } else {
-        bare(path, clip, &mut context)?
+        bare(path, clip, context)?
     };
     // Both have checked what they made; the first moment and lamps are new.
     let lights = scene.lights.len();
@@ -222,7 +257,7 @@ fn load_any(
         animation.seek(0.0, &mut scene);
     }
     if is_scene_file {
-        light_up(path, &mut scene, &mut animation, &mut context);
+        light_up(path, &mut scene, &mut animation, context);
     }
     if !animation.is_still() || scene.lights.len() > lights {
         scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
@@ -243,5 +278,5 @@ fn load_any(
         let name = &object.name;
         context.warn(path, format!("object \"{name}\" has no texture coordinates: it shows a corner of its textures"));
     }
-    Ok((scene, animation, context.warnings))
+    Ok((scene, animation, std::mem::take(&mut context.warnings)))
 }

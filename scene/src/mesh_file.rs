@@ -2,6 +2,7 @@
 
 use crate::context::{Context, counted};
 use crate::files::extension;
+use crate::gltf_document::GltfDocument;
 use crate::gltf_file::Read;
 use crate::normals::turn_strays;
 use crate::part::Part;
@@ -39,6 +40,9 @@ pub(crate) fn near_parts(
     context.warnings.truncate(lines);
     context.skeletons.truncate(skeletons);
     context.clips.truncate(clips);
+    if let Some(document) = &mut context.document {
+        *document = GltfDocument::default();
+    }
     file_parts(path, clip, context, endings)
 }
 

@@ -49,6 +49,10 @@ pub(crate) fn bare_objects(path: &Path, file: Read, context: &mut Context) -> Ba
                 }
             },
         };
+        let kept = context.document.as_mut().zip(part.source).and_then(|(all, source)| all.parts.get_mut(source));
+        if let Some(kept) = kept {
+            kept.object = Some(objects.len());
+        }
         objects.push(Object::mesh(part.name, part.mesh, material, Proxy::Count(count)));
     }
     Bare { objects, looks, animation, camera, lights }
@@ -75,12 +79,15 @@ pub(crate) fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Re
     let bounds = swept_bounds(&animation, &mut objects);
     let radius = bounds.radius();
     let (width, height) = DEFAULT_SIZE;
-    // A little below the lowest point: a model with a floor of its own must not lie in ours.
-    let ground = Vec3::new(bounds.center().x, bounds.min.y - 1e-3 * radius, bounds.center().z);
-    let half = 60.0 * radius;
-    let floor = Mesh::quad(ground, Vec3::X * half, Vec3::NEG_Z * half);
-    objects.insert(0, Object::mesh("floor", floor, 0, Proxy::None));
-    animation.movers.insert(0, None);
+    let is_kept = context.document.is_some();
+    if !is_kept {
+        // A little below the lowest point: a model with a floor of its own must not lie in ours.
+        let ground = Vec3::new(bounds.center().x, bounds.min.y - 1e-3 * radius, bounds.center().z);
+        let half = 60.0 * radius;
+        let floor = Mesh::quad(ground, Vec3::X * half, Vec3::NEG_Z * half);
+        objects.insert(0, Object::mesh("floor", floor, 0, Proxy::None));
+        animation.movers.insert(0, None);
+    }
     let lights = own.iter().map(|own| own.light.at_origin(&bounds).moved(own.world)).collect();
     animation.lights = own
         .iter()
@@ -95,7 +102,7 @@ pub(crate) fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Re
     let (materials, surfaces) = Look::parted(looks);
     let mut scene = Scene { camera, width, height, materials, surfaces, objects, lights, ..Scene::default() };
     light_up(path, &mut scene, &mut animation, context);
-    if scene.lights.is_empty() {
+    if scene.lights.is_empty() && !is_kept {
         scene.lights = context.studio.lights(&bounds);
     }
     scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;

@@ -16,12 +16,14 @@ pub(crate) struct Part {
     pub(crate) rig: Option<(Deformer, Carrier)>,
     /// Whether its file says nothing about its normals.
     pub(crate) is_bare: bool,
+    /// Its place among the parts of a [`GltfDocument`](crate::GltfDocument), if that is kept.
+    pub(crate) source: Option<usize>,
 }
 
 impl Part {
     pub(crate) fn fixed(name: String, mesh: Mesh, material: Option<(usize, Look)>) -> Self {
         let is_bare = mesh.normals.is_empty();
-        Self { name, mesh, material, rig: None, is_bare }
+        Self { name, mesh, material, rig: None, is_bare, source: None }
     }
 
     /// Removes the triangles that never have an area and returns their number. Removes repeated triangles, too.

@@ -1,6 +1,7 @@
 //! The `lobes` command, run as a user runs it.
 #![allow(clippy::unwrap_used, reason = "in a test")]
 
+mod bake;
 mod check;
 mod compare;
 mod faults;

@@ -1,5 +1,6 @@
 //! The command line: one file for each command's options.
 
+mod bake;
 mod check;
 mod compare;
 mod figures;
@@ -14,6 +15,7 @@ mod trade;
 mod values;
 mod view;
 
+pub(crate) use self::bake::BakeArgs;
 pub(crate) use self::check::CheckArgs;
 pub(crate) use self::compare::CompareArgs;
 pub(crate) use self::figures::{Figure, FiguresArgs};
@@ -57,6 +59,7 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     Check(CheckArgs),
     Merge(MergeArgs),
+    Bake(BakeArgs),
     Spheres(SpheresArgs),
     Trade(TradeArgs),
     Figures(FiguresArgs),

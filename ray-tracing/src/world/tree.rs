@@ -104,7 +104,7 @@ impl<T: Copy + Boundable> Tree<T> {
         area / boxes[0].half_area().max(f32::MIN_POSITIVE)
     }
 
-    #[cfg(test)]
+    /// The nearest primitive on the ray, and the distance along it.
     pub(super) fn nearest(&self, ray: Ray, intersect: impl Fn(&T, &Ray) -> f32) -> Option<(&T, f32)> {
         let mut hit = obvhs::ray::RayHit::none();
         let scaled = self.scaled(ray);

@@ -1,0 +1,234 @@
+use crate::glb::Document;
+use crate::images::{Curve, Map};
+use crate::layout::{Layout, layout};
+use crate::light::Irradiance;
+use crate::materials::Light;
+use crate::page::{MOST_BYTES, Page, bytes};
+use crate::target::targets;
+use crate::texels::Texels;
+use crate::write::Writer;
+use crate::{BakeError, BakeSettings, Form, from_scene, vertices};
+use core::f32::consts::FRAC_1_PI;
+use core::ops::ControlFlow;
+use glam::Vec3;
+use renderer::{Renderer, Settings};
+use scene::{Animation, Cancel, GltfDocument, GltfPart, LoadOptions, Scene, SceneError};
+use std::path::{Path, PathBuf};
+
+/// A stage of baking.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Stage {
+    /// Coordinates are made.
+    Coordinates,
+    /// Texels or vertices are lit.
+    Light,
+}
+
+/// Hears the fraction of a stage that is done, in [0, 1], and may stop the work.
+pub type Listener<'a> = dyn FnMut(Stage, f32) -> ControlFlow<()> + Send + 'a;
+
+/// The result of baking.
+#[derive(Clone, Debug, Default)]
+pub struct Baked {
+    /// The binary glTF file.
+    pub glb: Vec<u8>,
+    /// Maps of irradiance, page by page: of all lights with [`Form::Lightmap`], and of each light if these are requested.
+    pub maps: Vec<Map>,
+    /// Width and height of each page.
+    pub pages: Vec<[u32; 2]>,
+    /// Texels that lie on a surface.
+    pub texels: u64,
+    /// Vertices that have light.
+    pub vertices: u64,
+    /// Surfaces that light is baked to.
+    pub surfaces: usize,
+    /// The number by which colours of vertices are darker than the light, 1 or more.
+    pub scale: f32,
+}
+
+/// A scene with its document: of a glTF file its own, of others a new one.
+fn load(path: &Path, options: &LoadOptions) -> Result<(Scene, Animation, GltfDocument, Vec<String>), SceneError> {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+    if ["gltf", "glb"].contains(&&*ending) {
+        return scene::load_document(path, options);
+    }
+    let (scene, animation, mut notes) = scene::load_with(path, options)?;
+    let is_model = ending != "toml";
+    if is_model {
+        notes.push(format!("{}: has no light: it has the one that pictures show it in", path.display()));
+    }
+    // A model's first object is the floor that pictures have.
+    let (file, left_out) = from_scene::document(&scene, usize::from(is_model));
+    notes.extend(left_out);
+    Ok((scene, animation, file, notes))
+}
+
+/// A file whose light is baked.
+#[derive(Debug)]
+pub struct Baker {
+    path: PathBuf,
+    file: GltfDocument,
+    document: Document,
+    /// Parts that light is baked to.
+    parts: Vec<usize>,
+    settings: BakeSettings,
+    renderer: Renderer,
+    notes: Vec<String>,
+}
+
+impl Baker {
+    /// Loads a file and checks that it suits the settings.
+    ///
+    /// # Errors
+    /// [`BakeError`], one line: those of loading, a file without lights or surfaces, settings out of their ranges.
+    pub fn open(
+        path: impl AsRef<Path>,
+        options: &LoadOptions,
+        settings: BakeSettings,
+        render: Settings,
+    ) -> Result<Self, BakeError> {
+        settings.validate()?;
+        let path = path.as_ref().to_owned();
+        let fault = |message: &str| BakeError::File { path: path.clone(), message: message.to_owned() };
+        let (scene, animation, file, mut notes) = load(&path, options)?;
+        if scene.lights.is_empty() {
+            return Err(fault("has no light to bake (KHR_lights_punctual, or materials that emit)"));
+        }
+        let document = Document::new(&file).map_err(|e| fault(&e.to_string()))?;
+        let (parts, left_out) = targets(&path, &file, &document.before)?;
+        notes.extend(left_out);
+        let renderer = Renderer::new(scene, animation, render)?;
+        Ok(Self { path, file, document, parts, settings, renderer, notes })
+    }
+
+    /// A line about each thing that was left out or replaced.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// The renderer that lights the surfaces.
+    #[must_use]
+    pub const fn renderer(&self) -> &Renderer {
+        &self.renderer
+    }
+
+    /// Sets the request that stops baking, as that of [`Renderer::set_cancel`].
+    pub fn set_cancel(&mut self, cancel: Cancel) {
+        self.renderer.set_cancel(cancel);
+    }
+
+    /// Bakes.
+    ///
+    /// # Errors
+    /// [`BakeError`]: coordinates that overlap, pages that take too much memory, and a request to stop.
+    pub fn bake(&mut self, listener: &mut Listener<'_>) -> Result<Baked, BakeError> {
+        self.renderer.prepare(&mut |_| ControlFlow::Continue(()))?;
+        match self.settings.form {
+            Form::VertexColors => self.bake_vertices(listener),
+            Form::Lightmap | Form::Emission => self.bake_texels(listener),
+        }
+    }
+
+    fn part(&self, place: usize) -> &GltfPart {
+        &self.file.parts[place]
+    }
+
+    fn irradiance(&mut self) -> Result<Irradiance, BakeError> {
+        let per_light = self.settings.per_light && self.settings.form != Form::VertexColors;
+        let light = Irradiance::new(self.renderer.scene(), per_light);
+        let points = self.parts.iter().flat_map(|part| self.file.parts[*part].geometry.positions.iter().copied());
+        light.begin(&mut self.renderer, points)?;
+        Ok(light)
+    }
+
+    fn bake_vertices(&mut self, listener: &mut Listener<'_>) -> Result<Baked, BakeError> {
+        let light = self.irradiance()?;
+        let parts: Vec<&GltfPart> = self.parts.iter().map(|part| &self.file.parts[*part]).collect();
+        let lit = vertices::all(&parts, &light, &mut self.renderer, &mut |done| listener(Stage::Light, done))?;
+        let most = lit.iter().flatten().map(|v| v.max_element()).fold(0.0, f32::max);
+        let scale = (most * FRAC_1_PI).max(1.0);
+        let mut writer = Writer::new(&self.file, self.renderer.scene(), self.document.clone());
+        for (part, values) in self.parts.iter().zip(&lit) {
+            writer.colors(self.part(*part), values, scale);
+        }
+        let vertices = lit.iter().map(|values| values.len() as u64).sum();
+        let glb = writer.document.into_glb();
+        Ok(Baked { glb, vertices, surfaces: self.parts.len(), scale, ..Baked::default() })
+    }
+
+    /// The layout of the surfaces, which must fit into memory.
+    fn layout(&self, values: usize, listener: &mut Listener<'_>) -> Result<Layout, BakeError> {
+        self.check_memory(&[[self.settings.page; 2]], values)?;
+        let listener = std::sync::Mutex::new(listener);
+        let cancel = self.renderer.cancel();
+        let heard = |done| match listener.lock() {
+            Ok(_) if cancel.is_cancelled() => ControlFlow::Break(()),
+            Ok(mut listener) => listener(Stage::Coordinates, done),
+            Err(_) => ControlFlow::Break(()),
+        };
+        let found = layout((&self.path, &self.file), &self.parts, &self.settings, &heard)?;
+        self.check_memory(&found.pages, values)?;
+        Ok(found)
+    }
+
+    fn check_memory(&self, pages: &[[u32; 2]], values: usize) -> Result<(), BakeError> {
+        let bytes = bytes(pages, values);
+        if bytes <= MOST_BYTES {
+            return Ok(());
+        }
+        let (count, side, lights) = (pages.len(), self.settings.page, values - 1);
+        let message = format!(
+            "{count} pages of {side} x {side} texels with maps of {lights} single lights take {:.1} GB: at most {:.0} GB are taken",
+            bytes as f64 / 1e9,
+            MOST_BYTES as f64 / 1e9
+        );
+        Err(BakeError::File { path: self.path.clone(), message })
+    }
+
+    fn bake_texels(&mut self, listener: &mut Listener<'_>) -> Result<Baked, BakeError> {
+        let light = self.irradiance()?;
+        let layout = self.layout(1 + light.groups().len(), listener)?;
+        let texels = Texels {
+            file: &self.file,
+            layout: &layout,
+            light: &light,
+            is_radiance: self.settings.form == Form::Emission,
+            samples: self.settings.samples,
+            padding: self.settings.padding,
+        };
+        let pages = texels.pages(&mut self.renderer, &mut |done| listener(Stage::Light, done))?;
+        self.write(&layout, &light, pages)
+    }
+
+    fn write(&self, layout: &Layout, light: &Irradiance, pages: Vec<Page>) -> Result<Baked, BakeError> {
+        let is_lightmap = self.settings.form == Form::Lightmap;
+        let mut writer = Writer::new(&self.file, self.renderer.scene(), self.document.clone());
+        let mut baked = Baked { surfaces: self.parts.len(), scale: 1.0, ..Baked::default() };
+        let mut textures = Vec::new();
+        for (number, page) in pages.into_iter().enumerate() {
+            baked.pages.push(page.size);
+            baked.texels += page.states.iter().filter(|state| **state == crate::page::State::Surface).count() as u64;
+            let mut layers = page.layers.into_iter();
+            let map = |name: String, values: Vec<Vec3>| Map::whole(name, page.size, values);
+            let all = map(format!("lightmap{number}"), layers.next().unwrap_or_default());
+            let all = if is_lightmap { all.cut(&page.states) } else { all };
+            let png = all.png(if is_lightmap { Curve::Linear } else { Curve::Srgb })?;
+            textures.push((writer.document.add_texture(&all.name, &png), all.white));
+            let singles = layers.zip(light.groups());
+            let singles = singles.map(|(values, group)| map(format!("lightmap{number}.{}", group.name), values));
+            baked.maps.extend(is_lightmap.then_some(all).into_iter().chain(singles));
+        }
+        for target in &layout.targets {
+            let ((texture, scale), set) = (textures[target.page], target.set);
+            let light = match is_lightmap {
+                true => Light::Map { texture, set, scale },
+                false => Light::Emission { texture, set, scale },
+            };
+            writer.texture(target, light);
+        }
+        baked.glb = writer.document.into_glb();
+        Ok(baked)
+    }
+}

@@ -1,0 +1,75 @@
+use crate::BakeError;
+
+/// The form in which baked light is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Form {
+    /// Reflected and own light as the emission of black materials (KHR_materials_emissive_strength): any viewer shows it.
+    #[default]
+    Emission,
+    /// Irradiance as light maps beside the materials (MOZ_lightmap): engines multiply it by the colour.
+    Lightmap,
+    /// Irradiance over π as colours of vertices, of unlit materials (KHR_materials_unlit): any viewer shows it.
+    VertexColors,
+}
+
+/// The settings of a [`Baker`](crate::Baker).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BakeSettings {
+    /// The form in which light is written.
+    pub form: Form,
+    /// Side of a page in texels, of a map.
+    pub page: u32,
+    /// Texels along a unit of length, for coordinates that are made; `None`: as many as fit one page.
+    pub density: Option<f32>,
+    /// Texels around each chart that repeat its edge.
+    pub padding: u32,
+    /// Points along a texel's side: a texel's value is the mean over their square, as far as it lies on the surface.
+    pub samples: u32,
+    /// Whether each light has maps of its own, too; all patches of a sky count as one light.
+    pub per_light: bool,
+    /// Whether coordinates are made also where the file has a second set.
+    pub unwrap: bool,
+}
+
+impl Default for BakeSettings {
+    /// Emission, on pages of 1024² texels, with 2 texels of padding and 2 × 2 points a texel.
+    fn default() -> Self {
+        Self {
+            form: Form::default(),
+            page: 1024,
+            density: None,
+            padding: 2,
+            samples: 2,
+            per_light: false,
+            unwrap: false,
+        }
+    }
+}
+
+impl BakeSettings {
+    /// The largest side of a page.
+    pub const MAX_PAGE: u32 = 16384;
+
+    /// Whether all numbers are in their ranges.
+    ///
+    /// # Errors
+    /// [`BakeError::Setting`] that names the first number that is not.
+    pub fn validate(&self) -> Result<(), BakeError> {
+        let fault = |name, value: &dyn core::fmt::Display, expected| {
+            Err(BakeError::Setting { name, value: value.to_string(), expected })
+        };
+        if !(16..=Self::MAX_PAGE).contains(&self.page) {
+            return fault("page", &self.page, "16 to 16384 texels a side");
+        }
+        if let Some(density) = self.density.filter(|density| !(*density > 0.0 && density.is_finite())) {
+            return fault("density", &density, "texels a unit above 0");
+        }
+        if !(1..=16).contains(&self.padding) || 4 * self.padding >= self.page {
+            return fault("padding", &self.padding, "1 to 16 texels, less than a quarter of the page");
+        }
+        if !(1..=8).contains(&self.samples) {
+            return fault("points along a texel", &self.samples, "1 to 8");
+        }
+        Ok(())
+    }
+}

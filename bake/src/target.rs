@@ -1,0 +1,145 @@
+//! The surfaces that are baked.
+
+use crate::BakeError;
+use glam::{DVec3, Vec2, Vec3};
+use lobe_core::{NO_OBJECT, Receiver};
+use scene::{GltfDocument, GltfPart, Mesh};
+use serde_json::Value;
+use std::path::Path;
+
+/// The surfaces of a file that are baked: parts of its document, by their places there; and a line about each other one.
+pub(crate) fn targets(path: &Path, file: &GltfDocument, json: &Value) -> Result<(Vec<usize>, Vec<String>), BakeError> {
+    let (mut chosen, mut notes) = (Vec::new(), Vec::new());
+    let mut moving = 0;
+    for (place, part) in file.parts.iter().enumerate().filter(|(_, part)| part.object.is_some()) {
+        let name = &part.name;
+        if is_unlit(json, part) {
+            continue;
+        }
+        if part.copies != 1 {
+            notes.push(format!("\"{name}\" is not baked: its {} instances share their coordinates", part.copies));
+            continue;
+        }
+        moving += usize::from(part.moves);
+        chosen.push(place);
+    }
+    if moving > 0 {
+        notes.push(format!("{moving} moving surfaces keep the light of their first moment"));
+    }
+    if chosen.is_empty() {
+        let message = "has no surface that light is baked to".to_owned();
+        return Err(BakeError::File { path: path.to_owned(), message });
+    }
+    Ok((chosen, notes))
+}
+
+/// The primitive of a part, as the document has it.
+pub(crate) fn primitive<'a>(json: &'a Value, part: &GltfPart) -> &'a Value {
+    &json["meshes"][part.mesh]["primitives"][part.primitive]
+}
+
+/// The number of a part's material, if it has one.
+pub(crate) fn material(json: &Value, part: &GltfPart) -> Option<usize> {
+    Some(primitive(json, part)["material"].as_u64()? as usize)
+}
+
+fn is_unlit(json: &Value, part: &GltfPart) -> bool {
+    let unlit = |number| !json["materials"][number]["extensions"]["KHR_materials_unlit"].is_null();
+    material(json, part).is_some_and(unlit)
+}
+
+/// A surface, and the coordinates of its corners on a page.
+#[derive(Clone, Debug)]
+pub(crate) struct Target {
+    /// Its place among the parts of the document.
+    pub(crate) part: usize,
+    /// Its page.
+    pub(crate) page: usize,
+    /// The set of coordinates on that page, by its number in the file.
+    pub(crate) set: usize,
+    /// Coordinates of the vertices.
+    pub(crate) coordinates: Vec<Vec2>,
+    /// Vertices of the triangles, as many as the part has.
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// The part's vertex that each vertex is a copy of; `None`: they are the part's own.
+    pub(crate) origins: Option<Vec<u32>>,
+}
+
+impl Target {
+    /// The coordinates of a triangle's corners.
+    pub(crate) fn corners(&self, triangle: usize) -> [Vec2; 3] {
+        self.triangles[triangle].map(|i| self.coordinates[i as usize])
+    }
+}
+
+/// A triangle of a part, to be interpolated on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Face<'a> {
+    mesh: &'a Mesh,
+    corners: [u32; 3],
+    normal: Vec3,
+    object: u32,
+}
+
+impl<'a> Face<'a> {
+    /// A triangle; none if it has no area.
+    pub(crate) fn new(part: &'a GltfPart, triangle: usize) -> Option<Self> {
+        let mesh = &part.geometry;
+        let corners = mesh.triangles[triangle];
+        let [a, b, c] = corners.map(|i| mesh.positions[i as usize].as_dvec3());
+        let cross = (b - a).cross(c - a);
+        let normal = (cross.length() > 1e-36).then(|| cross.normalize().as_vec3().normalize())?;
+        Some(Self { mesh, corners, normal, object: part.object.map_or(NO_OBJECT, |object| object as u32) })
+    }
+
+    /// The weights of the corners at a place.
+    fn weights([v, w]: [f64; 2]) -> [f64; 3] {
+        [1.0 - v - w, v, w]
+    }
+
+    fn mean(&self, of: &[Vec3], at: [f64; 2]) -> DVec3 {
+        let each = self.corners.iter().zip(Self::weights(at));
+        each.map(|(i, weight)| of[*i as usize].as_dvec3() * weight).sum()
+    }
+
+    /// The receiver at a place, on the side from which the corners go round against the clock.
+    pub(crate) fn receiver(&self, at: [f64; 2]) -> Receiver {
+        let face = self.normal;
+        let mut normal = face;
+        if !self.mesh.normals.is_empty() {
+            let smooth = self.mean(&self.mesh.normals, at).normalize_or_zero().as_vec3();
+            let smooth = if smooth.dot(face) < 0.0 { -smooth } else { smooth };
+            normal = smooth.try_normalize().unwrap_or(face);
+        }
+        let position = self.mean(&self.mesh.positions, at).as_vec3();
+        Receiver { position, normal, face, view: face, object: self.object }
+    }
+
+    /// The colour of the vertices at a place; white without any.
+    pub(crate) fn color(&self, at: [f64; 2]) -> Vec3 {
+        if self.mesh.colors.is_empty() { Vec3::ONE } else { self.mean(&self.mesh.colors, at).as_vec3() }
+    }
+
+    /// The texture coordinates of a set at a place.
+    pub(crate) fn uv(&self, set: usize, at: [f64; 2]) -> Vec2 {
+        let Some(uvs) = self.mesh.uv_sets.get(set) else { return Vec2::ZERO };
+        let each = self.corners.iter().zip(Self::weights(at));
+        each.map(|(i, weight)| uvs[*i as usize] * weight as f32).sum()
+    }
+
+    /// The change of texture coordinates of a set from the first corner to the others.
+    pub(crate) fn uv_sides(&self, set: usize) -> [Vec2; 2] {
+        let Some(uvs) = self.mesh.uv_sets.get(set) else { return [Vec2::ZERO; 2] };
+        let [a, b, c] = self.corners.map(|i| uvs[i as usize]);
+        [b - a, c - a]
+    }
+
+    /// The angles at the corners, in radians.
+    pub(crate) fn angles(&self) -> [f64; 3] {
+        let p = self.corners.map(|i| self.mesh.positions[i as usize].as_dvec3());
+        [0, 1, 2].map(|k| {
+            let (u, v) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
+            u.cross(v).length().atan2(u.dot(v))
+        })
+    }
+}

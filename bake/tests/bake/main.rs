@@ -1,0 +1,9 @@
+//! Files that are baked, beside closed forms.
+
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+mod bodies;
+mod coordinates;
+mod document;
+mod light;
+mod support;

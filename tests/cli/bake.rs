@@ -1,0 +1,157 @@
+//! `lobes bake`.
+
+use super::*;
+use cosine_lobes::read_exr;
+use serde_json::json;
+
+/// A floor from −1 to 1 and a smaller table over it, flat and without coordinates, under a point light: as glTF with its buffer in it.
+fn room(light: &str) -> String {
+    let quad = |y: f32, half: f32| -> Vec<f32> {
+        [[-half, half], [half, half], [half, -half], [-half, -half]].iter().flat_map(|[x, z]| [*x, y, *z]).collect()
+    };
+    let mut bytes: Vec<u8> = Vec::new();
+    for value in quad(0.0, 1.0).into_iter().chain(quad(0.5, 0.3)) {
+        bytes.extend(value.to_le_bytes());
+    }
+    bytes.extend([0_u16, 1, 2, 0, 2, 3].iter().flat_map(|i| i.to_le_bytes()));
+    let base64: String = {
+        let digits = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+        let word = |c: &[u8]| c.iter().fold(0_u32, |w, b| w << 8 | u32::from(*b));
+        assert_eq!(bytes.len() % 3, 0);
+        bytes.chunks(3).flat_map(|c| [18, 12, 6, 0].map(|s| digits[(word(c) >> s & 63) as usize] as char)).collect()
+    };
+    let primitive = |positions: u32| json!([{"attributes": {"POSITION": positions}, "indices": 2, "material": 0}]);
+    let lights: Value = if light.is_empty() { json!([]) } else { serde_json::from_str(light).unwrap() };
+    let light_node = if light.is_empty() {
+        json!({})
+    } else {
+        json!({"translation": [0.3, 1.5, 0.2], "extensions": {"KHR_lights_punctual": {"light": 0}}})
+    };
+    json!({
+        "asset": {"version": "2.0"},
+        "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": {"KHR_lights_punctual": {"lights": lights}},
+        "nodes": [{"mesh": 0, "name": "floor"}, {"mesh": 1, "name": "table"}, light_node],
+        "meshes": [{"primitives": primitive(0)}, {"primitives": primitive(1)}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 0}}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+            {"bufferView": 0, "byteOffset": 48, "componentType": 5126, "count": 4, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"},
+        ],
+        "bufferViews": [{"buffer": 0, "byteLength": 96}, {"buffer": 0, "byteOffset": 96, "byteLength": 12}],
+        "buffers": [{"byteLength": 108, "uri": format!("data:application/octet-stream;base64,{base64}")}],
+    })
+    .to_string()
+}
+
+const POINT: &str = r#"[{"type": "point", "intensity": 3}]"#;
+
+#[test]
+fn a_room_is_baked_in_each_form() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("room.gltf"), room(POINT)).unwrap();
+    let small = ["--page", "64", "--json"];
+    let bake =
+        |more: &[&str]| super::json(folder, &[&["bake", "room.gltf", "-o", "out.glb"], &small[..], more].concat());
+    let plain = bake(&[]);
+    assert_eq!((&plain["surfaces"], &plain["vertices"], &plain["files"]), (&json!(2), &json!(0), &json!([])));
+    assert!(plain["texels"].as_u64().unwrap() > 1500, "{plain}");
+    let maps = bake(&["--as", "lightmap", "--per-light"]);
+    let names = ["out.lightmap0.exr", "out.lightmap0.png", "out.lightmap0.light0.exr"];
+    assert_eq!(maps["files"], json!(names));
+    assert!(names.iter().all(|name| folder.join(name).exists()));
+    let [all, one] = [names[0], names[2]].map(|name| read_exr(&folder.join(name)).unwrap());
+    let [width, height] = [0, 1].map(|k| maps["pages"][0][k].as_u64().unwrap() as usize);
+    assert_eq!((all.width(), all.height()), (width, height));
+    let most = all.pixels().iter().map(|p| p.x).fold(0.0, f32::max);
+    // The brightest place is on the table, one below the light: 3/1².
+    assert!((most - 3.0).abs() < 0.1, "{most}");
+    assert!(all.pixels().iter().zip(one.pixels()).all(|(a, b)| (*a - *b).length() <= 2e-3 * a.length()));
+    // The table's shadow.
+    assert!(all.pixels().iter().any(|p| p.x == 0.0));
+    let colors = bake(&["--as", "vertex-colors"]);
+    assert_eq!((&colors["vertices"], &colors["pages"]), (&json!(8), &json!([])));
+    succeed(folder, &["check", "out.glb"]);
+    succeed(folder, &["render", "out.glb", "--size", "32x32", "-q", "-o", "out.png"]);
+    // The same bytes again, and with one thread.
+    let bytes = fs::read(folder.join("out.glb")).unwrap();
+    bake(&["--as", "vertex-colors", "--threads", "1"]);
+    assert_eq!(fs::read(folder.join("out.glb")).unwrap(), bytes);
+}
+
+#[test]
+fn what_cannot_be_baked_is_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("room.gltf"), room(POINT)).unwrap();
+    fs::write(folder.join("dark.gltf"), room("")).unwrap();
+    fs::write(folder.join("room.glb"), "no model").unwrap();
+    let cases: [(&[&str], &str); 9] = [
+        (&["bake", "dark.gltf", "-o", "out.glb"], "dark.gltf: has no light to bake"),
+        (&["bake", "room.gltf", "-o", "room.gltf"], "both read and written"),
+        (&["bake", "room.glb", "-o", "room.glb"], "both read and written"),
+        (&["bake", "room.gltf", "-o", "out.png"], "out.png: the name must end in .glb"),
+        (&["bake", "room.gltf", "-o", "no/out.glb"], "no/out.glb"),
+        (&["bake", "missing.glb", "-o", "out.glb"], "missing.glb"),
+        (&["bake", "room.gltf", "-o", "out.glb", "--page", "8"], "expected a whole number from 16 to 16384"),
+        (&["bake", "room.gltf", "-o", "out.glb", "--page", "16384", "--per-light"], "GB"),
+        (&["bake", "room.gltf", "-o", "out.glb", "--density", "1e6"], "GB"),
+    ];
+    for (args, fault) in cases {
+        refuse(folder, args, fault);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn read_only_folders_are_refused_at_once() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("room.gltf"), room(POINT)).unwrap();
+    let closed = folder.join("closed");
+    fs::create_dir(&closed).unwrap();
+    fs::set_permissions(&closed, fs::Permissions::from_mode(0o555)).unwrap();
+    // Root writes anywhere.
+    if fs::write(closed.join("x"), "").is_err() {
+        refuse(folder, &["bake", "room.gltf", "-o", "closed/out.glb"], "closed/out.glb");
+    }
+    fs::set_permissions(&closed, fs::Permissions::from_mode(0o755)).unwrap();
+}
+
+/// A scene file becomes a new file with its meshes, materials and camera; a sky is one light of it. An OBJ gets the light of its picture.
+#[test]
+fn scenes_and_models_become_files() {
+    let folder = folder();
+    let folder = folder.path();
+    let sky = "\n[[lights]]\nkind = \"environment\"\nradiance = [0.3, 0.4, 0.5]\n";
+    let paint = "\n[materials.paint]\nmodel = \"lambert\"\nalbedo = [0.5, 0.25, 0.125]\n";
+    let scene = format!("{SCENE}{TABLE}material = \"paint\"\n{sky}{paint}").replace("size = 20.0", "size = 4.0");
+    fs::write(folder.join("sky.toml"), scene).unwrap();
+    let args = ["bake", "sky.toml", "-o", "sky.glb", "--page", "128", "--as", "lightmap", "--per-light", "--json"];
+    let ran = lobes(folder, &args);
+    let stderr = String::from_utf8(ran.stderr).unwrap();
+    assert!(ran.status.success() && stderr.contains("\"ball\" casts shadows and is not written"), "{stderr}");
+    let baked: Value = serde_json::from_slice(&ran.stdout).unwrap();
+    assert_eq!(baked["surfaces"], json!(2));
+    let parts = ["", ".light0", ".sky"].map(|end| format!("sky.lightmap0{end}.exr"));
+    let [all, lamp, sky] = parts.map(|name| read_exr(&folder.join(name)).unwrap());
+    for ((all, lamp), sky) in all.pixels().iter().zip(lamp.pixels()).zip(sky.pixels()) {
+        assert!((*all - *lamp - *sky).length() <= 2e-3 * all.length(), "{all} {lamp} {sky}");
+    }
+    // Open floor sees the whole sky: π times its radiance.
+    let most = sky.pixels().iter().map(|p| p.x).fold(0.0, f32::max);
+    assert!((most / (0.3 * std::f32::consts::PI) - 1.0).abs() < 0.01, "{most}");
+    let bytes = fs::read(folder.join("sky.glb")).unwrap();
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let file: Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+    let colors: Vec<&Value> =
+        file["materials"].as_array().unwrap().iter().map(|m| &m["pbrMetallicRoughness"]["baseColorFactor"]).collect();
+    assert!(colors.contains(&&json!([0.5, 0.25, 0.125, 1])), "{colors:?}");
+    assert!((file["cameras"][0]["perspective"]["yfov"].as_f64().unwrap() - 30.0_f64.to_radians()).abs() < 1e-6);
+    fs::write(folder.join("corner.obj"), "v 0 0 0\nv 1 0 0\nv 0 0 -1\nv 0 1 0\nf 1 2 3\nf 1 4 2\n").unwrap();
+    let corner = super::json(folder, &["bake", "corner.obj", "-o", "corner.glb", "--page", "32", "--json", "-q"]);
+    assert!(corner["texels"].as_u64().unwrap() > 300, "{corner}");
+}
