@@ -212,6 +212,61 @@ fn lights_add_up() {
     assert!(both.iter().filter(|v| v.x > 0.0).count() > both.len() / 2);
 }
 
+/// The radiance by a reference that has the sphere as a blocker sphere, and boxes as meshes.
+fn truth_by_spheres(scene: &Scene, samples: u32) -> Vec<Vec3> {
+    let world = World::new(scene);
+    let gbuffer = GBuffer::new(&world, scene.width, scene.height, 1);
+    let Proxy::Spheres(spheres) = &scene.objects[3].proxy else { panic!("a sphere") };
+    let (spheres, objects, self_distances) = (spheres.clone(), vec![3], vec![1e-4; 4]);
+    let blockers = BlockerSet { spheres, objects, self_distances, ..BlockerSet::default() };
+    let geometry = Geometry::Mixed(&[true, true, true, false]);
+    let mut reference =
+        Reference::new(ReferenceJob { world: &world, gbuffer: &gbuffer, blockers: &blockers, geometry, seed: 5 });
+    reference.advance(samples, &AtomicBool::new(false), &|_| {});
+    reference.estimate().radiance
+}
+
+/// A light that pierces a closed blocker: the part inside gives nothing, by outlines, spheres, rays, and both references.
+#[test]
+fn parts_of_lights_inside_blockers_give_nothing() {
+    // The middle of the sphere, whose radius is 0.3, and a place on the slab's side.
+    let (middle, slab) = (Vec3::new(0.75, 0.3, 0.4), Vec3::new(-0.5, 0.6, 0.3));
+    let tube =
+        |at: Vec3, along: Vec3| TubeLight { ends: [at - along, at + along], radius: 0.01, radiance: Vec3::splat(20.0) };
+    let flat = |light: Result<FlatLight, _>| Light::from(light.expect("a shape").on_both_sides());
+    let lights = [
+        ("tube through the sphere", tube(middle, Vec3::new(0.9, 0.1, 0.2)).into()),
+        ("tube through the slab", tube(slab, Vec3::new(0.1, 0.2, 0.5)).into()),
+        ("rectangle", flat(FlatLight::rectangle(middle + Vec3::X * 0.4, Vec3::X * 0.4, Vec3::Z * 0.2, Vec3::ONE))),
+        ("disc", flat(FlatLight::disc(middle, Vec3::new(0.1, -1.0, 0.1), 0.6, Vec3::ONE))),
+    ];
+    for (name, light) in lights {
+        let scene = scene(vec![light.clone()], Material::lambert(Vec3::splat(0.6)));
+        let [by_rays, _] = truth(&scene, 1024);
+        let by_spheres = truth_by_spheres(&scene, 1024);
+        let points = GBuffer::new(&World::new(&scene), scene.width, scene.height, 1).points;
+        // Next to a light samples of its surface are too noisy.
+        let apart: Vec<usize> = (0..by_rays.len())
+            .filter(|i| light.distance_to(points.receivers[*i].position).is_some_and(|d| d > 0.15))
+            .collect();
+        let sum = |values: &[Vec3]| apart.iter().map(|i| values[*i].x).sum::<f32>();
+        let right = sum(&by_rays);
+        let off = |values: &[Vec3]| {
+            let apart = apart.iter().map(|i| (values[*i].x - by_rays[*i].x).abs()).sum::<f32>();
+            [sum(values) / right - 1.0, apart / right]
+        };
+        for (what, values) in [
+            ("spheres of the reference", by_spheres),
+            ("outlines", shade(&scene, TOLERANCE, false)),
+            ("rays", shade(&scene, TOLERANCE, true)),
+        ] {
+            let [bias, mean] = off(&values);
+            println!("{name}, {what}: {bias:+.4}, {mean:.4}");
+            assert!(bias.abs() < 0.008 && mean < 0.02, "{name}, {what}: {bias} {mean}");
+        }
+    }
+}
+
 /// Through the horizon, through the floor and through objects, which the light's plane then cuts: outlines and spheres
 /// hide the same as rays, so nothing pops.
 #[test]

@@ -2,7 +2,7 @@ use crate::gpu::{CONES, INSIDE, PLANES};
 use crate::{Area, Light, LightError, LightKind, SphereLight};
 use glam::{Mat4, Vec3};
 use lobe_core::gpu::GpuLight as _;
-use lobe_core::{LightImage, LightLobes, Receiver, SeenLight, Sphere};
+use lobe_core::{LightExtent, LightImage, LightLobes, Receiver, SeenLight, Sphere};
 
 /// A light inside an object whose surface it stands for: it does not light that object.
 ///
@@ -33,6 +33,10 @@ impl LightLobes for EnclosedLight {
 
     fn bounds_from(&self, receivers: &Sphere) -> Sphere {
         self.light.bounds_from(receivers)
+    }
+
+    fn extent(&self) -> Option<LightExtent> {
+        self.light.extent()
     }
 
     fn seen_from(&self, at: &Receiver) -> SeenLight {

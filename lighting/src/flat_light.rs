@@ -3,7 +3,9 @@ use crate::tube_light::to_segment;
 use crate::{Area, AreaShape, Light, LightKind, ShownImage};
 use core::f32::consts::{FRAC_PI_2, PI, TAU};
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightImage, LightLobes, Outline, Receiver, SeenLight, Sphere};
+use lobe_core::{
+    FlatShape, LightExtent, LightImage, LightLobes, Outline, Receiver, SeenLight, Sphere, Tile, TileLight,
+};
 use std::sync::Arc;
 
 /// A flat convex shape that emits the same radiance in all directions on one side, or on both.
@@ -22,15 +24,9 @@ use std::sync::Arc;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlatLight {
-    corners: [Vec3; Outline::MOST],
-    count: usize,
-    /// The lit side.
-    normal: Vec3,
-    /// Of a disc its radius.
-    disc: Option<f32>,
-    bounds: Sphere,
+    /// Its normal is that of the lit side.
+    shape: FlatShape,
     area: f32,
-    roundness: f32,
     /// Whether the other side is lit too.
     pub two_sided: bool,
     /// Radiance, W·m⁻²·sr⁻¹ per channel; of a light that shows an image its mean over the rectangle.
@@ -85,17 +81,25 @@ impl FlatLight {
         }
         let (u, v) = normal.any_orthonormal_pair();
         let around = Self::rectangle(center, u * radius, v * radius, radiance)?;
-        let bounds = Sphere { center, radius };
-        Ok(Self { disc: Some(radius), bounds, area: PI * radius * radius, roundness: 1.0, normal, ..around })
+        let shape = around.shape.with_disc(Sphere { center, radius }, normal);
+        Ok(Self { shape, area: PI * radius * radius, ..around })
     }
 
-    /// A convex polygon of 3 to 24 corners, lit on the side from which they go counter-clockwise.
+    /// A convex polygon of 3 to 24 corners, lit on the side from which they go counter-clockwise. A corner that repeats the one before it,
+    /// but for rounding, does not count.
     ///
     /// # Errors
     /// [`FlatLightError`].
     pub fn polygon(points: &[Vec3], radiance: Vec3) -> Result<Self, FlatLightError> {
+        if points.len() < 3 || !points.iter().all(|p| p.is_finite()) {
+            return Err(FlatLightError::Corners);
+        }
+        let points = &distinct(points)[..];
         let count = points.len();
-        if !(3..=Outline::MOST).contains(&count) || !points.iter().all(|p| p.is_finite()) {
+        if count < 3 {
+            return Err(FlatLightError::Degenerate);
+        }
+        if count > Outline::MOST {
             return Err(FlatLightError::Corners);
         }
         let center = points.iter().sum::<Vec3>() / count as f32;
@@ -113,22 +117,9 @@ impl FlatLight {
         if !is_convex(points, normal) {
             return Err(FlatLightError::NotConvex);
         }
-        let mut corners = [first; Outline::MOST];
-        corners[..count].copy_from_slice(points);
         let bounds = Sphere { center, radius: radius * 1.000_01 };
-        let roundness = area / (PI * radius * radius);
-        Ok(Self {
-            corners,
-            count,
-            normal,
-            disc: None,
-            bounds,
-            area,
-            roundness,
-            two_sided: false,
-            radiance,
-            image: None,
-        })
+        let shape = FlatShape::polygon(points, normal, bounds, area / (PI * radius * radius));
+        Ok(Self { shape, area, two_sided: false, radiance, image: None })
     }
 
     /// The same, lit on both sides.
@@ -161,14 +152,7 @@ impl FlatLight {
     /// ```
     #[must_use]
     pub fn scaled(self, factor: f32) -> Self {
-        let center = self.bounds.center;
-        Self {
-            corners: self.corners.map(|p| center + factor * (p - center)),
-            disc: self.disc.map(|radius| factor * radius),
-            bounds: Sphere { radius: factor * self.bounds.radius, ..self.bounds },
-            area: factor * factor * self.area,
-            ..self
-        }
+        Self { area: factor * factor * self.area, shape: self.shape.scaled(factor), ..self }
     }
 
     /// The same light showing an image, whose mean is its radiance, of a rectangle with right angles. From the lit side, `u` to
@@ -177,7 +161,7 @@ impl FlatLight {
     pub fn showing(self, image: Arc<LightImage>) -> Option<Self> {
         let [u, v] = self.sides()?;
         let is_right = u.dot(v).abs() <= 1e-3 * u.length() * v.length();
-        (is_right && self.disc.is_none()).then_some(Self { image: Some(image), ..self })
+        (is_right && self.shape.disc().is_none()).then_some(Self { image: Some(image), ..self })
     }
 
     /// Half sides of a parallelogram.
@@ -196,19 +180,19 @@ impl FlatLight {
     /// The corners; of a disc those of a square around it.
     #[must_use]
     pub fn corners(&self) -> &[Vec3] {
-        &self.corners[..self.count]
+        self.shape.corners()
     }
 
     /// The unit normal of the lit side.
     #[must_use]
     pub const fn normal(&self) -> Vec3 {
-        self.normal
+        self.shape.normal()
     }
 
     /// Its middle and, where it is a disc, the radius.
     #[must_use]
     pub const fn as_disc(&self) -> (Vec3, Option<f32>) {
-        (self.bounds.center, self.disc)
+        (self.shape.bounds().center, self.shape.disc())
     }
 
     /// Area of one side.
@@ -220,34 +204,41 @@ impl FlatLight {
     /// The part that it fills of the circle around it.
     #[must_use]
     pub const fn roundness(&self) -> f32 {
-        self.roundness
+        self.shape.roundness()
     }
 
     /// The outline that a receiver sees, none behind a light of one side.
     #[must_use]
     pub fn outline(&self, at: &Receiver) -> Option<Outline> {
-        let height = self.normal.dot(at.position - self.bounds.center);
-        let axis = if height > 0.0 { -self.normal } else { self.normal };
-        if height <= 0.0 && !self.two_sided {
+        if self.shape.height(at.position) <= 0.0 && !self.two_sided {
             return None;
         }
-        let outline = match self.disc {
-            Some(radius) => Outline::disc(self.bounds.center - at.position, radius, axis),
-            None => Outline::new(&self.corners.map(|p| p - at.position)[..self.count], axis),
-        }?
-        .with_roundness(self.roundness);
-        let sides = if self.image.is_some() { self.sides() } else { None };
-        Some(sides.map_or(outline, |sides| outline.with_sides(sides)))
+        if self.image.is_none() {
+            return self.shape.outline(at.position);
+        }
+        // Places of an image count from the middle of all of it.
+        let outline = self.shape.whole_outline(at.position)?;
+        Some(self.sides().map_or(outline, |sides| outline.with_sides(sides)))
     }
 }
 
 impl LightLobes for FlatLight {
     fn bounds(&self) -> Sphere {
-        self.bounds
+        self.shape.bounds()
     }
 
     fn bounds_from(&self, _: &Sphere) -> Sphere {
-        Outline::sphere_around(self.bounds)
+        Outline::sphere_around(self.shape.bounds())
+    }
+
+    fn extent(&self) -> Option<LightExtent> {
+        let Sphere { center, radius } = self.shape.bounds();
+        let normal = self.normal();
+        let along = if self.shape.disc().is_some() { Vec3::ZERO } else { longest_side(self.corners()) };
+        let u = along.normalize_or(normal.any_orthonormal_vector());
+        let v = normal.cross(u);
+        let reach = |n: Vec3| self.corners().iter().map(|p| n.dot(*p - center).abs()).fold(0.0, f32::max);
+        Some(LightExtent { sides: [u * reach(u), v * reach(v)], margin: (Outline::BEYOND - 1.0) * radius })
     }
 
     fn image(&self) -> Option<&LightImage> {
@@ -255,9 +246,14 @@ impl LightLobes for FlatLight {
     }
 
     fn seen_from(&self, at: &Receiver) -> SeenLight {
-        let outline = self.outline(at);
-        let cone = cone_of(outline.as_ref(), self.bounds.center - at.position);
-        SeenLight { cone, radiance: self.radiance, outline }
+        SeenLight::of_outline(self.outline(at), self.bounds().center - at.position, self.radiance)
+    }
+
+    fn tile_light(&self, at: &[Receiver], tile: &Tile, out: &mut TileLight) {
+        if self.image.is_some() {
+            return out.one_by_one(tile, at.iter().map(|at| self.seen_from(at)));
+        }
+        out.flat(tile, &self.shape, self.two_sided, self.radiance);
     }
 }
 
@@ -271,20 +267,18 @@ impl LightKind for FlatLight {
     }
 
     fn moved(&self, placement: Mat4) -> Light {
-        let center = placement.transform_point3(self.bounds.center);
-        let normal = placement.transform_vector3(self.normal).normalize_or(self.normal);
-        let corners = self.corners.map(|p| placement.transform_point3(p));
-        Self { corners, normal, bounds: Sphere { center, ..self.bounds }, ..self.clone() }.into()
+        Self { shape: self.shape.moved(placement), ..self.clone() }.into()
     }
 
     fn area(&self, from: Vec3) -> Option<Area<'_>> {
-        let (center, normal) = (self.bounds.center.as_dvec3() - from.as_dvec3(), self.normal.as_dvec3().normalize());
+        let (center, normal) =
+            (self.bounds().center.as_dvec3() - from.as_dvec3(), self.normal().as_dvec3().normalize());
         let height = -normal.dot(center);
         if height == 0.0 || height < 0.0 && !self.two_sided {
             return None;
         }
         let normal = normal * height.signum();
-        let shape = match self.disc {
+        let shape = match self.shape.disc() {
             Some(radius) => AreaShape::Disc { center, normal, radius: f64::from(radius) },
             None => AreaShape::polygon(self.corners(), normal, from),
         };
@@ -292,11 +286,11 @@ impl LightKind for FlatLight {
             let [a, b, c, d] = corners.map(|p| p.as_dvec3() - from.as_dvec3());
             ShownImage { image, middle: 0.25 * (a + b + c + d), sides: [0.5 * (b - a), 0.5 * (d - a)] }
         });
-        Some(Area { bounds: self.bounds, shape, shown })
+        Some(Area { bounds: self.bounds(), shape, shown })
     }
 
     fn distance_to(&self, point: Vec3) -> Option<f32> {
-        let (corners, normal) = (self.corners(), self.normal);
+        let (corners, normal) = (self.corners(), self.normal());
         if let (center, Some(radius)) = self.as_disc() {
             let height = (point - center).dot(normal);
             let beside = ((point - center - normal * height).length() - radius).max(0.0);
@@ -311,7 +305,7 @@ impl LightKind for FlatLight {
     }
 
     fn roundness(&self) -> Option<f32> {
-        Some(self.roundness)
+        Some(Self::roundness(self))
     }
 
     fn wgsl(&self) -> Option<[&'static str; 2]> {
@@ -319,22 +313,36 @@ impl LightKind for FlatLight {
     }
 
     fn gpu_shape(&self) -> Vec<[f32; 4]> {
-        let side = self.normal.extend(f32::from(u8::from(self.two_sided))).to_array();
-        if let Some(radius) = self.disc {
+        let side = self.normal().extend(f32::from(u8::from(self.two_sided))).to_array();
+        if let Some(radius) = self.shape.disc() {
             return vec![side, [radius, 0.0, PLANE_OUTSIDE, PLANE_DISC]];
         }
         let has_places = f32::from(u8::from(self.image.is_some()));
-        shape_of(side, [self.count as f32, has_places, PLANE_OUTSIDE, PLANE_POLYGON], self.corners())
+        shape_of(side, [self.corners().len() as f32, has_places, PLANE_OUTSIDE, PLANE_POLYGON], self.corners())
     }
 }
 
-/// The cone around an outline; an empty one toward `middle` where there is none.
-pub(crate) fn cone_of(outline: Option<&Outline>, middle: Vec3) -> Cone {
-    let distance = middle.length();
-    // Twice, since one normalisation of a huge vector leaves f32.
-    let axis = if middle.is_finite() { middle.normalize_or(Vec3::Z) } else { Vec3::Z };
-    let distance = if distance > 0.0 { distance } else { f32::MIN_POSITIVE };
-    outline.map_or(Cone { axis, one_minus_cos: 0.0, distance }, Outline::cone)
+/// The corners without those that repeat the one before: the side between the two might run in any direction.
+fn distinct(points: &[Vec3]) -> Vec<Vec3> {
+    let (low, high) = points.iter().fold((points[0], points[0]), |(low, high), p| (low.min(*p), high.max(*p)));
+    let rounding = f32::EPSILON * low.abs().max(high.abs()).max_element();
+    let least = rounding.max(1e-6 * low.distance(high));
+    let mut out: Vec<Vec3> = Vec::with_capacity(points.len());
+    for p in points {
+        if out.last().is_none_or(|last| last.distance(*p) > least) {
+            out.push(*p);
+        }
+    }
+    while out.len() > 1 && out[0].distance(out[out.len() - 1]) <= least {
+        out.pop();
+    }
+    out
+}
+
+/// From one corner to the next, where that is farthest.
+fn longest_side(corners: &[Vec3]) -> Vec3 {
+    let sides = corners.iter().zip(corners.iter().cycle().skip(1)).map(|(p, q)| *q - *p);
+    sides.fold(Vec3::ZERO, |long, side| if side.length_squared() > long.length_squared() { side } else { long })
 }
 
 /// Corners of half an ellipse about `center` from `-across` over `along` to `across`, of its area: six sides.

@@ -4,7 +4,7 @@ use crate::{
     AmbientLight, EnclosedLight, FlatLight, LightKind, SkyLight, SkyPatch, SphereLight, SpotLight, SunLight, TubeLight,
 };
 use glam::{Mat4, Vec3};
-use lobe_core::{LightImage, LightLobes, Receiver, SeenLight, Sphere, Tile, TileLight};
+use lobe_core::{LightExtent, LightImage, LightLobes, Receiver, SeenLight, Sphere, Tile, TileLight};
 use std::sync::Arc;
 
 /// The enum with a variant for each built-in kind, and its conversions.
@@ -142,6 +142,9 @@ impl LightLobes for Light {
     }
     fn bounds_from(&self, receivers: &Sphere) -> Sphere {
         self.kind().bounds_from(receivers)
+    }
+    fn extent(&self) -> Option<LightExtent> {
+        self.kind().extent()
     }
     fn seen_from(&self, at: &Receiver) -> SeenLight {
         self.kind().seen_from(at)

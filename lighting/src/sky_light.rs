@@ -1,4 +1,3 @@
-use crate::flat_light::cone_of;
 use crate::gpu::{PLANE_OUTSIDE, PLANE_SKY, PLANES, shape_of};
 use crate::{Area, AreaShape, Light, LightError, LightKind, ShownImage, SunLight};
 use core::f32::consts::PI;
@@ -101,11 +100,7 @@ impl LightLobes for SkyLight {
     fn seen_from(&self, at: &Receiver) -> SeenLight {
         match self {
             Self::Sun(sun) => sun.seen_from(at),
-            Self::Patch(patch) => {
-                let outline = patch.seen();
-                let cone = cone_of(outline.as_ref(), patch.center * patch.distance());
-                SeenLight { cone, radiance: patch.radiance, outline }
-            }
+            Self::Patch(patch) => SeenLight::of_outline(patch.seen(), patch.center * patch.distance(), patch.radiance),
         }
     }
 }

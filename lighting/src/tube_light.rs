@@ -1,9 +1,12 @@
-use crate::flat_light::{cone_of, half_ellipse};
+use crate::flat_light::half_ellipse;
 use crate::gpu::{PLANE_OUTSIDE, PLANE_TUBE, PLANES, TUBE_BESIDE, TUBE_FAR, shape_of};
 use crate::{Area, AreaShape, Light, LightError, LightKind};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightLobes, Outline, Receiver, SeenLight, Sphere};
+use lobe_core::{Cone, LightExtent, LightLobes, Outline, Receiver, SeenLight, Sphere};
+
+/// From a sphere around a tube to one around its outlines.
+const AROUND: f32 = 1.531;
 
 /// A tube with round ends (a capsule) that emits the same radiance in all directions from all of its surface.
 ///
@@ -94,16 +97,20 @@ impl LightLobes for TubeLight {
     }
 
     fn bounds_from(&self, _: &Sphere) -> Sphere {
-        Outline::sphere_around(self.bounds())
+        Sphere { radius: AROUND * self.bounds().radius, ..self.bounds() }
+    }
+
+    fn extent(&self) -> Option<LightExtent> {
+        // Seen from beside an end the outline reaches beyond it.
+        let along = 0.5 * AROUND * (self.ends[1] - self.ends[0]);
+        Some(LightExtent { sides: [along, Vec3::ZERO], margin: 4.0 * self.radius + 0.1 * along.length() })
     }
 
     fn seen_from(&self, at: &Receiver) -> SeenLight {
-        let outline = self.outline(at);
-        let cone = match &outline {
-            Some(_) => cone_of(outline.as_ref(), self.bounds().center - at.position),
-            None => Cone::of_sphere(at.position, self.nearer_end(at.position)),
-        };
-        SeenLight { cone, radiance: self.radiance, outline }
+        match self.outline(at) {
+            None => SeenLight::of_cone(Cone::of_sphere(at.position, self.nearer_end(at.position)), self.radiance),
+            outline => SeenLight::of_outline(outline, self.bounds().center - at.position, self.radiance),
+        }
     }
 }
 
@@ -149,6 +156,10 @@ impl LightKind for TubeLight {
 
     fn roundness(&self) -> Option<f32> {
         Some(Self::roundness(self))
+    }
+
+    fn gpu_bounds(&self) -> Sphere {
+        self.bounds_from(&self.bounds())
     }
 
     fn wgsl(&self) -> Option<[&'static str; 2]> {

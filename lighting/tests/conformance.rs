@@ -1,6 +1,6 @@
 //! Every kind of light keeps the promises of `LightLobes`.
 
-use core::f32::consts::PI;
+use core::f32::consts::{PI, TAU};
 use glam::{DVec3, Mat4, Quat, UVec2, Vec3};
 use lighting::{
     Environment, EnvironmentError, EnvironmentMap, FlatLight, FlatLightError, Light, LightKind as _, SkyLight,
@@ -287,6 +287,97 @@ fn shapes_that_are_none_are_refused() {
     let oblique = FlatLight::rectangle(Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, COLOR).expect("a parallelogram");
     let disc = FlatLight::disc(Vec3::ZERO, Vec3::Y, 1.0, COLOR).expect("a disc");
     assert!(oblique.showing(image.clone()).is_none() && disc.showing(image).is_none());
+}
+
+#[test]
+fn corners_given_twice_count_once() {
+    let square = [[-1.0, 3.0, -1.0], [1.0, 3.0, -1.0], [1.0, 3.0, 1.0], [-1.0, 3.0, 1.0]].map(Vec3::from_array);
+    let polygon = |corners: &[Vec3]| FlatLight::polygon(corners, COLOR);
+    let right = polygon(&square);
+    for place in 0..4 {
+        for offset in [Vec3::ZERO, Vec3::X * 2e-7] {
+            let mut corners = square.to_vec();
+            corners.insert(place + 1, square[place] + offset);
+            corners.insert(place + 1, square[place]);
+            assert_eq!(polygon(&corners).expect("a square").corners().len(), 4, "{place}");
+        }
+        let mut corners = square.to_vec();
+        corners.insert(place, square[place]);
+        assert_eq!(polygon(&corners), right);
+    }
+    // The first once more at the end, and more of them than a light may have.
+    let ring: Vec<Vec3> = (0..24).map(|k| Quat::from_rotation_y(k as f32 * -TAU / 24.0) * Vec3::X).collect();
+    let closed: Vec<Vec3> = ring.iter().flat_map(|p| [*p; 2]).chain([ring[0]]).collect();
+    assert_eq!(polygon(&closed), polygon(&ring));
+    assert_eq!(polygon(&[square[0], square[1], square[1]]).map(|_| ()), Err(FlatLightError::Degenerate));
+    // As thin as a light may be.
+    let thin = FlatLight::rectangle(Vec3::Y, Vec3::X, Vec3::Z * 3e-6, COLOR).expect("a rectangle");
+    assert_eq!(thin.corners().len(), 4);
+}
+
+/// `∫ v dv` over a polygon in f64 (Lambert's formula), of which the receiver is at the origin.
+fn mean_vector(corners: &[DVec3]) -> DVec3 {
+    let edge = |(a, b): (&DVec3, &DVec3)| {
+        let cross = a.cross(*b - *a);
+        cross.normalize_or_zero() * (0.5 * cross.length().atan2(a.dot(*b)))
+    };
+    corners.iter().zip(corners.iter().cycle().skip(1)).map(edge).sum()
+}
+
+/// The part of a polygon above the horizon of a receiver at the origin.
+fn above(corners: &[DVec3], normal: DVec3) -> Vec<DVec3> {
+    let mut out = Vec::new();
+    for (p, q) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+        let (h, g) = (normal.dot(*p), normal.dot(*q));
+        out.extend((h >= 0.0).then_some(*p));
+        out.extend(((h >= 0.0) != (g >= 0.0)).then(|| *p + (*q - *p) * (h / (h - g))));
+    }
+    out
+}
+
+/// From as large as far to a million times as large, inside of the rim, below it and beside it.
+#[test]
+fn large_lights_are_not_black() {
+    for size in [1.0, 1e2, 1e4, 2e4, 1e5, 1e6, 1e8_f32] {
+        let rectangle =
+            FlatLight::rectangle(Vec3::Y * 3.0, Vec3::X * size, Vec3::Z * size, COLOR).expect("a rectangle");
+        let disc = FlatLight::disc(Vec3::Y * 3.0, Vec3::NEG_Y, size, COLOR).expect("a disc");
+        let corners: Vec<Vec3> =
+            (0..24).map(|k| Quat::from_rotation_y(0.1 + k as f32 * TAU / 24.0) * Vec3::X * size).collect();
+        let corners: Vec<Vec3> = corners.iter().map(|p| *p + Vec3::Y * 3.0).collect();
+        let polygon = FlatLight::polygon(&corners, COLOR).expect("a polygon").on_both_sides();
+        for place in [Vec3::ZERO, Vec3::X * 0.3, Vec3::X, Vec3::Z * 0.999, Vec3::new(0.7, 0.0, 0.7)] {
+            for aside in [Vec3::ZERO, Vec3::X * 40.0] {
+                let receiver = at(place * size + aside);
+                for (name, light) in [("rectangle", &rectangle), ("disc", &disc), ("polygon", &polygon)] {
+                    // A disc is a polygon of 24 sides, which its rim is seen to be from next to it.
+                    if name == "disc" && (100.0..2e4).contains(&size) && place.length() > 0.5 {
+                        continue;
+                    }
+                    let from = receiver.position.as_dvec3();
+                    let ring = |k: i32| {
+                        let (sin, cos) = (f64::from(k) * 1e-3 * core::f64::consts::TAU).sin_cos();
+                        DVec3::new(cos, 0.0, sin) * f64::from(size) + DVec3::Y * 3.0 - from
+                    };
+                    let right: Vec<DVec3> = match name {
+                        "disc" => (0..1000).map(ring).collect(),
+                        _ => light.corners().iter().map(|p| p.as_dvec3() - from).collect(),
+                    };
+                    let seen = light.outline(&receiver);
+                    for normal in [Vec3::Y, Vec3::new(0.6, 0.8, 0.0)] {
+                        let at = Receiver::on_surface(receiver.position, normal, normal);
+                        let lambert = Lobe::new(normal, 1.0, Vec3::ONE);
+                        let value = seen.map_or(0.0, |outline| outline_integral(&at, lambert, &outline));
+                        // Above the receiver's horizon.
+                        let above = above(&right, normal.as_dvec3());
+                        let want = mean_vector(&above).dot(normal.as_dvec3()).abs() / core::f64::consts::PI;
+                        let off = (f64::from(value) - want).abs();
+                        assert!(off < 2e-3, "{name} of {size} from {}, {normal}: {value} {want}", receiver.position);
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// Against the nearest of many points of the surface.

@@ -210,10 +210,34 @@ impl Cone {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct LightId(pub u32);
 
-/// All the segments from some receivers to a sphere of light: what a tile of receivers asks its blockers for.
+/// A parallelogram about the middle of a light, and how far the light reaches beyond it in any direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightExtent {
+    /// Half its sides.
+    pub sides: [Vec3; 2],
+    /// The distance of a point of the light from it, at most.
+    pub margin: f32,
+}
+
+impl LightExtent {
+    /// A sphere.
+    #[must_use]
+    pub const fn of_sphere(radius: f32) -> Self {
+        Self { sides: [Vec3::ZERO; 2], margin: radius }
+    }
+
+    /// How far it is from its middle along a unit direction, at most.
+    #[inline]
+    #[must_use]
+    pub fn support(&self, direction: Vec3) -> f32 {
+        direction.dot(self.sides[0]).abs() + direction.dot(self.sides[1]).abs() + self.margin
+    }
+}
+
+/// All the segments from some receivers to a light: what a tile of receivers asks its blockers for.
 ///
 /// The receivers are in a sphere and in a box with the same middle: those of a tile on a floor that is seen at a low angle are in a
-/// flat and narrow one.
+/// flat and narrow one. The light is in a sphere as well, and around a parallelogram with the same middle.
 #[derive(Clone, Copy, Debug)]
 pub struct Shaft {
     /// Bounds the receivers.
@@ -222,15 +246,30 @@ pub struct Shaft {
     pub half_extent: Vec3,
     /// Bounds the light; an infinite light has a far away centre.
     pub light: Sphere,
+    /// Bounds it, too.
+    pub extent: LightExtent,
     /// Which light.
     pub id: LightId,
 }
 
 impl Shaft {
-    /// From receivers in a sphere.
+    /// From receivers in a sphere to a light in a sphere.
     #[must_use]
     pub fn new(receivers: Sphere, light: Sphere, id: LightId) -> Self {
-        Self { receivers, half_extent: Vec3::splat(receivers.radius), light, id }
+        let extent = LightExtent::of_sphere(light.radius);
+        Self { receivers, half_extent: Vec3::splat(receivers.radius), light, extent, id }
+    }
+
+    /// From other receivers to the same light.
+    #[must_use]
+    pub fn from_receivers(&self, receivers: Sphere) -> Self {
+        Self { receivers, half_extent: Vec3::splat(receivers.radius), ..*self }
+    }
+
+    /// The light has this extent as well, where it is known.
+    #[must_use]
+    pub fn with_extent(self, extent: Option<LightExtent>) -> Self {
+        Self { extent: extent.unwrap_or(self.extent), ..self }
     }
 
     /// The receivers are in this box as well.
@@ -254,12 +293,32 @@ impl Shaft {
         self.receivers.radius.min(self.half_extent.dot(direction.abs()))
     }
 
+    /// How far the light is from its middle along a unit direction, at most.
+    #[inline]
+    #[must_use]
+    pub fn light_support(&self, direction: Vec3) -> f32 {
+        self.light.radius.min(self.extent.support(direction))
+    }
+
     /// How far along a unit direction all segments stay from the middle of the receivers, apart from rounding.
     #[inline]
     #[must_use]
     pub fn reach(&self, direction: Vec3) -> f32 {
         let to = self.light.center - self.receivers.center;
-        self.support(direction).max(direction.dot(to) + self.light.radius)
+        self.support(direction).max(direction.dot(to) + self.light_support(direction))
+    }
+
+    /// Unit vectors that make a right-handed basis with the way to the light, turned as a long light is.
+    fn across(&self, axis: Vec3) -> (Vec3, Vec3) {
+        let [u, v] = self.extent.sides;
+        let long = if u.length_squared() < v.length_squared() { v } else { u };
+        let aside = long - axis * axis.dot(long);
+        if aside.length_squared() <= 1e-6 * long.length_squared() {
+            return orthonormal_basis(axis);
+        }
+        let right = aside.normalize();
+        let right = (right - axis * right.dot(axis)).normalize();
+        (right, axis.cross(right))
     }
 
     /// Outward unit normals of ten planes around all segments, [`reach`](Self::reach) from the middle of the receivers: eight around the way
@@ -270,11 +329,11 @@ impl Shaft {
         let to = self.light.center - self.receivers.center;
         let length = to.length();
         let axis = if length > 0.0 { to / length } else { Vec3::Z };
-        let (u, v) = orthonormal_basis(axis);
+        let (u, v) = self.across(axis);
         let side = |x: f32, y: f32| {
             let beside = u * x + v * y;
             // Touches both ends: n·axis = (r₀ − r₁)/d.
-            let slope = ((self.support(beside) - self.light.radius) / length).clamp(-1.0, 1.0);
+            let slope = ((self.support(beside) - self.light_support(beside)) / length).clamp(-1.0, 1.0);
             let slope = if slope.is_nan() { -1.0 } else { slope };
             axis * slope + beside * (1.0 - slope * slope).max(0.0).sqrt()
         };

@@ -74,7 +74,9 @@ pub use crate::brdf_lobes::{BrdfLobes, TileLobes};
 pub use crate::cap::{cap_integral, cap_integrals, sphere_light_irradiance};
 pub use crate::compact::compact_runs;
 pub use crate::dyn_visibility::{DynScratch, DynVisibility};
-pub use crate::geometry::{Cone, LightId, NO_OBJECT, Receiver, SelfShadow, Shaft, Sphere, orthonormal_basis};
+pub use crate::geometry::{
+    Cone, LightExtent, LightId, NO_OBJECT, Receiver, SelfShadow, Shaft, Sphere, orthonormal_basis,
+};
 pub use crate::integrator::{
     Contribution, FractionIntegrator, Integrator, Interaction, LobeIntegrator, Observer, Stage,
 };
@@ -83,7 +85,9 @@ pub use crate::lobe::{Lobe, power};
 pub use crate::lobes::{LobeBuffer, LobeWriter, Lobes};
 pub use crate::microfacets::{Microfacets, MicrofacetsAt, Schlick};
 pub use crate::moments::{cone_lobe, exponent_of_spread};
-pub use crate::outline::{LightImage, Outline, Places, fingerprint, image_integral, nearest_of, outline_integral};
+pub use crate::outline::{
+    FlatShape, LightImage, Outline, Places, fingerprint, image_integral, nearest_of, outline_integral,
+};
 pub use crate::packed_lobe::PackedLobe;
 pub use crate::product::{is_lambert, product_integral, product_of_angle, products_of_angle};
 pub use crate::random::Random;

@@ -1,6 +1,6 @@
 //! An area light: the trait that says how receivers see it.
 
-use crate::{Cone, LightImage, LobeWriter, Outline, Receiver, SeenLight, Sphere, Tile, TileLight};
+use crate::{Cone, LightExtent, LightImage, LobeWriter, Outline, Receiver, SeenLight, Sphere, Tile, TileLight};
 use glam::Vec3;
 
 /// An area light, seen as a uniformly bright cone of directions, or as a bright outline (a convex polygon or a disc) in such a cone.
@@ -35,10 +35,16 @@ pub trait LightLobes {
     fn bounds(&self) -> Sphere;
 
     /// A sphere around all that receivers in a sphere may ask about: their shafts end there. [`bounds`](Self::bounds) by default; less for a light
-    /// at infinity, [`Outline::BEYOND`](Outline::BEYOND) times as much for a flat one, whose windows are larger than it.
+    /// at infinity, [`Outline::BEYOND`](Outline::BEYOND) times as much for a flat one, beside which blockers count as far.
     fn bounds_from(&self, receivers: &Sphere) -> Sphere {
         let _ = receivers;
         self.bounds()
+    }
+
+    /// Where the light is in that sphere, about its middle, if that is known better: as far beside the light as blockers count. Provided:
+    /// `None`.
+    fn extent(&self) -> Option<LightExtent> {
+        None
     }
 
     /// The light as a receiver sees it: its cone, its radiance, and the bright outline inside the cone where that is not all of
@@ -93,6 +99,9 @@ impl<L: LightLobes + ?Sized> LightLobes for Box<L> {
     }
     fn bounds_from(&self, receivers: &Sphere) -> Sphere {
         (**self).bounds_from(receivers)
+    }
+    fn extent(&self) -> Option<LightExtent> {
+        (**self).extent()
     }
     fn seen_from(&self, at: &Receiver) -> SeenLight {
         (**self).seen_from(at)

@@ -21,6 +21,17 @@ impl SeenLight {
         Self { cone, radiance, outline: None }
     }
 
+    /// A light with an outline, relative to the receiver; one with an empty cone toward `middle` where there is none.
+    #[must_use]
+    pub fn of_outline(outline: Option<Outline>, middle: Vec3, radiance: Vec3) -> Self {
+        let distance = middle.length();
+        // Twice, since one normalisation of a huge vector leaves f32.
+        let axis = if middle.is_finite() { middle.normalize_or(Vec3::Z) } else { Vec3::Z };
+        let distance = if distance > 0.0 { distance } else { f32::MIN_POSITIVE };
+        let cone = outline.as_ref().map_or(Cone { axis, one_minus_cos: 0.0, distance }, Outline::cone);
+        Self { cone, radiance, outline }
+    }
+
     /// The cosine lobe with its flux and mean vector: of the outline, or of the whole cone.
     #[must_use]
     pub fn lobe(&self) -> Lobe {
@@ -38,6 +49,9 @@ impl SeenLight {
     pub fn above(&self, normal: Vec3) -> Self {
         // A light that is cut already ends at the horizon, but for rounding.
         let Some(outline) = self.outline.as_ref().filter(|outline| !outline.is_clipped()) else { return *self };
+        if outline.corners().iter().all(|p| normal.dot(*p) >= 0.0) {
+            return *self;
+        }
         let outline = outline.above(normal);
         // The cone alone would be a light.
         let one_minus_cos = if outline.is_some() { self.cone.one_minus_cos } else { 0.0 };

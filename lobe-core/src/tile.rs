@@ -2,7 +2,7 @@
 
 use crate::lanes::{Columns, Kept, Lane, Level, WIDTH, map, row, set_row};
 use crate::seen::Seen;
-use crate::{Cone, Outline, Receiver, SeenLight, Sphere};
+use crate::{Cone, FlatShape, Outline, Receiver, SeenLight, Sphere};
 use glam::Vec3;
 
 /// Position, normal and view of receivers, sixteen to a block.
@@ -95,13 +95,23 @@ impl Tile {
 /// A light as the receivers of a [`Tile`] see it.
 #[derive(Clone, Debug, Default)]
 pub struct TileLight {
-    cones: Vec<Kept<5>>,
+    pub(crate) cones: Vec<Kept<5>>,
     pub(crate) seen: Vec<Kept<10>>,
     /// The same for all receivers, where `each` is empty.
     same: Vec3,
     each: Vec<Kept<3>>,
-    /// Of flat lights, one a receiver; of others none.
+    /// Of lights with outlines, one a receiver; of others none.
     outlines: Vec<Option<Outline>>,
+    /// A flat light, and the receivers that it is seen from: their outlines are made on demand.
+    flat: Option<Flat>,
+    at: Vec<Kept<9>>,
+}
+
+/// A flat light.
+#[derive(Clone, Debug)]
+pub(crate) struct Flat {
+    pub(crate) shape: FlatShape,
+    pub(crate) is_two_sided: bool,
 }
 
 /// The radiance of a light toward the receivers of a tile.
@@ -118,11 +128,22 @@ impl TileLight {
         self.same = radiance;
         self.each.clear();
         self.outlines.clear();
+        self.flat = None;
         self.cones.resize(tile.blocks(), Kept::default());
         for (at, cones) in tile.blocks.iter().zip(&mut self.cones) {
             map(level, &ToCone(sphere), &at.0, &[], &mut cones.0);
         }
         self.see(level, tile);
+    }
+
+    /// A flat light of the same radiance on one side, or on both.
+    pub fn flat(&mut self, tile: &Tile, shape: &FlatShape, is_two_sided: bool, radiance: Vec3) {
+        self.same = radiance;
+        self.each.clear();
+        self.outlines.clear();
+        self.cones.clear();
+        self.flat = Some(Flat { shape: shape.clone(), is_two_sided });
+        self.at.clone_from(&tile.blocks);
     }
 
     fn see(&mut self, level: Level, tile: &Tile) {
@@ -138,6 +159,7 @@ impl TileLight {
     /// When there are not as many as receivers of the tile.
     pub fn one_by_one(&mut self, tile: &Tile, seen: impl IntoIterator<Item = SeenLight>) {
         self.outlines.clear();
+        self.flat = None;
         let mut is_flat = false;
         self.cones.resize(tile.blocks(), Kept::default());
         self.each.resize(tile.blocks(), Kept::default());
@@ -180,12 +202,18 @@ impl TileLight {
     /// When the tile has no such receiver.
     #[must_use]
     pub fn seen_by(&self, i: usize) -> SeenLight {
-        SeenLight { cone: self.cone(i), radiance: self.radiance(i), outline: self.outline(i).copied() }
+        let radiance = self.radiance(i);
+        let Some(flat) = &self.flat else {
+            let cone = bytemuck::cast(row(&self.cones[i / WIDTH].0, i % WIDTH));
+            return SeenLight { cone, radiance, outline: self.outlines.get(i).copied().flatten() };
+        };
+        let [x, y, z, u, v, w, ..] = row(&self.at[i / WIDTH].0, i % WIDTH);
+        flat.shape.seen_from(Vec3::new(x, y, z), flat.is_two_sided, radiance).above(Vec3::new(u, v, w))
     }
 
-    /// The bright part of its cone above the horizon of receiver `i`, where that is not all.
-    pub(crate) fn outline(&self, i: usize) -> Option<&Outline> {
-        self.outlines.get(i)?.as_ref()
+    /// A flat light, and blocks of the receivers that it is seen from.
+    pub(crate) fn as_flat(&self) -> Option<(&Flat, &[Kept<9>])> {
+        Some((self.flat.as_ref()?, &self.at))
     }
 
     /// The bright parts of the receivers' cones above their horizons, of a flat light: none where it faces away. Empty of others.
@@ -203,7 +231,7 @@ impl TileLight {
     /// When the tile has no such receiver's block.
     #[must_use]
     pub fn cone(&self, i: usize) -> Cone {
-        bytemuck::cast(row(&self.cones[i / WIDTH].0, i % WIDTH))
+        self.seen_by(i).cone
     }
 }
 

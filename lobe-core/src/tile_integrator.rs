@@ -180,11 +180,12 @@ impl TileInteraction<'_> {
             observer.coverage(Coverage::Lit);
             return;
         }
-        match query(visibility, &self.at[i], &self.light.cone(i), self.light.outline(i), observer) {
+        let seen = self.light.seen_by(i);
+        match query(visibility, &self.at[i], &seen.cone, seen.outline.as_ref(), observer) {
             LightCoverage::Lit => {}
             LightCoverage::Dark => out.set(i, Vec3::ZERO, [0, 0]),
             LightCoverage::Partial(penumbra) => {
-                let light = self.light.radiance(i);
+                let light = seen.radiance;
                 let (mut radiance, mut counts) = (Vec3::ZERO, [0, 0]);
                 for (number, lobe) in self.lobes.of(i) {
                     let integral = self.integrals[number];

@@ -111,6 +111,11 @@ impl LightCone {
         if is_inside(self.distance, self.radius) { along + half } else { along - half }
     }
 
+    /// Distance of the farthest point of the sphere.
+    pub(crate) fn far_side(&self) -> f64 {
+        self.distance + self.radius
+    }
+
     /// Largest and smallest value of [`surface`](Self::surface) inside the cone.
     pub(crate) fn surface_range(&self) -> (f64, f64) {
         let (d, r) = (self.distance, self.radius);

@@ -143,7 +143,8 @@ impl<'a> RayShader<'a> {
         let mut rays = 0;
         for (number, light) in frame.lights.iter().enumerate() {
             if self.culled {
-                let shaft = Shaft::new(sphere, light.bounds_from(&sphere), LightId(number as u32)).in_box(half_extent);
+                let shaft = Shaft::new(sphere, light.bounds_from(&sphere), LightId(number as u32));
+                let shaft = shaft.in_box(half_extent).with_extent(light.extent());
                 self.enter(&shaft, scratch);
             }
             for (i, (at, material)) in receivers.iter().zip(materials).enumerate() {

@@ -243,7 +243,9 @@ impl Sampler {
                     continue;
                 }
                 if geometry.has_spheres() {
-                    self.occluders.select(at, &cone, &self.candidates, job.blockers);
+                    // A shape may reach through all of the sphere around it.
+                    let farthest = if area.is_sphere() { cone.surface_range().1 } else { cone.far_side() };
+                    self.occluders.select(at, &cone, farthest, &self.candidates, job.blockers);
                 } else {
                     self.occluders.none();
                 }
@@ -305,7 +307,7 @@ impl Sampler {
         for (i, (at, sums)) in receivers.iter().zip(sums).enumerate() {
             let cone = LightCone::new(at.position, around(at.position));
             if job.geometry.has_spheres() {
-                self.occluders.select(at, &cone, &self.candidates, job.blockers);
+                self.occluders.select(at, &cone, cone.surface_range().1, &self.candidates, job.blockers);
             } else {
                 self.occluders.none();
             }

@@ -276,7 +276,8 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
             return false;
         }
         let accuracy = frame.accuracy;
-        let shaft = Shaft::new(sphere, light.bounds_from(&sphere), id).in_box(half_extent);
+        let shaft = Shaft::new(sphere, light.bounds_from(&sphere), id);
+        let shaft = shaft.in_box(half_extent).with_extent(light.extent());
         // Receivers that all face away from the light need no query.
         let any = !I::TAKES_INTEGRALS || light.image().is_some() || integrals.iter().any(|integral| *integral > 0.0);
         let mut visibility = match (light.has_shadows(), any) {

@@ -44,9 +44,7 @@ const PAIRS: &[Pair] = &[
     ("lobe-core/src/cap/slab.wgsl", "SLAB_EXPONENT", Is("lobe-core/src/cap/slab.rs", "EXPONENT")),
     ("lobe-core/src/cap/slab.wgsl", "SLAB_WIDTH", Is("lobe-core/src/cap/slab.rs", "WIDTH")),
     ("lobe-core/src/outline/outline.wgsl", "OUTLINE_DEPTH", Is("lobe-core/src/outline/mod.rs", "DEPTH")),
-    ("lobe-core/src/outline/outline.wgsl", "OUTLINE_BEYOND", Is("lobe-core/src/outline/mod.rs", "BEYOND")),
     ("lobe-core/src/outline/outline.wgsl", "OUTLINE_WIDEST", Is("lobe-core/src/outline/mod.rs", "WIDEST")),
-    ("lobe-core/src/outline/outline.wgsl", "OUTLINE_OCTAGON", Is("lobe-core/src/outline/mod.rs", "OCTAGON")),
     ("lobe-core/src/outline/image.wgsl", "IMAGE_BORDER", Is("lobe-core/src/outline/image.rs", "BORDER")),
     ("lobe-core/src/outline/integral.wgsl", "OUTLINE_WIDE", Is("lobe-core/src/outline/integral.rs", "WIDE")),
     (
@@ -56,7 +54,9 @@ const PAIRS: &[Pair] = &[
     ),
     ("lobe-core/src/outline/outline.wgsl", "OUTLINE_AROUND", Is("lobe-core/src/outline/mod.rs", "AROUND")),
     ("lobe-core/src/outline/integral.wgsl", "OUTLINE_STEEP", Is("lobe-core/src/outline/integral.rs", "STEEP")),
-    ("lobe-core/src/outline/integral.wgsl", "OUTLINE_ROUND", Is("lobe-core/src/outline/integral.rs", "ROUND")),
+    ("lobe-core/src/outline/integral.wgsl", "OUTLINE_EQUAL", Is("lobe-core/src/outline/lambert.rs", "EQUAL")),
+    ("lobe-core/src/outline/integral.wgsl", "OUTLINE_SHORT", Is("lobe-core/src/outline/lambert.rs", "SHORT")),
+    ("lobe-core/src/outline/integral.wgsl", "OUTLINE_CUT", Is("lobe-core/src/outline/lambert.rs", "CUT")),
     ("lobe-core/src/outline/integral.wgsl", "OUTLINE_SMALL", Is("lobe-core/src/outline/cubature.rs", "SMALL")),
     ("lobe-core/src/outline/integral.wgsl", "OUTLINE_NOTHING", Is("lobe-core/src/outline/integral.rs", "NOTHING")),
     // π/6 over its sine, which Rust works out.
@@ -114,6 +114,11 @@ const PAIRS: &[Pair] = &[
         "visibility-silhouettes/src/silhouettes.wgsl",
         "SILHOUETTES_AROUND_SQ",
         Is("visibility-silhouettes/src/select.rs", "AROUND_SQ"),
+    ),
+    (
+        "visibility-silhouettes/src/silhouettes.wgsl",
+        "SILHOUETTES_MARGIN",
+        Is("visibility-silhouettes/src/beside.rs", "MARGIN"),
     ),
     // The CPU's hulls have margins of their own.
     ("visibility-silhouettes/src/silhouettes.wgsl", "SILHOUETTES_ROUNDING", Own),

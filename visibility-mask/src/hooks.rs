@@ -4,7 +4,7 @@ use crate::counts::Counts;
 use crate::visible_fraction::{narrowest, sums};
 use crate::{Mask, UnitSquare};
 use glam::Vec3;
-use lobe_core::{Lobe, Receiver};
+use lobe_core::{Lobe, Outline, Receiver};
 
 /// A mask without blockers, with coarse rows or fine ones as [`MaskVisibility`](crate::MaskVisibility) chooses them.
 #[must_use]
@@ -12,6 +12,15 @@ pub fn mask(square: &UnitSquare, depth: u32, coarse: bool, normal: Vec3) -> Mask
     let mut mask = Mask::default();
     mask.set_coarse(coarse);
     mask.reset(square, depth, normal);
+    mask
+}
+
+/// The same for a window on an outline.
+#[must_use]
+pub fn mask_of(square: &UnitSquare, depth: u32, coarse: bool, normal: Vec3, outline: &Outline) -> Mask {
+    let mut mask = Mask::default();
+    mask.set_coarse(coarse);
+    mask.reset_to(square, depth, normal, Some(outline));
     mask
 }
 

@@ -1,4 +1,5 @@
 use crate::SilhouetteMesh;
+use crate::beside::Beside;
 use crate::bounds::bounds;
 use crate::clip::{Ball, Behind, Chord, Front};
 use crate::count::{Counter, Fewest};
@@ -186,7 +187,10 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
         let light = scratch.light;
         let sides = |edge| self.meshes.sides(edge, x);
         let is_drawn = |edge| self.meshes.is_drawn(edge, x, light);
-        scratch.is_coarse = silhouettes(simd, x, query.cone, list, sides, is_drawn, &mut scratch.silhouettes);
+        let outline = query.outline.map(Beside::new);
+        let outline = outline.as_ref();
+        scratch.is_coarse =
+            silhouettes(simd, x, (query.cone, outline), list, sides, is_drawn, &mut scratch.silhouettes);
     }
 }
 

@@ -52,6 +52,7 @@
 //!
 //! Out of scope: tracing rays, and choosing the objects that cast shadows.
 
+mod beside;
 mod blockers;
 mod bounds;
 mod clip;

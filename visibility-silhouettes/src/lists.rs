@@ -145,7 +145,7 @@ impl Lists {
         let first = if radius > 0.0 { SHAFT_LEAVES } else { usize::MAX };
         self.is_whole = list(shaft, first).is_some();
         if !self.is_whole {
-            let middle = Shaft::new(Sphere { center, radius: 0.0 }, shaft.light, shaft.id);
+            let middle = shaft.from_receivers(Sphere { center, radius: 0.0 });
             self.single = list(&middle, usize::MAX).unwrap_or_default();
             let most = SHAFT_TIMES * self.single;
             self.is_whole = most > first && list(shaft, most).is_some();
@@ -174,7 +174,7 @@ impl Lists {
         if !self.is_whole {
             return self.around(meshes, at);
         }
-        let Shaft { receivers: Sphere { center, .. }, half_extent, light, id } = self.shaft;
+        let Shaft { receivers: Sphere { center, .. }, half_extent, .. } = self.shaft;
         if self.edges.len() < LONG || !self.is_shared() {
             return &self.edges;
         }
@@ -187,7 +187,7 @@ impl Lists {
         if !cell.is_listed {
             let middle = low + (Vec3::from_array(place.map(|x| x as f32)) + 0.5) * size;
             let ball = Sphere { center: middle, radius: 0.5 * size.length() };
-            let shaft = Shaft::new(ball, light, id).in_box(0.5 * size);
+            let shaft = self.shaft.from_receivers(ball).in_box(0.5 * size);
             Hull::new(&shaft, self.margin, meshes.fineness).narrow(simd, &self.edges, &mut cell.edges);
             cell.is_listed = true;
         }
@@ -216,9 +216,9 @@ impl Lists {
         let is_alone = self.alone > 0 || near == f32::INFINITY;
         self.alone = self.alone.saturating_sub(1);
         let mut receivers = Sphere { center: at, radius: if is_alone { 0.0 } else { NEIGHBOURS * near.sqrt() } };
-        let (Shaft { light, id, .. }, margin) = (self.shaft, self.margin);
+        let (shaft, margin) = (self.shaft, self.margin);
         let mut list = |receivers, most| {
-            let hull = Hull::new(&Shaft::new(receivers, light, id), margin, meshes.fineness);
+            let hull = Hull::new(&shaft.from_receivers(receivers), margin, meshes.fineness);
             meshes.list(&hull, most, &mut self.memory, &mut edges)
         };
         let most = BALL_LEAVES.max(BALL_TIMES * self.single);

@@ -23,8 +23,8 @@ pub(crate) struct View {
     pub(crate) far: f32,
     /// The depth at which silhouettes are clipped: `far`, or infinite if they have been clipped already.
     pub(crate) clip: f32,
-    /// Position, in samples, of a vertical line that crosses the visible part of the disc in every row.
-    middle: f32,
+    /// Position at row 0, in samples, of a line that crosses the visible part of the light in every row, and its growth from row to row.
+    middle: [f32; 2],
 }
 
 impl View {
@@ -35,7 +35,17 @@ impl View {
         let far = query.outline.map_or(distance * cos * cos, Outline::depth);
         let near = NEAR * if distance.is_finite() { distance } else { 1.0 };
         let left = square.center.x - square.half.x;
-        let middle = (0.0_f32.clamp(left, left + 2.0 * square.half.x) - left) * raster.samples;
+        let middle = query.outline.map_or([-left * raster.samples, 0.0], |outline| {
+            // From the lowest to the highest corner: in all rows inside of the outline, which is convex.
+            let bottom = square.center.y - square.half.y;
+            let points = outline.on_plane([square.right, square.up]);
+            let place = |p: Vec2| Vec2::new((p.x - left) * raster.samples, (p.y - bottom) * raster.rows - 0.5);
+            let low = place(points.clone().reduce(|a, b| if b.y < a.y { b } else { a }).unwrap_or_default());
+            let high = place(points.reduce(|a, b| if b.y > a.y { b } else { a }).unwrap_or_default());
+            let slope = (high.x - low.x) / (high.y - low.y);
+            let slope = if slope.is_finite() { slope } else { 0.0 };
+            [low.x - slope * low.y, slope]
+        });
         let far = far.max(near);
         Self { square, raster, rows, near, far, clip: far, middle }
     }
@@ -47,6 +57,13 @@ impl View {
         let y = bottom + (row as f32 + 0.5) / rows;
         let length = (1.0 + x * x + y * y).sqrt();
         (self.square.world(Vec3::new(x, y, 1.0)) / length, self.far * length)
+    }
+
+    /// Position, in samples, of a line that crosses the visible part of the light in every row and stays inside of the window: a light
+    /// and a window are convex.
+    fn middle(&self, row: f32) -> f32 {
+        let [start, slope] = self.middle;
+        (start + slope * row.clamp(-1.0, self.rows as f32)).clamp(0.0, self.raster.width)
     }
 
     /// A point on the square, in samples and rows.
@@ -82,9 +99,9 @@ impl Crossing {
         [a, b]: [f32; 2],
         [start, slope]: [f32; 2],
         [row_a, row_b]: [i32; 2],
+        left: [bool; 2],
         step: i32,
     ) -> Option<Self> {
-        let left = [a < view.middle, b < view.middle];
         let none = row_a == row_b && (left[0] == left[1] || row_a == 0 || row_a == view.rows as i32);
         let beside = a.min(b) > view.raster.width + 1.0 || a.max(b) < -1.0;
         if none || beside {
@@ -112,7 +129,8 @@ impl Crossing {
         let rows = ends.map(|p| p.y.ceil().clamp(0.0, view.rows as f32) as i32);
         let slope = (ends[1].x - ends[0].x) / (ends[1].y - ends[0].y);
         let line = if slope.is_finite() { [ends[0].x - slope * ends[0].y, slope] } else { [ends[0].x, 0.0] };
-        Self::new(view, ends.map(|p| p.x), line, rows, step)
+        let left = ends.map(|p| p.x < view.middle(p.y));
+        Self::new(view, ends.map(|p| p.x), line, rows, left, step)
     }
 }
 
@@ -145,14 +163,14 @@ pub(crate) fn project<S: Simd>(simd: S, silhouettes: &Silhouettes, view: &View, 
         }
         let xa = limit(simd, (a.x / a.z - left) * samples);
         let xb = limit(simd, (b.x / b.z - left) * samples);
-        let ra = limit(simd, (a.y / a.z - bottom) * rows - 0.5).ceil().max(zero).min(last);
-        let rb = limit(simd, (b.y / b.z - bottom) * rows - 0.5).ceil().max(zero).min(last);
+        let ya = limit(simd, (a.y / a.z - bottom) * rows - 0.5);
+        let yb = limit(simd, (b.y / b.z - bottom) * rows - 0.5);
+        let (ra, rb) = (ya.ceil().max(zero).min(last), yb.ceil().max(zero).min(last));
         drop |= ra.max(rb).simd_eq(zero) | ra.min(rb).simd_eq(last);
         drop |= xa.min(xb).simd_gt(f32x8::splat(simd, width + 1.0)) | xa.max(xb).simd_lt(f32x8::splat(simd, -1.0));
         // An edge between two rows matters only if it crosses the middle.
-        let middle = f32x8::splat(simd, view.middle);
-        let aside = (xa.min(xb)).simd_lt(middle) & !(xa.max(xb)).simd_lt(middle);
-        drop |= ra.simd_eq(rb) & !aside;
+        let left = [xa.simd_lt(middle(simd, view, ya)), xb.simd_lt(middle(simd, view, yb))];
+        drop |= ra.simd_eq(rb) & !(left[0] ^ left[1]);
         let mut keep = (!drop).to_bitmask() & u64::from(silhouettes.lanes(first));
         if keep == 0 {
             continue;
@@ -162,13 +180,23 @@ pub(crate) fn project<S: Simd>(simd: S, silhouettes: &Silhouettes, view: &View, 
         let [xa, xb]: [[f32; 8]; 2] = [xa.into(), xb.into()];
         let ra: [i32; 8] = ra.to_int::<i32x8<S>>().into();
         let rb: [i32; 8] = rb.to_int::<i32x8<S>>().into();
+        let [left_a, left_b] = left.map(|left| left.to_bitmask());
         let steps: [i32; 8] = silhouettes.load(simd, STEP, first).to_int::<i32x8<S>>().into();
         while keep != 0 {
             let l = keep.trailing_zeros() as usize & 7;
             keep &= keep - 1;
-            out.extend(Crossing::new(view, [xa[l], xb[l]], [start[l], slope[l]], [ra[l], rb[l]], steps[l]));
+            let left = [left_a >> l & 1 == 1, left_b >> l & 1 == 1];
+            out.extend(Crossing::new(view, [xa[l], xb[l]], [start[l], slope[l]], [ra[l], rb[l]], left, steps[l]));
         }
     }
+}
+
+/// [`View::middle`] at eight heights.
+#[inline(always)]
+fn middle<S: Simd>(simd: S, view: &View, row: f32x8<S>) -> f32x8<S> {
+    let row = row.max(f32x8::splat(simd, -1.0)).min(f32x8::splat(simd, view.rows as f32));
+    let [start, slope] = view.middle.map(|x| f32x8::splat(simd, x));
+    (start + row * slope).max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, view.raster.width))
 }
 
 /// Limits a position to the largest one.

@@ -1,5 +1,6 @@
 //! The silhouettes of one receiver in front of its light.
 
+use crate::beside::Beside;
 use crate::edge_list::{COARSE, Columns, ENDS, EdgeList, ID, MARKS, PLANES, SOMETIMES};
 use crate::hull::UNSURE;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
@@ -28,7 +29,7 @@ const AROUND_SQ: f32 = 1.000_2;
 pub(crate) fn silhouettes<S: Simd>(
     simd: S,
     x: Vec3,
-    cone: &Cone,
+    (cone, outline): (&Cone, Option<&Beside>),
     edges: &EdgeList,
     sides: impl Fn(u32) -> [f32; 2],
     is_drawn: impl Fn(u32) -> bool,
@@ -42,14 +43,17 @@ pub(crate) fn silhouettes<S: Simd>(
     let (u, v) = orthonormal_basis(cone.axis);
     // Inward normals of a square around the disc.
     let window = [u + cone.axis * tan, cone.axis * tan - u, v + cone.axis * tan, cone.axis * tan - v];
-    // Wide lights have no such square.
-    let window = if cone.one_minus_cos < 0.9 { &window[..] } else { &[] };
+    // Wide lights have no such square, flat ones have something better.
+    let window = if cone.one_minus_cos < 0.9 && outline.is_none() { &window[..] } else { &[] };
     let reach = UNSURE * x.abs().element_sum();
     for first in (0..edges.len()).step_by(8) {
         let [a, b] = [edges.load3(simd, ENDS[0], first).minus(x), edges.load3(simd, ENDS[1], first).minus(x)];
         let mut keep = mask32x8::from_bitmask(simd, u64::from(edges.lanes(first)));
         for n in window {
             keep &= a.dot_one(*n).max(b.dot_one(*n)).simd_ge(zero);
+        }
+        if let Some(outline) = outline {
+            keep &= !outline.misses_edges(simd, a, b);
         }
         if !keep.any_true() {
             continue;

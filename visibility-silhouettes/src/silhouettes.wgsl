@@ -12,6 +12,17 @@ const SILHOUETTES_ROUNDING = 2e-6;
 // No triangle on that side of an edge; no child of a node.
 const SILHOUETTES_NONE = 0xffffffffu;
 
+// Edges count as far beside a flat light's outline as this part of its size.
+const SILHOUETTES_MARGIN = 0.046875;
+const SILHOUETTES_CORNERS = 8u;
+
+// The outline of a flat light, or an octagon around it, as `Beside`: inward normals of planes through the receiver and its sides, and its
+// corners on the plane at distance 1.
+var<private> silhouettes_planes: array<vec3f, SILHOUETTES_CORNERS>;
+var<private> silhouettes_corners: array<vec3f, SILHOUETTES_CORNERS>;
+var<private> silhouettes_plane_count: u32;
+var<private> silhouettes_margin: f32;
+
 // A receiver and its light.
 struct SilhouetteEye {
     // The start of rays, and its |x| + |y| + |z|.
@@ -33,6 +44,7 @@ fn silhouettes_eye(at: Receiver, cone: Cone) -> SilhouetteEye {
     let x = any_hit_leave(at);
     let size = abs(x);
     let tan = SILHOUETTES_AROUND * cone_tan(cone);
+    silhouettes_set_outline();
     return SilhouetteEye(
         x,
         (size.x + size.y) + size.z,
@@ -43,6 +55,98 @@ fn silhouettes_eye(at: Receiver, cone: Cone) -> SilhouetteEye {
         cone.one_minus_cos >= 0.9,
         silhouettes_far(cone)
     );
+}
+
+fn silhouettes_set_outline() {
+    var middle = vec3f(0.0);
+    for (var i = 0u; i < outline.count; i++) {
+        middle += outline_corners[i] / f32(outline.count);
+    }
+    var square = 0.0;
+    for (var i = 0u; i < outline.count; i++) {
+        let apart = outline_corners[i] - middle;
+        square = max(square, dot(apart, apart));
+    }
+    silhouettes_margin = SILHOUETTES_MARGIN * sqrt(square) / outline.height;
+    silhouettes_plane_count = min(outline.count, SILHOUETTES_CORNERS);
+    if (outline.count > SILHOUETTES_CORNERS) {
+        silhouettes_push_around();
+    } else {
+        for (var i = 0u; i < outline.count; i++) {
+            silhouettes_corners[i] = outline_corners[i] / outline.height;
+        }
+    }
+    let count = silhouettes_plane_count;
+    for (var i = 0u; i < count; i++) {
+        let p = silhouettes_corners[i];
+        let q = silhouettes_corners[select(i + 1u, 0u, i + 1u == count)];
+        let normal = cross(p, q - p);
+        let aside = normal - outline.axis * dot(outline.axis, normal);
+        silhouettes_planes[i] = normal / max(sqrt(dot(aside, aside)), 1.1754944e-38) + outline.axis * silhouettes_margin;
+    }
+}
+
+// An octagon around an outline of many corners, along the longest way between two of them.
+fn silhouettes_push_around() {
+    let half = outline.count / 2u;
+    var long = vec3f(0.0);
+    for (var i = 0u; i < half; i++) {
+        let across = outline_corners[i + half] - outline_corners[i];
+        long = select(long, across, dot(across, across) > dot(long, long));
+    }
+    let aside = long - outline.axis * dot(outline.axis, long);
+    let length = sqrt(dot(aside, aside));
+    let u = select(orthonormal_basis_u(outline.axis), aside / length, length > 0.0);
+    let v = cross(outline.axis, u);
+    var low = vec2f(3e38);
+    var high = vec2f(-3e38);
+    for (var i = 0u; i < outline.count; i++) {
+        let p = vec2f(dot(u, outline_corners[i]), dot(v, outline_corners[i])) / outline.height;
+        low = min(low, p);
+        high = max(high, p);
+    }
+    // Corners of the box, cut at 45° about a middle that stretches it to a square.
+    let center = 0.5 * (low + high);
+    let size = max(0.5 * (high - low), vec2f(1.1754944e-38));
+    for (var k = 0u; k < 4u; k++) {
+        let mirror = vec2f(select(-1.0, 1.0, k < 2u), select(-1.0, 1.0, k == 1u || k == 2u));
+        var cut = -3e38;
+        for (var i = 0u; i < outline.count; i++) {
+            let p = vec2f(dot(u, outline_corners[i]), dot(v, outline_corners[i])) / outline.height;
+            let at = mirror * (p - center) / size;
+            cut = max(cut, at.x + at.y);
+        }
+        // From the box's side to the cut, and from the cut to the next side.
+        let rest = clamp(cut - 1.0, 0.0, 1.0);
+        let is_odd = mirror.x * mirror.y > 0.0;
+        let first = center + mirror * select(vec2f(rest, 1.0), vec2f(1.0, rest), is_odd) * size;
+        let second = center + mirror * select(vec2f(1.0, rest), vec2f(rest, 1.0), is_odd) * size;
+        silhouettes_corners[2u * k] = u * first.x + v * first.y + outline.axis;
+        silhouettes_corners[2u * k + 1u] = u * second.x + v * second.y + outline.axis;
+    }
+}
+
+// Whether an edge certainly passes beside a flat light, or lies behind its plane: one of the outline's sides or the edge's own line parts
+// them.
+fn silhouettes_beside_outline(a: vec3f, b: vec3f) -> bool {
+    let count = silhouettes_plane_count;
+    if (count == 0u) {
+        return false;
+    }
+    let plane = light_plane();
+    var beside = dot(plane.xyz, a) > plane.w && dot(plane.xyz, b) > plane.w;
+    let normal = cross(a, b - a);
+    var low = 3e38;
+    var high = -3e38;
+    for (var i = 0u; i < count; i++) {
+        let n = silhouettes_planes[i];
+        beside = beside || max(dot(n, a), dot(n, b)) < 0.0;
+        let at = dot(normal, silhouettes_corners[i]);
+        low = min(low, at);
+        high = max(high, at);
+    }
+    let size = sqrt(dot(normal, normal)) * silhouettes_margin;
+    return beside || low > size || high < -size;
 }
 
 // Depth of the circle where a cone touches its light.
@@ -130,7 +234,7 @@ fn silhouettes_step(eye: SilhouetteEye, edge: u32) -> i32 {
         let side = silhouettes_side(eye, select(ends.z, ends.w, k == 1u));
         step += select(side, -side, k == 1u);
     }
-    if (step != 0 && !eye.is_wide && silhouettes_beside(eye, a, b)) {
+    if (step != 0 && ((!eye.is_wide && silhouettes_beside(eye, a, b)) || silhouettes_beside_outline(a, b))) {
         return 0;
     }
     return step;

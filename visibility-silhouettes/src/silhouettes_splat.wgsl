@@ -55,8 +55,8 @@ struct SilhouetteView {
     raster: Raster,
     near: f32,
     far: f32,
-    // Position, in samples, of a vertical line that crosses the visible part of the disc in every row.
-    middle: f32,
+    // Position at row 0, in samples, of a line that crosses the visible part of the light in every row, and its growth from row to row.
+    middle: vec2f,
     // The first sample of the part that is counted.
     first: u32,
 }
@@ -72,11 +72,29 @@ fn silhouettes_view_of(mask: Mask, eye: SilhouetteEye) -> SilhouetteView {
     let square = mask.square;
     let raster = mask_raster(mask);
     let near = SILHOUETTES_NEAR * select(eye.cone.distance, 1.0, eye.cone.distance > 1e30);
-    let left = square.center.x - square.half.x;
-    let middle = (clamp(0.0, left, left + 2.0 * square.half.x) - left) * raster.samples;
+    let middle = silhouettes_middle_line(square, raster);
     // The square of a flat light is in its plane.
     let far = select(eye.far, light_plane().w, light_is_flat());
     return SilhouetteView(square, raster, near, max(far, near), middle, 0u);
+}
+
+// From the lowest to the highest corner of an outline, which is convex; of a round light through its middle.
+fn silhouettes_middle_line(square: UnitSquare, raster: Raster) -> vec2f {
+    if (!light_is_flat()) {
+        return vec2f(-raster.left * raster.samples, 0.0);
+    }
+    var low = vec2f(0.0, 3e38);
+    var high = vec2f(0.0, -3e38);
+    for (var i = 0u; i < outline.count; i++) {
+        let p = vec2f(dot(square.right, outline_corners[i]), dot(square.up, outline_corners[i])) / outline.height;
+        low = select(low, p, p.y < low.y);
+        high = select(high, p, p.y > high.y);
+    }
+    let scale = vec2f(raster.samples, raster.rows);
+    low = (low - vec2f(raster.left, raster.bottom)) * scale - vec2f(0.0, 0.5);
+    high = (high - vec2f(raster.left, raster.bottom)) * scale - vec2f(0.0, 0.5);
+    let slope = select(0.0, (high.x - low.x) / (high.y - low.y), high.y > low.y);
+    return vec2f(low.x - slope * low.y, slope);
 }
 
 // Draws or sums all silhouettes of the receiver. Requires uniform control flow.
@@ -308,14 +326,17 @@ fn silhouettes_count(a: vec3f, b: vec3f, line: vec3f, step: i32) {
     // Computed once for a vertex: the same for all its edges, whichever end it is.
     var x: array<f32, 2>;
     var row: array<f32, 2>;
+    var middle: array<f32, 2>;
     for (var k = 0u; k < 2u; k++) {
         let p = select(a, b, k == 1u);
         x[k] = silhouettes_limit((p.x / p.z - raster.left) * raster.samples);
-        row[k] = clamp(ceil(silhouettes_limit((p.y / p.z - raster.bottom) * raster.rows - 0.5)), 0.0, f32(SIDE));
+        let height = silhouettes_limit((p.y / p.z - raster.bottom) * raster.rows - 0.5);
+        row[k] = clamp(ceil(height), 0.0, f32(SIDE));
+        middle[k] = clamp(view.middle.x + view.middle.y * clamp(height, -1.0, f32(SIDE)), 0.0, f32(row_width));
     }
     let low = min(x[0], x[1]);
     let high = max(x[0], x[1]);
-    let is_left = vec2<bool>(x[0] < view.middle, x[1] < view.middle);
+    let is_left = vec2<bool>(x[0] < middle[0], x[1] < middle[1]);
     if (max(row[0], row[1]) == 0.0 || min(row[0], row[1]) == f32(SIDE) || low > f32(row_width) + 1.0 || high < -1.0
         || (row[0] == row[1] && is_left.x == is_left.y)) {
         return;

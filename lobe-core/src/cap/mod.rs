@@ -15,9 +15,10 @@ use self::blocks::Blocks;
 use self::chord::Chord;
 use self::microfacets::Ellipse;
 use self::pair::Pair;
-use crate::lanes::{WIDTH, row};
+use crate::lanes::{Kept, WIDTH, row};
 use crate::seen::Seen;
-use crate::{BrdfLobe, Cone, PackedLobe, Receiver, TileLight, TileLobes, outline};
+use crate::tile::Flat;
+use crate::{BrdfLobe, Cone, PackedLobe, Receiver, TileLight, TileLobes, is_lambert, outline};
 use core::cell::RefCell;
 use core::f32::consts::FRAC_1_PI;
 use fearless_simd::{Level, dispatch};
@@ -113,6 +114,10 @@ pub(crate) fn integrals_at(level: Level, light: &TileLight, lobes: &TileLobes, o
         static BLOCKS: RefCell<Blocks> = const { RefCell::new(Blocks::new()) };
     }
     out.resize(lobes.blocks() * WIDTH, 0.0);
+    if let Some((flat, at)) = light.as_flat() {
+        of_flat(level, light, (flat, at), lobes, out);
+        return;
+    }
     if !light.outlines().is_empty() {
         of_outlines(light, lobes, out);
         return;
@@ -126,13 +131,41 @@ pub(crate) fn integrals_at(level: Level, light: &TileLight, lobes: &TileLobes, o
     });
 }
 
+/// Lambert lobes side by side, others one by one.
+fn of_flat(level: Level, light: &TileLight, (flat, at): (&Flat, &[Kept<9>]), lobes: &TileLobes, out: &mut [f32]) {
+    out.fill(0.0);
+    for (block, at) in at.iter().enumerate() {
+        let mut lambert = None;
+        for j in 0..WIDTH {
+            let i = block * WIDTH + j;
+            let [.., x, y, z, _, _, _] = row(&at.0, j);
+            let normal = Vec3::new(x, y, z);
+            let at_normal = Receiver::on_surface(Vec3::ZERO, normal, normal);
+            let mut seen = None;
+            for (number, lobe) in lobes.of(i) {
+                if matches!(lobe, BrdfLobe::Cosine(lobe) if is_lambert(&at_normal, &lobe)) {
+                    let of_block = || outline::of_block(level, &flat.shape, flat.is_two_sided, &at.0);
+                    let value = lambert.get_or_insert_with(of_block)[j];
+                    if !value.is_nan() {
+                        out[number] = value.max(0.0);
+                        continue;
+                    }
+                }
+                let seen = seen.get_or_insert_with(|| light.seen_by(i));
+                out[number] = outline::light_integral(&at_normal, &lobe, &seen.cone, seen.outline.as_ref());
+            }
+        }
+    }
+}
+
 fn of_outlines(light: &TileLight, lobes: &TileLobes, out: &mut [f32]) {
     out.fill(0.0);
     for (i, outline) in light.outlines().iter().enumerate() {
         let seen: Seen = bytemuck::cast(row(&light.seen[i / WIDTH].0, i % WIDTH));
         let at = Receiver::on_surface(Vec3::ZERO, seen.normal, seen.normal);
         for (number, lobe) in lobes.of(i) {
-            out[number] = outline::light_integral(&at, &lobe, &light.cone(i), outline.as_ref());
+            let cone = bytemuck::cast(row(&light.cones[i / WIDTH].0, i % WIDTH));
+            out[number] = outline::light_integral(&at, &lobe, &cone, outline.as_ref());
         }
     }
 }

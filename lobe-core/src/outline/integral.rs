@@ -1,4 +1,5 @@
 use super::cubature::{Peak, Value, cubature};
+use super::lambert::irradiance;
 use super::{LightImage, Outline, nearest_of};
 use crate::microfacets::seen_from;
 use crate::special::{atan2, exp, ln_of};
@@ -9,10 +10,7 @@ use glam::{Vec2, Vec3};
 /// Lobes below this exponent end at their horizon with a kink.
 const STEEP: f32 = 4.0;
 
-/// Area of a circle over that of the polygon around it.
-const ROUND: f32 = 0.994_281_9;
-
-/// Lambert's formula cancels where the edges' angles are less than this together.
+/// Discs that the horizon cuts have Lambert's formula where their sides' angles are more than this together.
 const WIDE: f32 = 0.6;
 
 /// A lobe that is nowhere on a light more than this part of its largest value adds nothing.
@@ -21,8 +19,8 @@ const NOTHING: f32 = 1e-9;
 /// `∫ f(v) dv` over what of a polygon of light is above the receiver's horizon, for a reflectance lobe of flux 1, as
 /// [`cap_integral`](crate::cap_integral) over a cone.
 ///
-/// - Lambert: Lambert's own formula, `½ Σ θᵢ n·Γᵢ` over the edges of the clipped polygon (*Photometria*, 1760), where the light is
-///   wide enough for it not to cancel;
+/// - Lambert: Lambert's own formula, `½ Σ θᵢ n·Γᵢ` over the edges of the clipped polygon (*Photometria*, 1760), in a form that does not
+///   cancel for small lights;
 /// - else: Gauss–Legendre rules over rows and columns of the light's plane, gathered where the lobe, or `1/r³`, has its peak: with
 ///   `t` in its widths from there, nodes are even in `t/√(1+t²)`.
 ///
@@ -86,23 +84,10 @@ fn over(at: &Receiver, lobe: &BrdfLobe, light: &Outline, image: Option<&LightIma
 }
 
 fn lambert(normal: Vec3, light: &Outline, image: Option<&LightImage>) -> [f32; 4] {
-    // The polygon around a disc is larger by this.
-    let part = light.circle([normal; 2]).map_or(1.0, |_| ROUND);
-    let corners = light.corners();
-    let mut sum = 0.0;
-    let mut around = 0.0_f32;
-    for (i, a) in corners.iter().enumerate() {
-        let b = corners[(i + 1) % corners.len()];
-        let cross = a.cross(b - *a);
-        let size = cross.length();
-        let angle = atan2(size, a.dot(b));
-        around += angle;
-        if size > 0.0 {
-            sum += angle * normal.dot(cross) / size;
-        }
-    }
-    if around > WIDE && image.is_none() {
-        return [0.0, 0.0, 0.0, sum * part / TAU];
+    // Of a disc that the horizon cuts the polygon around it is not as large in all parts.
+    let is_cut_disc = light.is_clipped && light.radius.is_some();
+    if image.is_none() && (!is_cut_disc || angle_around(light) > WIDE) {
+        return [0.0, 0.0, 0.0, irradiance(normal, light)];
     }
     let frame = light.frame(normal);
     let local = |v: Vec3| Vec3::new(frame[0].dot(v), frame[1].dot(v), light.axis().dot(v));
@@ -111,6 +96,13 @@ fn lambert(normal: Vec3, light: &Outline, image: Option<&LightImage>) -> [f32; 4
     let width = Vec2::splat((1.0 + peak.length_squared()).sqrt());
     let peak = Peak { point: peak, width, is_beside: false };
     cubature(normal, light, frame, peak, lobe, image)
+}
+
+/// The angles that the sides are seen under, together.
+fn angle_around(light: &Outline) -> f32 {
+    let corners = light.corners();
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().zip(next).map(|(a, b)| atan2(a.cross(*b - *a).length(), a.dot(*b))).sum()
 }
 
 fn power(normal: Vec3, lobe: &Lobe, light: &Outline, image: Option<&LightImage>) -> [f32; 4] {

@@ -31,7 +31,8 @@ fn outline_node(rule: vec2u, k: u32) -> vec2f {
 
 // Lobes below this exponent end at their horizon with a kink.
 const OUTLINE_STEEP = 4.0;
-const OUTLINE_ROUND = 0.9942819;
+const OUTLINE_EQUAL = 0.9971368;
+const OUTLINE_CUT = 1e-5;
 const OUTLINE_SMALL = 0.04;
 const OUTLINE_NOTHING = 1e-9;
 
@@ -71,31 +72,67 @@ fn outline_integral(at: Receiver, lobe: Lobe) -> OutlineSum {
     return outline_power(at.normal, lobe);
 }
 
-// Lambert's formula, and the angles of the edges together.
+// Squared sines below this have a series.
+const OUTLINE_SHORT = 0.1;
+
+// Lambert's formula in the form of lambert.rs, which does not cancel, and the angles of the edges together.
 fn outline_closed(normal: vec3f) -> vec2f {
+    let axis = outline.axis;
+    let height = outline.height;
+    let square = height * height;
+    let cos = dot(normal, axis);
+    let across = cross(normal, axis);
+    let first = outline_in_plane(normal, outline_corners[0]);
+    let of_first = square + dot(first, first);
     var sum = 0.0;
+    var area = 0.0;
     var around = 0.0;
     for (var i = 0u; i < outline.count; i++) {
-        let a = outline_corners[i];
-        let b = outline_corners[select(i + 1u, 0u, i + 1u == outline.count)];
-        let normal_of = cross(a, b - a);
-        let size = sqrt(dot(normal_of, normal_of));
-        let angle = atan2_f32(size, dot(a, b));
+        let p = outline_in_plane(normal, outline_corners[i]);
+        let q = outline_in_plane(normal, outline_corners[select(i + 1u, 0u, i + 1u == outline.count)]);
+        let side = q - p;
+        let both = sqrt((square + dot(p, p)) * (square + dot(q, q)));
+        let inverse = 1.0 / max(both, 1.1754944e-38);
+        // The cross product of the two corners: beside the axis and along it.
+        let along = dot(axis, cross(p, side));
+        let crossed = height * dot(across, side) + along * cos;
+        let length = sqrt(square * dot(side, side) + along * along);
+        let sin = length * inverse;
+        let z = sin * sin;
+        let toward = square + dot(p, q);
+        let angle = atan2_f32(length, toward);
         around += angle;
-        if (size > 0.0) {
-            sum += angle * dot(normal, normal_of) / size;
-        }
+        let series = z * (1.0 / 6.0 + z * (3.0 / 40.0 + z * (15.0 / 336.0 + z * (105.0 / 3456.0))));
+        let beyond = select(angle / max(sin, 1.1754944e-38) - 1.0, series, z < OUTLINE_SHORT && toward > 0.0);
+        // From the differences of the squares.
+        let from_p = dot(p - first, p + first);
+        let from_q = dot(q - first, q + first);
+        let excess = (of_first * (from_p + from_q) + from_p * from_q) / (of_first * (of_first + both));
+        sum += crossed * ((beyond - excess) * inverse);
+        area += dot(axis, cross(p - first, q - first));
     }
-    // The polygon around a disc is larger than it.
-    return vec2f(sum * select(1.0, OUTLINE_ROUND, outline.radius > 0.0) / TAU, around);
+    return vec2f((area * cos / of_first + sum) / TAU, around);
 }
 
-// Of narrower lights the formula cancels.
+// From the foot of the receiver's perpendicular on the light's plane to a corner.
+fn outline_in_plane(normal: vec3f, corner: vec3f) -> vec3f {
+    let p = outline_equal(normal, corner);
+    return p - outline.axis * dot(outline.axis, p);
+}
+
+// From the corner of the polygon around a disc to that of one of the disc's area; a corner that the horizon has made stays.
+fn outline_equal(normal: vec3f, p: vec3f) -> vec3f {
+    let is_inside = outline.radius > 0.0 && dot(normal, p) > OUTLINE_CUT * sqrt(dot(p, p));
+    return select(p, outline.center + (p - outline.center) * OUTLINE_EQUAL, is_inside);
+}
+
+// Discs that the horizon cuts have the formula where their sides' angles are more than this together.
 const OUTLINE_WIDE = 0.6;
 
 fn outline_lambert(normal: vec3f) -> OutlineSum {
     let closed = outline_closed(normal);
-    if (closed.y > OUTLINE_WIDE && !OUTLINE_SHOWS) {
+    let is_cut_disc = outline.is_clipped && outline.radius > 0.0;
+    if (!OUTLINE_SHOWS && (!is_cut_disc || closed.y > OUTLINE_WIDE)) {
         return OutlineSum(closed.x);
     }
     let right = outline_frame(normal);

@@ -1,14 +1,19 @@
 //! Flat lights: what a receiver sees of a convex polygon.
 
 mod cubature;
+mod flat_shape;
 mod image;
 mod integral;
+mod lambert;
+mod near_part;
 #[cfg(test)]
 mod tests;
 
+pub use self::flat_shape::FlatShape;
 pub use self::image::{LightImage, fingerprint};
 pub use self::integral::{image_integral, outline_integral};
 pub(crate) use self::integral::{light_integral, of_image};
+pub(crate) use self::lambert::of_block;
 
 use crate::{Cone, Lobe, Sphere, orthonormal_basis};
 use glam::{Vec2, Vec3};
@@ -54,9 +59,6 @@ const DEPTH: f32 = 0.999_9;
 /// Cones of outlines that are wider than this are the whole hemisphere before the light's plane.
 const WIDEST: f32 = 0.9;
 
-/// The corners of an octagon about a circle, in its radii.
-const OCTAGON: f32 = 1.082_393;
-
 /// Cosine and sine of the multiples of 15°.
 const TURNS: [[f32; 2]; Outline::MOST] = [
     [1.0, 0.0],
@@ -88,9 +90,8 @@ const TURNS: [[f32; 2]; Outline::MOST] = [
 impl Outline {
     /// The most corners of a light.
     pub const MOST: usize = 24;
-    /// Windows on a light reach so far beyond it, in radii of a sphere around it: √2 for a rectangle about a circle, and an octagon about
-    /// that.
-    pub const BEYOND: f32 = 1.531;
+    /// Blockers count as far beside a light as this, in radii of a sphere around it: nearer ones turn its masks.
+    pub const BEYOND: f32 = 1.1;
     /// Each of two horizons adds one, the receiver's and a lobe's.
     const ROOM: usize = Self::MOST + 2;
 
@@ -130,10 +131,15 @@ impl Outline {
     /// A disc relative to the receiver; as [`new`](Self::new).
     #[must_use]
     pub fn disc(center: Vec3, radius: f32, axis: Vec3) -> Option<Self> {
+        let polygon = Self::new(&Self::around_disc(radius, axis).map(|offset| center + offset), axis)?;
+        Some(Self { center, radius: Some(radius), ..polygon })
+    }
+
+    /// From a disc's middle to the corners of the polygon around it.
+    fn around_disc(radius: f32, axis: Vec3) -> [Vec3; Self::MOST] {
         let (u, v) = orthonormal_basis(axis);
         let reach = radius * AROUND;
-        let polygon = Self::new(&TURNS.map(|[cos, sin]| center + (u * cos + v * sin) * reach), axis)?;
-        Some(Self { center, radius: Some(radius), ..polygon })
+        TURNS.map(|[cos, sin]| (u * cos + v * sin) * reach)
     }
 
     /// The same light with places on it: from its middle along two half sides at right angles, for a [`LightImage`]. Windows on it are
@@ -204,7 +210,8 @@ impl Outline {
     #[must_use]
     pub fn above(&self, normal: Vec3) -> Option<Self> {
         let corners = self.corners();
-        let heights = self.corners.map(|p| normal.dot(p));
+        let mut heights = [0.0; Self::ROOM];
+        heights.iter_mut().zip(corners).for_each(|(height, p)| *height = normal.dot(*p));
         let heights = &heights[..self.count];
         if heights.iter().all(|h| *h >= 0.0) {
             return Some(*self);
@@ -283,12 +290,11 @@ impl Outline {
         self.corners().iter().map(move |p| Vec2::new(right.dot(*p), up.dot(*p)) * scale)
     }
 
-    /// A sphere around all of it and around every rectangle in its plane around any part of it, relative to the receiver.
+    /// A sphere around all of it and as far beside it as blockers count, relative to the receiver.
     #[must_use]
     pub fn sphere(&self) -> Sphere {
         let radius = self.corners().iter().map(|p| p.distance_squared(self.center)).fold(0.0, f32::max).sqrt();
-        let sphere = Sphere { center: self.center, radius };
-        if self.has_sides() { Sphere { radius: radius * OCTAGON, ..sphere } } else { Self::sphere_around(sphere) }
+        Self::sphere_around(Sphere { center: self.center, radius })
     }
 
     /// Whether windows on it are turned as its [sides](Self::with_sides) are, and so never reach beyond it.
@@ -303,17 +309,13 @@ impl Outline {
         Sphere { radius: bounds.radius * Self::BEYOND, ..bounds }
     }
 
-    /// A cone around all of it and around every rectangle in its plane around any part of it. Along the cone's axis nothing of these is
-    /// farther than `distance·cos²θ`, where surfaces end to block a cone; wider cones are the hemisphere before the plane, with no
-    /// such end.
+    /// A cone around all of it. Along the cone's axis nothing of it is farther than `distance·cos²θ`, where surfaces end to block a cone; wider
+    /// cones are the hemisphere before the plane, with no such end.
     #[must_use]
     pub fn cone(&self) -> Cone {
-        let Sphere { radius: reach, .. } = self.sphere();
         let toward = self.center.normalize();
-        let (u, v) = orthonormal_basis(self.axis);
         let (mut fall, mut depth) = (0.0_f32, 0.0_f32);
-        for [cos, sin] in TURNS.iter().step_by(3) {
-            let p = self.center + (u * *cos + v * *sin) * reach;
+        for p in self.corners() {
             fall = fall.max(0.5 * (p.normalize() - toward).length_squared());
             depth = depth.max(p.dot(toward));
         }

@@ -29,10 +29,7 @@ var<private> outline_sides: array<vec3f, 2>;
 
 // Outlines end so near before the light's plane.
 const OUTLINE_DEPTH = 0.9999;
-const OUTLINE_BEYOND = 1.531;
 const OUTLINE_WIDEST = 0.9;
-// From a circle to the corners of an octagon around it.
-const OUTLINE_OCTAGON = 1.082393;
 // From a circle to the corners of the polygon around it.
 const OUTLINE_AROUND = 1.008629;
 // Cosine and sine of the first multiples of 15°.
@@ -224,27 +221,18 @@ fn outline_circle(right: vec3f) -> vec3f {
     return vec3f(dot(right, outline.center), dot(up, outline.center), outline.radius) / outline.height;
 }
 
-// A cone around all of it and around every rectangle in its plane around any part of it; an empty one toward `middle` where there is none.
+// A cone around all of it; an empty one toward `middle` where there is none.
 fn outline_cone(middle: vec3f) -> Cone {
     if (outline.count == 0u) {
         let length = sqrt(dot(middle, middle));
         let is_there = length > 0.0 && length < 3e38;
         return Cone(select(vec3f(0.0, 0.0, 1.0), middle / length, is_there), 0.0, max(length, 1.1754944e-38));
     }
-    var square = 0.0;
-    for (var i = 0u; i < outline.count; i++) {
-        let apart = outline_corners[i] - outline.center;
-        square = max(square, dot(apart, apart));
-    }
-    let reach = sqrt(square) * select(OUTLINE_BEYOND, OUTLINE_OCTAGON, outline_has_sides());
     let toward = outline.center / sqrt(dot(outline.center, outline.center));
-    let u = orthonormal_basis_u(outline.axis);
-    let v = orthonormal_basis_v(outline.axis);
     var fall = 0.0;
     var depth = 0.0;
-    for (var k = 0u; k < OUTLINE_MOST; k += 3u) {
-        let turn = outline_turn(k);
-        let p = outline.center + (u * turn.x + v * turn.y) * reach;
+    for (var i = 0u; i < outline.count; i++) {
+        let p = outline_corners[i];
         let apart = p / sqrt(dot(p, p)) - toward;
         fall = max(fall, 0.5 * dot(apart, apart));
         depth = max(depth, dot(p, toward));

@@ -51,12 +51,19 @@ pub(crate) fn tile_candidates(receivers: &[Receiver], light: Sphere, blockers: &
 }
 
 impl Occluders {
-    /// Keeps of the candidates those that block some ray of the cone.
-    pub(crate) fn select(&mut self, at: &Receiver, cone: &LightCone, candidates: &[u32], blockers: &BlockerSet) {
+    /// Keeps of the candidates those that block some ray of the cone nearer than `farthest`.
+    pub(crate) fn select(
+        &mut self,
+        at: &Receiver,
+        cone: &LightCone,
+        farthest: f64,
+        candidates: &[u32],
+        blockers: &BlockerSet,
+    ) {
         self.none();
         let has_own = at.object != NO_OBJECT && blockers.objects.contains(&at.object);
         self.facet = (has_own && at.face != at.normal).then(|| at.face.as_dvec3());
-        let (nearest, farthest) = cone.surface_range();
+        let (nearest, _) = cone.surface_range();
         let half_angle = cone.half_angle();
         for &i in candidates {
             let own = blockers.objects[i as usize] == at.object;
@@ -182,7 +189,7 @@ mod tests {
             let mut some = Occluders::default();
             for at in &receivers {
                 let cone = LightCone::new(at.position, light);
-                some.select(at, &cone, &candidates, &blockers);
+                some.select(at, &cone, cone.surface_range().1, &candidates, &blockers);
                 for _ in 0..50 {
                     let v = cone.sample(f64::from(r()), f64::from(r()));
                     let limit = cone.surface(v);

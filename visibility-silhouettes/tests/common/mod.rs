@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "not every test makes everything")]
 
 pub(crate) mod moment;
+pub(crate) mod soups;
 
 use glam::{DVec3, Quat, Vec3};
 use lobe_core::Sphere;

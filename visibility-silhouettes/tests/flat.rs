@@ -1,0 +1,158 @@
+//! Masks of flat lights from silhouettes, sample by sample, against f64 rays to every sample.
+
+mod common;
+
+use common::soups::{soup, vec};
+use common::{Rays, Soup};
+use core::f32::consts::TAU;
+use glam::{DVec3, Vec2, Vec3};
+use lobe_core::oracle::Random;
+use lobe_core::{Accuracy, Coverage, LightExtent, LightId, Outline, Receiver, Shaft, Sphere, VisibilityQuery};
+use visibility_mask::{Blockers, Raster, UnitSquare, hooks};
+use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
+
+/// Corners of a polygon of up to 24, thin ones among them, about a point.
+fn corners(random: &mut Random, center: Vec3, normal: Vec3) -> Vec<Vec3> {
+    let (u, v) = normal.any_orthonormal_pair();
+    let size = random.log_uniform(0.02, 1.5) as f32;
+    let long = random.log_uniform(1.0, 40.0) as f32;
+    let count = 3 + (random.bits() % 22) as usize;
+    let turn = random.between(0.0, 1.0) as f32;
+    (0..count)
+        .map(|k| {
+            let (sin, cos) = (TAU * (k as f32 + turn) / count as f32).sin_cos();
+            center + (u * cos + v * (sin / long)) * size
+        })
+        .collect()
+}
+
+/// A window on a light: all of it, or any part.
+fn window(case: usize, random: &mut Random, whole: UnitSquare) -> UnitSquare {
+    if case.is_multiple_of(3) {
+        return whole;
+    }
+    let part = |random: &mut Random| Vec2::new(random.between(0.1, 1.0) as f32, random.between(0.1, 1.0) as f32);
+    let half = whole.half * part(random);
+    let place = 2.0 * part(random) - 1.0;
+    UnitSquare { half, center: whole.center + (whole.half - half) * place, ..whole }
+}
+
+/// Samples that differ, all samples, samples that differ by more than the rounding of an edge; and whether a triangle reaches through
+/// the light's plane.
+fn compare(case: usize, random: &mut Random) -> Option<([u32; 3], bool)> {
+    let soup = soup(case % 6, random);
+    if soup.triangles.is_empty() {
+        return None;
+    }
+    // Every fourth light may be among the triangles.
+    let low = if case.is_multiple_of(4) { -0.5 } else { 1.5 };
+    let center = vec(random, 0.3) + Vec3::Y * random.between(low, 4.0) as f32;
+    let tilt = random.between(0.0, 1.2);
+    let facing = random.axis_at(DVec3::Y, tilt).as_vec3().normalize();
+    let corners = corners(random, center, facing);
+    let normal = random.axis().as_vec3().normalize();
+    let position = vec(random, 1.0) - Vec3::Y * random.between(0.0, 3.0) as f32;
+    let axis = if facing.dot(center - position) > 0.0 { facing } else { -facing };
+    let relative: Vec<Vec3> = corners.iter().map(|p| p - position).collect();
+    let whole = Outline::new(&relative, axis)?;
+    let outline = whole.above(normal)?;
+    let at = Receiver::on_surface(position, normal, normal);
+    let rays = Rays(&soup);
+    let meshes = [SilhouetteMesh::new(0, &soup.positions, &soup.triangles)];
+    let blockers = SilhouetteBlockers::new(&meshes, rays);
+    let mut scratch = blockers.scratch();
+    if !case.is_multiple_of(3) {
+        let middle = position + vec(random, 0.1);
+        let light = whole.sphere();
+        let light = Sphere { center: light.center + position, ..light };
+        let extent = |n: Vec3| corners.iter().map(|p| n.dot(*p - light.center).abs()).fold(0.0, f32::max);
+        let (u, v) = facing.any_orthonormal_pair();
+        let extent = LightExtent { sides: [u * extent(u), v * extent(v)], margin: 0.1 * light.radius };
+        let shaft = Shaft::new(Sphere { center: middle, radius: position.distance(middle) * 1.001 }, light, LightId(0));
+        blockers.enter(&shaft.with_extent(Some(extent)), &mut scratch);
+    }
+    let cone = whole.cone();
+    let query = VisibilityQuery {
+        outline: Some(&outline),
+        ..VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003))
+    };
+    let coverage = blockers.select(&query, &mut scratch);
+    if cone.one_minus_cos < 0.6 {
+        // Edges beside the outline count as far as all groups list them: its masks are turned the same way in each.
+        let mut alone = blockers.scratch();
+        blockers.select(&query, &mut alone);
+        let [here, alone] = [&scratch, &alone].map(|scratch| blockers.across(&query, scratch));
+        assert!(here == alone, "case {case}: {here} {alone}");
+    }
+    let square = UnitSquare::around_outline(&outline, random.axis().as_vec3());
+    let square = window(case, random, square);
+    let depth = 1 + (case as u32 / 7) % 6;
+    let mut mask = hooks::mask_of(&square, depth, case.is_multiple_of(2), normal, &outline);
+    let emitting: Vec<_> = (0..mask.side()).map(|j| mask.emitting(j)).collect();
+    match coverage {
+        Coverage::Lit => {}
+        Coverage::Dark => mask.block_all(),
+        Coverage::Partial => blockers.splat(&query, &mut scratch, &mut mask),
+    }
+    let origin = rays.leave(position, normal).as_dvec3();
+    let touches = is_cut(&soup, &outline, origin);
+    let raster = mask.raster();
+    let depth = f64::from(outline.depth());
+    let [mut different, mut all, mut wrong] = [0; 3];
+    for (j, (from, to)) in emitting.into_iter().enumerate() {
+        let row = hooks::row(&mask, j);
+        for i in from..to {
+            let truth = |aside: f64, up: f64| {
+                let x = f64::from(raster.left)
+                    + (f64::from(i) + 0.5 + f64::from(Raster::shift(j)) + aside) / f64::from(raster.samples);
+                let y = f64::from(raster.bottom) + (j as f64 + 0.5 + up) / f64::from(raster.rows);
+                let [r, u, a] = [square.right, square.up, square.axis].map(|v| v.as_dvec3());
+                soup.hits(origin, r * x + u * y + a, depth)
+            };
+            let dark = row[i as usize / 64] >> (i % 64) & 1 == 0;
+            all += 1;
+            if dark != truth(0.0, 0.0) {
+                different += 1;
+                // Next to an edge either answer is right.
+                let around = [(2e-2, 0.0), (-2e-2, 0.0), (0.0, 2e-2), (0.0, -2e-2)];
+                wrong += u32::from(around.iter().all(|(x, y)| truth(*x, *y) != dark));
+            }
+        }
+    }
+    Some(([different, all, wrong], touches))
+}
+
+/// Whether the light's plane cuts a triangle.
+fn is_cut(soup: &Soup, outline: &Outline, origin: DVec3) -> bool {
+    soup.corners().any(|corners| {
+        let behind = corners.map(|p| outline.axis().as_dvec3().dot(p.as_dvec3() - origin) > f64::from(outline.depth()));
+        behind.contains(&true) && behind.contains(&false)
+    })
+}
+
+/// Edges beside the outline are left out, and yet each sample is right: in whole windows and parts of them, above horizons, before
+/// triangles that the light's plane cuts.
+#[test]
+fn every_sample_is_that_of_a_ray() {
+    let mut random = Random::new(177);
+    let (mut sums, mut worst, mut cases) = ([[0_u64; 3]; 2], [[0; 2]; 2], [0; 2]);
+    for case in 0..8_000 {
+        let Some(([different, all, wrong], touches)) = compare(case, &mut random) else { continue };
+        let kind = usize::from(touches);
+        cases[kind] += 1;
+        for (sum, x) in sums[kind].iter_mut().zip([different, all, wrong]) {
+            *sum += u64::from(x);
+        }
+        if wrong > worst[kind][0] {
+            worst[kind] = [wrong, case as u32];
+            println!("case {case} (kind {}): {different} of {all} differ, {wrong} of them are wrong", case % 6);
+        }
+    }
+    for ([different, all, wrong], (cases, light)) in sums.iter().zip(cases.iter().zip(["apart", "cut"])) {
+        println!("{cases} cases, {light}: {different} of {all} samples differ, {wrong} are wrong");
+    }
+    assert!(cases.iter().all(|count| *count > 600), "{cases:?}");
+    let part = |k: usize| sums[k][0] as f64 / sums[k][1] as f64;
+    assert!(worst.iter().all(|worst| worst[0] <= 2) && sums.iter().all(|sum| sum[2] <= 4), "{worst:?} {sums:?}");
+    assert!(part(0) < 1e-5 && part(1) < 1e-5, "{} {}", part(0), part(1));
+}
