@@ -59,7 +59,10 @@ fn load(path: &Path, options: &LoadOptions) -> Result<(Scene, Animation, GltfDoc
         notes.push(format!("{}: has no light: it has the one that pictures show it in", path.display()));
     }
     // A model's first object is the floor that pictures have.
-    let (file, left_out) = from_scene::document(&scene, usize::from(is_model));
+    let (mut file, left_out) = from_scene::document(&scene, usize::from(is_model));
+    for part in &mut file.parts {
+        part.moves = part.object.is_some_and(|object| animation.moves_object(object));
+    }
     notes.extend(left_out);
     Ok((scene, animation, file, notes))
 }
@@ -93,7 +96,9 @@ impl Baker {
         let fault = |message: &str| BakeError::File { path: path.clone(), message: message.to_owned() };
         let (scene, animation, file, mut notes) = load(&path, options)?;
         if scene.lights.is_empty() {
-            return Err(fault("has no light to bake (KHR_lights_punctual, or materials that emit)"));
+            return Err(fault(
+                "has no light to bake (KHR_lights_punctual, or materials that emit); a scene file can light it",
+            ));
         }
         let document = Document::new(&file).map_err(|e| fault(&e.to_string()))?;
         let (parts, left_out) = targets(&path, &file, &document.before)?;
