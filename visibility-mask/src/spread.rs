@@ -7,7 +7,7 @@ use lobe_core::Outline;
 /// Windows that reach no farther than this, in units of what is seen in them, are not divided.
 const NARROW: f32 = 3.0;
 /// The same of lights that are not long.
-const ALL_AROUND: f32 = 300.0;
+const ALL_AROUND: f32 = 1000.0;
 /// The first part to either side, and each in the units of the one before it.
 const FIRST: f32 = 0.4;
 const GROWTH: f32 = 2.5;
