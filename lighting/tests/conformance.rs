@@ -351,7 +351,7 @@ fn large_lights_are_not_black() {
                 let receiver = at(place * size + aside);
                 for (name, light) in [("rectangle", &rectangle), ("disc", &disc), ("polygon", &polygon)] {
                     // A disc is a polygon of 24 sides, which its rim is seen to be from next to it.
-                    if name == "disc" && (100.0..2e4).contains(&size) && place.length() > 0.5 {
+                    if name == "disc" && (100.0..5e3).contains(&size) && place.length() > 0.5 {
                         continue;
                     }
                     let from = receiver.position.as_dvec3();

@@ -65,6 +65,7 @@ mod raster;
 mod row;
 mod shadow_tree;
 pub mod sky;
+mod spread;
 mod square;
 #[cfg(test)]
 mod square_tests;

@@ -1,6 +1,7 @@
 use crate::bits::ones;
 use crate::lanes::NUMBERS;
 use crate::row::{self, COARSE, EIGHT, EightRows, MAX_DEPTH, ROWS, Row, SIDE, WIDTH};
+use crate::square::THINNEST;
 use crate::{LitBounds, Raster, UnitSquare};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*, u32x8};
 use glam::{Vec2, Vec3};
@@ -101,7 +102,10 @@ impl Mask {
         self.circle = (Vec2::ZERO, square.disc);
         let n = square.local(normal);
         if let Some(outline) = outline {
-            self.sides.extend(sides(outline, square));
+            // Of a light as thin as a thread all of the window emits, which is not as thin.
+            if !is_thread(outline, square) {
+                self.sides.extend(sides(outline, square));
+            }
             self.circle = outline.circle([square.right, square.up]).unwrap_or(self.circle);
             self.whole_disc = false;
             self.emit(n);
@@ -460,6 +464,13 @@ impl Mask {
     pub fn is_dark(&self) -> bool {
         (0..self.side()).all(|j| self.is_row_dark(j))
     }
+}
+
+/// Whether an outline is thinner than a window can be.
+fn is_thread(outline: &Outline, square: &UnitSquare) -> bool {
+    let points = outline.on_plane([square.right, square.up]);
+    let (low, high) = points.fold((Vec2::INFINITY, Vec2::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    (high - low).min_element() < THINNEST * (high - low).max_element()
 }
 
 /// The inner half-planes of an outline's sides, in its own plane.

@@ -1,3 +1,4 @@
+use crate::spread::Spread;
 use glam::{UVec2, Vec2, Vec3};
 use lobe_core::{Cone, Lobe, MicrofacetsAt, Outline, nearest_of, orthonormal_basis};
 
@@ -195,6 +196,19 @@ impl UnitSquare {
         let size = high - low;
         let is_small = 2.0 * size.element_product() < most.element_product();
         is_small.then(|| Self { center: origin + 0.5 * (low + high) * cell, half: 0.5 * size * cell, ..*self })
+    }
+
+    /// Where the highlight of microfacets is in the window, and how wide.
+    pub(crate) fn highlight_spread(
+        &self,
+        microfacets: &MicrofacetsAt,
+        normal: Vec3,
+        bright: Option<&Outline>,
+    ) -> Spread {
+        let (mirror, alpha) = microfacets.highlight();
+        let peak = self.peak(&Lobe::new(mirror, 1.0, Vec3::ONE), normal, bright).point;
+        let stretch = 1.0 + peak.length_squared();
+        Spread { peak, scale: (2.0 * alpha * stretch).min(stretch.sqrt()) }
     }
 
     /// The part of the window between two corners; not smaller than [`THINNEST`].

@@ -1,5 +1,6 @@
 use crate::counts::Counts;
 use crate::quadtree_cut::{QuadtreeCut, QuadtreeMoments};
+use crate::spread::{Spread, along};
 use crate::square::WIDEST_TAN;
 use crate::window_masks::{WindowMasks, image_fractions, microfacet_fractions};
 use crate::{Edges, Fineness, MAX_DEPTH, Mask, UnitSquare};
@@ -168,7 +169,8 @@ impl<B: Blockers> MaskVisibility<B> {
         let mut edges = Edges::new(query.cone);
         self.blockers.edges(&query, scratch, &mut edges);
         edges.add_plane(query.at.normal, query.cone);
-        edges.across()
+        let across = edges.across();
+        query.outline.and_then(|outline| along(outline, across)).unwrap_or(across)
     }
 
     /// The window around the whole emitting region.
@@ -222,6 +224,17 @@ impl<B: Blockers> MaskVisibility<B> {
         let [broad, narrow] = [self.broad(query), self.narrow(query)];
         let microfacets = facets.at(query.at.normal);
         let whole = *scratch.full.window();
+        if scratch.full.is_uneven() && shown(query).is_none() {
+            let spread = whole.highlight_spread(&microfacets, query.at.normal, query.outline);
+            scratch.own.set_spread(Some(spread));
+            self.draw_narrow(&whole, query, scratch);
+            scratch.own.set_spread(None);
+            scratch.is_whole = false;
+            let both @ [_, edge] =
+                microfacet_fractions(&scratch.own, None, query.at, facets, scratch.counts.each_mut());
+            scratch.edge = (facets.part == Schlick::F0).then_some((facets.exponent, edge));
+            return unit(facets.part.of(both));
+        }
         let cells = UVec2::from(broad.grid) * UVec2::new(broad.columns(), 1 << self.depth(query));
         let near = whole.highlight(&microfacets, query.at.normal, cells, query.accuracy.tolerance, query.outline);
         let size = if query.outline.is_some() { whole.half.max_element() } else { whole.disc };
@@ -386,6 +399,8 @@ impl<B: Blockers> Visibility for MaskVisibility<B> {
         let square = Self::whole(query, self.across(query, &scratch.blockers));
         scratch.is_whole = false;
         scratch.edge = None;
+        let spread = query.outline.and_then(|outline| Spread::of_outline(outline, &square));
+        scratch.full.set_spread(spread.filter(|_| !self.is_single));
         let fineness = [self.broad(query), Fineness::broad(evenly(query))];
         self.draw(&square, fineness, query, &mut scratch.blockers, &mut scratch.full, true);
         scratch.full.coverage()
@@ -494,7 +509,9 @@ fn tolerance(query: &VisibilityQuery<'_>) -> f32 {
 
 /// The same if samples count alike.
 fn evenly(query: &VisibilityQuery<'_>) -> f32 {
-    query.accuracy.tolerance * query.outline.map_or(1.0, |outline| fill_factor(outline.roundness()))
+    let fill =
+        |outline: &Outline| if along(outline, Vec3::X).is_some() { 1.0 } else { fill_factor(outline.roundness()) };
+    query.accuracy.tolerance * query.outline.map_or(1.0, fill)
 }
 
 /// The fill factor of a mask: masks of a flat light with a [roundness](Outline::roundness) are drawn for this fraction of the

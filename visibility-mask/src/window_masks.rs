@@ -1,5 +1,6 @@
 use crate::counts::Counts;
 use crate::near_masks::{LitCounts, LitEnds, NearMasks, Rect, rect};
+use crate::spread::Spread;
 use crate::visible_fraction::{MIRROR, Shown, Sums, image_sums, microfacet_sums, narrowest, sums};
 use crate::{Fineness, Mask, UnitSquare};
 use glam::{UVec2, Vec2, Vec3};
@@ -13,6 +14,8 @@ pub(crate) struct WindowMasks {
     masks: Vec<Mask>,
     /// Masks in use: side by side, and one above the other.
     grid: [u32; 2],
+    /// Where the light of the next window is, if that is wide.
+    spread: Option<Spread>,
     near: NearMasks,
 }
 
@@ -31,19 +34,33 @@ impl WindowMasks {
         mut draw: impl FnMut(&mut Mask),
     ) {
         self.window = *window;
-        self.grid = fineness.grid;
-        if self.masks.len() < fineness.count() {
-            self.masks.resize_with(fineness.count(), Mask::default);
+        let even = UVec2::from(fineness.grid);
+        let uneven = self.spread.filter(|spread| spread.divides(window)).map(|spread| spread.parts(window, even));
+        let across = uneven.as_ref().map_or(even, |(_, count)| *count);
+        self.grid = across.to_array();
+        let count = across.element_product() as usize;
+        if self.masks.len() < count {
+            self.masks.resize_with(count, Mask::default);
         }
-        let across = UVec2::from(fineness.grid);
-        for (k, mask) in (0..).zip(&mut self.masks[..fineness.count()]) {
+        for (k, mask) in (0..).zip(&mut self.masks[..count]) {
             mask.set_coarse(fineness.coarse);
-            mask.reset_to(&window.part(k, across), depth, normal, outline);
+            let part = uneven.as_ref().map_or_else(|| window.part(k, even), |(parts, _)| parts[k as usize]);
+            mask.reset_to(&part, depth, normal, outline);
             if across == UVec2::ONE || !mask.is_dark() {
                 draw(mask);
             }
         }
         self.near.clear();
+    }
+
+    /// The masks of the next windows are divided about this place where they are wide.
+    pub(crate) fn set_spread(&mut self, spread: Option<Spread>) {
+        self.spread = spread;
+    }
+
+    /// Whether the masks are not even over the window.
+    pub(crate) fn is_uneven(&self) -> bool {
+        self.spread.is_some_and(|spread| spread.divides(&self.window))
     }
 
     /// Whether so little is lit that few samples measure its size.
@@ -157,9 +174,10 @@ impl WindowMasks {
     pub(crate) fn fraction(&self, at: &Receiver, lobe: &Lobe, counts: &mut Counts) -> f32 {
         let lobe = Lobe { exponent: lobe.exponent.min(self.narrowest()), ..*lobe };
         let whole = self.masks().first().map_or(1.0, Mask::sample_area);
+        let is_uneven = self.is_uneven();
         let [total] = self.total(|mask, near| {
             let sums = sums(mask, &self.window, at, &lobe, counts);
-            [if near { sums * (mask.sample_area() / whole) } else { sums }]
+            [if near || is_uneven { sums * (mask.sample_area() / whole) } else { sums }]
         });
         total.ratio(|| self.share())
     }

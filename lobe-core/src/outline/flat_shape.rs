@@ -92,7 +92,7 @@ impl FlatShape {
         self.normal.dot(from - self.bounds.center)
     }
 
-    /// The outline that a receiver sees, from either side; none in its plane. Of a shape that is more than 10 000 times as large as far the
+    /// The outline that a receiver sees, from either side; none in its plane. Of a shape that is more than 1000 times as large as far the
     /// part near the receiver.
     #[must_use]
     pub fn outline(&self, from: Vec3) -> Option<Outline> {

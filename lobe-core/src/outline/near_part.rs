@@ -3,9 +3,9 @@
 use super::Outline;
 use glam::{DVec2, Vec3};
 
-/// A receiver sees a light as far as this many times its distance from the light's plane, along each of two axes. The rest is within 0.006° of
-/// that plane: it adds 1e-8 of the irradiance of a receiver that faces the plane, and 1e-4 of one at right angles to it.
-pub(super) const FAR: f32 = 1e4;
+/// A receiver sees a light as far as this many times its distance from the light's plane, along each of two axes. The rest is within 0.06° of
+/// that plane: it adds 1e-6 of the irradiance of a receiver that faces the plane, and 1e-3 of one at right angles to it.
+pub(super) const FAR: f32 = 1e3;
 
 /// Straight lines that stand for the rim of a disc, on either side of its point next to the receiver.
 const RIM: i32 = 4;
