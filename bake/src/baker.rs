@@ -56,7 +56,7 @@ fn load(path: &Path, options: &LoadOptions) -> Result<(Scene, Animation, GltfDoc
     let (scene, animation, mut notes) = scene::load_with(path, options)?;
     let is_model = ending != "toml";
     if is_model {
-        notes.push(format!("{}: has no light: it has the one that pictures show it in", path.display()));
+        notes.push(format!("{}: is lit as pictures show it", path.display()));
     }
     // A model's first object is the floor that pictures have.
     let (mut file, left_out) = from_scene::document(&scene, usize::from(is_model));

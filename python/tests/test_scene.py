@@ -383,6 +383,6 @@ def test_models_and_their_warnings(tmp_path):
     path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0 0\nf 1 2 3\nf 1 2 4\n")
     with pytest.warns(cl.LobesWarning):
         scene = cl.Scene.load(path, size=(16, 16))
-    assert len(scene.warnings) == 1 and len(scene.lights) == 1
+    assert len(scene.warnings) == 1 and len(scene.lights) == 3
     assert cl.Renderer(scene).render().max() > 0
     assert "objects" in repr(cl.Scene.load(SCENES / "soft_spheres.toml"))

@@ -58,22 +58,23 @@ fn silhouettes_eye(at: Receiver, cone: Cone) -> SilhouetteEye {
 }
 
 fn silhouettes_set_outline() {
+    let axis = light_plane().xyz;
     var middle = vec3f(0.0);
-    for (var i = 0u; i < outline.count; i++) {
-        middle += outline_corners[i] / f32(outline.count);
+    for (var i = 0u; i < light_corner_count(); i++) {
+        middle += light_corner(i) / f32(light_corner_count());
     }
     var square = 0.0;
-    for (var i = 0u; i < outline.count; i++) {
-        let apart = outline_corners[i] - middle;
+    for (var i = 0u; i < light_corner_count(); i++) {
+        let apart = light_corner(i) - middle;
         square = max(square, dot(apart, apart));
     }
-    silhouettes_margin = SILHOUETTES_MARGIN * sqrt(square) / outline.height;
-    silhouettes_plane_count = min(outline.count, SILHOUETTES_CORNERS);
-    if (outline.count > SILHOUETTES_CORNERS) {
+    silhouettes_margin = SILHOUETTES_MARGIN * sqrt(square);
+    silhouettes_plane_count = min(light_corner_count(), SILHOUETTES_CORNERS);
+    if (light_corner_count() > SILHOUETTES_CORNERS) {
         silhouettes_push_around();
     } else {
-        for (var i = 0u; i < outline.count; i++) {
-            silhouettes_corners[i] = outline_corners[i] / outline.height;
+        for (var i = 0u; i < light_corner_count(); i++) {
+            silhouettes_corners[i] = light_corner(i);
         }
     }
     let count = silhouettes_plane_count;
@@ -81,27 +82,28 @@ fn silhouettes_set_outline() {
         let p = silhouettes_corners[i];
         let q = silhouettes_corners[select(i + 1u, 0u, i + 1u == count)];
         let normal = cross(p, q - p);
-        let aside = normal - outline.axis * dot(outline.axis, normal);
-        silhouettes_planes[i] = normal / max(sqrt(dot(aside, aside)), 1.1754944e-38) + outline.axis * silhouettes_margin;
+        let aside = normal - axis * dot(axis, normal);
+        silhouettes_planes[i] = normal / max(sqrt(dot(aside, aside)), 1.1754944e-38) + axis * silhouettes_margin;
     }
 }
 
 // An octagon around an outline of many corners, along the longest way between two of them.
 fn silhouettes_push_around() {
-    let half = outline.count / 2u;
+    let axis = light_plane().xyz;
+    let half = light_corner_count() / 2u;
     var long = vec3f(0.0);
     for (var i = 0u; i < half; i++) {
-        let across = outline_corners[i + half] - outline_corners[i];
+        let across = light_corner(i + half) - light_corner(i);
         long = select(long, across, dot(across, across) > dot(long, long));
     }
-    let aside = long - outline.axis * dot(outline.axis, long);
+    let aside = long - axis * dot(axis, long);
     let length = sqrt(dot(aside, aside));
-    let u = select(orthonormal_basis_u(outline.axis), aside / length, length > 0.0);
-    let v = cross(outline.axis, u);
+    let u = select(orthonormal_basis_u(axis), aside / length, length > 0.0);
+    let v = cross(axis, u);
     var low = vec2f(3e38);
     var high = vec2f(-3e38);
-    for (var i = 0u; i < outline.count; i++) {
-        let p = vec2f(dot(u, outline_corners[i]), dot(v, outline_corners[i])) / outline.height;
+    for (var i = 0u; i < light_corner_count(); i++) {
+        let p = vec2f(dot(u, light_corner(i)), dot(v, light_corner(i)));
         low = min(low, p);
         high = max(high, p);
     }
@@ -111,8 +113,8 @@ fn silhouettes_push_around() {
     for (var k = 0u; k < 4u; k++) {
         let mirror = vec2f(select(-1.0, 1.0, k < 2u), select(-1.0, 1.0, k == 1u || k == 2u));
         var cut = -3e38;
-        for (var i = 0u; i < outline.count; i++) {
-            let p = vec2f(dot(u, outline_corners[i]), dot(v, outline_corners[i])) / outline.height;
+        for (var i = 0u; i < light_corner_count(); i++) {
+            let p = vec2f(dot(u, light_corner(i)), dot(v, light_corner(i)));
             let at = mirror * (p - center) / size;
             cut = max(cut, at.x + at.y);
         }
@@ -121,8 +123,8 @@ fn silhouettes_push_around() {
         let is_odd = mirror.x * mirror.y > 0.0;
         let first = center + mirror * select(vec2f(rest, 1.0), vec2f(1.0, rest), is_odd) * size;
         let second = center + mirror * select(vec2f(1.0, rest), vec2f(rest, 1.0), is_odd) * size;
-        silhouettes_corners[2u * k] = u * first.x + v * first.y + outline.axis;
-        silhouettes_corners[2u * k + 1u] = u * second.x + v * second.y + outline.axis;
+        silhouettes_corners[2u * k] = u * first.x + v * first.y + axis;
+        silhouettes_corners[2u * k + 1u] = u * second.x + v * second.y + axis;
     }
 }
 

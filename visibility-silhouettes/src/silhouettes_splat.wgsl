@@ -85,8 +85,8 @@ fn silhouettes_middle_line(square: UnitSquare, raster: Raster) -> vec2f {
     }
     var low = vec2f(0.0, 3e38);
     var high = vec2f(0.0, -3e38);
-    for (var i = 0u; i < outline.count; i++) {
-        let p = vec2f(dot(square.right, outline_corners[i]), dot(square.up, outline_corners[i])) / outline.height;
+    for (var i = 0u; i < light_corner_count(); i++) {
+        let p = vec2f(dot(square.right, light_corner(i)), dot(square.up, light_corner(i)));
         low = select(low, p, p.y < low.y);
         high = select(high, p, p.y > high.y);
     }

@@ -50,6 +50,11 @@ fn light_is_flat() -> bool { return outline.count > 0u; }
 // The axis, and how far surfaces block along it.
 fn light_plane() -> vec4f { return vec4f(outline.axis, OUTLINE_DEPTH * outline.height); }
 
+fn light_corner_count() -> u32 { return outline.count; }
+
+// On the plane at distance 1.
+fn light_corner(i: u32) -> vec3f { return outline_corners[i] / outline.height; }
+
 // How far a ray along a direction inside the outline goes before surfaces do not block it any more.
 fn light_distance(direction: vec3f) -> f32 {
     let along = dot(outline.axis, direction);
