@@ -267,6 +267,9 @@ fn parts_of_lights_inside_blockers_give_nothing() {
     }
 }
 
+/// A light by its middle and its size.
+type Case<'a> = &'a dyn Fn(Vec3, f32) -> Light;
+
 /// Lights that are much longer than far are as exact as the same lights in short pieces, which together are as bright.
 #[test]
 fn long_lights_are_those_of_their_pieces() {
@@ -280,7 +283,7 @@ fn long_lights_are_those_of_their_pieces() {
         TubeLight { ends: [at - Vec3::X * half, at + Vec3::X * half], radius, radiance: Vec3::splat(0.3 / radius) }
             .into()
     };
-    let cases: [(&str, &dyn Fn(Vec3, f32) -> Light); 3] =
+    let cases: [(&str, Case<'_>); 3] =
         [("strip", &strip), ("tube", &|at, half| tube(at, half, 1e-3)), ("thread", &|at, half| tube(at, half, 1e-4))];
     let gold = MetallicRoughness::new(Vec3::new(1.0, 0.8, 0.3), 1.0, 0.35).expect("a metal");
     for (name, light) in cases {

@@ -129,7 +129,7 @@ fn rooms_behind_openings_are_lit() {
     };
     // The most of mean and 99th percentile by each light. A small window before a sphere and slits lose points (docs/limits.md).
     let openings = [
-        ("window", [-0.6, 0.6, -0.2, 0.8], [[0.006, 0.05], [0.045, 0.45]]),
+        ("window", [-0.6, 0.6, -0.2, 0.8], [[0.008, 0.05], [0.045, 0.45]]),
         ("small window", [-0.2, 0.2, 0.1, 0.5], [[0.015, 0.08], [0.06, 1.0]]),
     ];
     for (name, opening, most) in openings {
