@@ -222,7 +222,8 @@ impl Baker {
             let png = all.png(if is_lightmap { Curve::Linear } else { Curve::Srgb })?;
             textures.push((writer.document.add_texture(&all.name, &png), all.white));
             let singles = layers.zip(light.groups());
-            let singles = singles.map(|(values, group)| map(format!("lightmap{number}.{}", group.name), values));
+            let single = |name: String, values| Map { is_single: true, ..map(name, values) };
+            let singles = singles.map(|(values, group)| single(format!("lightmap{number}.{}", group.name), values));
             baked.maps.extend(is_lightmap.then_some(all).into_iter().chain(singles));
         }
         for target in &layout.targets {

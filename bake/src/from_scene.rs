@@ -1,9 +1,9 @@
 //! Scenes that come from no glTF file, as a new document.
 
-use crate::images::encoded_srgb;
 use crate::look::diffuse;
 use brdf::Material;
 use glam::{Mat4, Vec2, Vec3};
+use pictures::{Picture, png_bytes, srgb_bytes};
 use scene::{Camera, GltfDocument, GltfPart, Mesh, Scene, Shape, Surface, TextureMap, TexturePlace, Wrap};
 use serde_json::{Map, Value, json};
 
@@ -170,7 +170,8 @@ impl Made<'_> {
             let [r, g, b, _] = plain.sample(&|_| TexturePlace { uv, ..TexturePlace::default() });
             Vec3::new(r, g, b)
         };
-        let png = encoded_srgb([width as u32, height as u32], (0..width * height).map(texel)).unwrap_or_default();
+        let colors = Picture::new(width, height, (0..width * height).map(texel).collect());
+        let png = png_bytes(width, height, &srgb_bytes(&colors, 0.0)).unwrap_or_default();
         let view = self.view(&png);
         let wrap = map.wrap.map(|wrap| match wrap {
             Wrap::Repeat => 10497,

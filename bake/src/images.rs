@@ -4,6 +4,7 @@ use crate::BakeError;
 use crate::page::State;
 use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage, f16};
 use glam::Vec3;
+use pictures::{png_bytes, srgb, srgb_to_linear};
 use std::io::Cursor;
 
 /// The largest half float.
@@ -14,6 +15,8 @@ const HALF: f32 = 65504.0;
 pub struct Map {
     /// The end of its file's name, such as `lightmap0` or `lightmap0.light2`.
     pub name: String,
+    /// Whether it is of one light, or one sky, and not of all.
+    pub is_single: bool,
     /// Width and height in texels.
     pub size: [u32; 2],
     /// One value a texel, row by row from the top: irradiance in W·m⁻² per channel, or radiance in W·m⁻²·sr⁻¹.
@@ -33,7 +36,7 @@ impl Map {
     /// A map whose white is the largest value of all channels, or 1 where all is black.
     pub(crate) fn whole(name: String, size: [u32; 2], values: Vec<Vec3>) -> Self {
         let most = values.iter().map(|v| v.max_element()).fold(0.0, f32::max);
-        Self { name, size, values, white: if most > 0.0 { most } else { 1.0 } }
+        Self { name, is_single: false, size, values, white: if most > 0.0 { most } else { 1.0 } }
     }
 
     /// A map whose white cuts one of a thousand texels of surfaces, if the largest value is more than half as large again: eight bits of
@@ -63,7 +66,7 @@ impl Map {
             dithered(x, curve, threshold(place % width, place / width))
         };
         let bytes: Vec<u8> = (0..3 * self.values.len()).map(|k| byte(k / 3, k % 3)).collect();
-        encoded(self.size, &bytes).map_err(|e| BakeError::Image(format!("{}: {e}", self.name)))
+        png_bytes(width, self.size[1] as usize, &bytes).map_err(|e| BakeError::Image(format!("{}: {e}", self.name)))
     }
 
     /// The linear PNG file of a light map: texel times [`white`](Self::white) is the value, unless that is larger.
@@ -93,47 +96,20 @@ impl Map {
     }
 }
 
-/// A PNG file of bytes, three a pixel.
-fn encoded(size: [u32; 2], bytes: &[u8]) -> Result<Vec<u8>, png::EncodingError> {
-    let mut out = Vec::new();
-    let mut encoder = png::Encoder::new(&mut out, size[0], size[1]);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(bytes)?;
-    writer.finish()?;
-    Ok(out)
-}
-
-/// A PNG file of linear colours in [0, 1], each rounded to the nearest byte of sRGB.
-pub(crate) fn encoded_srgb(size: [u32; 2], colors: impl Iterator<Item = Vec3>) -> Result<Vec<u8>, png::EncodingError> {
-    let byte = |x: f32| (srgb_encoded(x.clamp(0.0, 1.0)) * 255.0).round() as u8;
-    encoded(size, &colors.flat_map(|color| color.to_array().map(byte)).collect::<Vec<u8>>())
-}
-
 /// One of the two bytes beside a value, chosen so that the mean of decoded bytes over all thresholds from 0 to 1 is the value.
 fn dithered(x: f32, curve: Curve, threshold: f32) -> u8 {
     let decode = |byte: f32| match curve {
         Curve::Linear => byte / 255.0,
-        Curve::Srgb => srgb_decoded(byte / 255.0),
+        Curve::Srgb => srgb_to_linear(byte / 255.0),
     };
     let encoded = match curve {
         Curve::Linear => x,
-        Curve::Srgb => srgb_encoded(x),
+        Curve::Srgb => srgb(x),
     };
     let below = (encoded * 255.0).floor().clamp(0.0, 254.0);
     let (low, high) = (decode(below), decode(below + 1.0));
     let part = (x - low) / (high - low);
     (below + if part > threshold { 1.0 } else { 0.0 }) as u8
-}
-
-/// sRGB of a linear value in [0, 1] (IEC 61966-2-1).
-fn srgb_encoded(x: f32) -> f32 {
-    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
-}
-
-fn srgb_decoded(x: f32) -> f32 {
-    if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }
 
 /// A threshold in (0, 1) by place (Bayer's matrix of 8 × 8): any block of texels has them evenly.
@@ -165,12 +141,12 @@ mod tests {
                 reader.next_frame(&mut bytes).unwrap();
                 let decode = |byte: &u8| match curve {
                     Curve::Linear => f32::from(*byte) / 255.0,
-                    Curve::Srgb => srgb_decoded(f32::from(*byte) / 255.0),
+                    Curve::Srgb => srgb_to_linear(f32::from(*byte) / 255.0),
                 };
                 let mean = bytes[3..].iter().map(decode).sum::<f32>() / 189.0;
                 let step = match curve {
                     Curve::Linear => 1.0 / 255.0,
-                    Curve::Srgb => (srgb_decoded((srgb_encoded(value) + 1.0 / 255.0).min(1.0)) - value).max(1e-5),
+                    Curve::Srgb => (srgb_to_linear((srgb(value) + 1.0 / 255.0).min(1.0)) - value).max(1e-5),
                 };
                 assert!((mean - value).abs() <= step / 32.0 + 1e-6, "{value} {curve:?} {mean}");
                 assert_eq!(bytes[0], 255);

@@ -13,7 +13,7 @@ use uvunwrap::{Atlas, Density, MeshInput, Options, Packing};
 /// The set of coordinates that light maps take: the second.
 const SECOND: usize = 1;
 
-/// Up to so many triangles charts are packed by their shapes, which takes minutes for 10⁵ of them.
+/// Up to this number of triangles charts are packed by their shapes, which takes minutes for 10⁵ of them.
 const SHAPED: usize = 20_000;
 
 /// How far beyond a page coordinates may lie, for rounding.
@@ -36,7 +36,7 @@ pub(crate) type Heard<'a> = dyn Fn(f32) -> ControlFlow<()> + Sync + 'a;
 
 /// Lays out parts of a document.
 ///
-/// Those with a second set of coordinates keep it, unless it is to be made anew: they share a page as long as they do not overlap. All
+/// Those with a second set of coordinates keep it, unless new ones are requested: they share a page as long as they do not overlap. All
 /// others share pages of coordinates that are made.
 pub(crate) fn layout(
     (path, file): (&Path, &GltfDocument),

@@ -70,7 +70,7 @@ impl<'a> Writer<'a> {
         self.edit(mesh, part, |primitive| *primitive.field("material") = json!(number).into());
     }
 
-    /// Writes a surface's vertices anew: those on the seams of charts are several now.
+    /// Writes a surface's vertices again: those on the seams of charts are several now.
     fn vertices(&mut self, mesh: usize, part: &GltfPart, target: &Target, origins: &[u32]) {
         let before = primitive(&self.document.before, part).clone();
         let copies = |own: &mut Self, list: &Value| -> Vec<(String, usize)> {

@@ -62,9 +62,8 @@ fn beside(output: &Path, map: &Map, ending: &str) -> PathBuf {
 fn write_maps(args: &BakeArgs, baked: &Baked) -> Result<Vec<PathBuf>, Failure> {
     let mut all = Vec::new();
     for map in &baked.maps {
-        let is_whole = !map.name.contains('.');
         all.push((beside(&args.output, map, "exr"), map.exr()?));
-        if is_whole {
+        if !map.is_single {
             all.push((beside(&args.output, map, "png"), map.linear_png()?));
         }
     }
@@ -106,7 +105,7 @@ fn summary(args: &BakeArgs, baked: &Baked, maps: &[PathBuf], [load, seconds]: [f
         say(format_args!("texels     {} of {surfaces}, on pages of {}", baked.texels, pages.join(", ")));
     }
     say(format_args!("time       {seconds:.2} s, and {load:.2} s to load"));
-    for map in baked.maps.iter().filter(|map| !map.name.contains('.')) {
+    for map in baked.maps.iter().filter(|map| !map.is_single) {
         let cut = match map.cut_texels() {
             0 => String::new(),
             count => format!(", which cuts {} (not in the EXR)", counted(count, "texel")),

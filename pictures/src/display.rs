@@ -109,13 +109,9 @@ impl Display {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::srgb_to_linear as linear;
 
     const LINEAR: Display = Display { exposure: 0.0, tone: ToneMap::Linear, depth: PngDepth::Eight };
-
-    /// The linear value of an encoded one.
-    fn linear(encoded: f32) -> f32 {
-        if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
-    }
 
     /// The mean of a block is the value, far below one level; no pixel is further off than a level.
     #[test]

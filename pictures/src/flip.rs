@@ -5,6 +5,7 @@
 //! the eye (filtered by contrast sensitivity, then compared in L\*a\*b\*), and features (edges and
 //! points of the luminance), which raise the difference of the colours.
 
+use crate::srgb_to_linear;
 use glam::{DMat3, Mat3, Vec3};
 use rayon::prelude::*;
 
@@ -62,7 +63,7 @@ struct Seen {
 
 impl Seen {
     fn new(srgb: &[u8], width: usize, pixels_per_degree: f64, space: &Space) -> Self {
-        let linear: Vec<f32> = (0..=u8::MAX).map(linear).collect();
+        let linear: Vec<f32> = (0..=u8::MAX).map(|byte| srgb_to_linear(f32::from(byte) / 255.0)).collect();
         let opponent: Vec<Vec3> = srgb
             .par_chunks_exact(3)
             .map(|c| space.opponent(Vec3::from([c[0], c[1], c[2]].map(|byte| linear[usize::from(byte)]))))
@@ -81,12 +82,6 @@ impl Seen {
             .collect();
         Self { colors, features }
     }
-}
-
-/// Linear value of an sRGB byte (IEC 61966-2-1).
-fn linear(byte: u8) -> f32 {
-    let s = f32::from(byte) / 255.0;
-    if s <= 0.040_45 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
 }
 
 /// Conversions between the colour spaces in use. All are relative to the white of sRGB.

@@ -49,8 +49,8 @@ pub use crate::exr_part::{ExrPart, MergeError, merge_exr};
 pub use crate::output::{ImageFileError, Output, remove_unfinished, sweep_unfinished};
 pub use crate::picture::{Picture, luminance};
 #[cfg(feature = "files")]
-pub use crate::png_file::write_png;
-pub use crate::srgb::srgb_bytes;
+pub use crate::png_file::{png_bytes, write_png};
+pub use crate::srgb::{srgb, srgb_bytes, srgb_to_linear};
 #[cfg(feature = "files")]
 pub use crate::stamp::read_stamp;
 #[cfg(feature = "files")]

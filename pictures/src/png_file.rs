@@ -23,6 +23,18 @@ pub(crate) fn encoder<W: Write>(
     encoder.write_header()
 }
 
+/// A PNG file in memory, of RGB bytes, three a pixel.
+///
+/// # Errors
+/// When there are not three bytes a pixel, or no pixels.
+pub fn png_bytes(width: usize, height: usize, rgb: &[u8]) -> Result<Vec<u8>, EncodingError> {
+    let mut out = Vec::new();
+    let mut writer = encoder(&mut out, width, height, PngDepth::Eight, None)?;
+    writer.write_image_data(rgb)?;
+    writer.finish()?;
+    Ok(out)
+}
+
 /// Writes RGB bytes, three a pixel, as a PNG file.
 ///
 /// # Errors

@@ -4,8 +4,15 @@ use crate::Picture;
 use rayon::prelude::*;
 
 /// The sRGB transfer function (IEC 61966-2-1) of a linear value in [0, 1].
-pub(crate) fn srgb(linear: f32) -> f32 {
+#[must_use]
+pub fn srgb(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// The linear value of an sRGB value in [0, 1]: the inverse of [`srgb`].
+#[must_use]
+pub fn srgb_to_linear(srgb: f32) -> f32 {
+    if srgb <= 0.040_45 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
 }
 
 /// Pixels that a thread takes at once.

@@ -193,7 +193,7 @@ fn emission_is_reflected_and_own_light() {
     }
 }
 
-/// Work stops on request, by the listener and by another thread, and begins anew.
+/// Work stops on request, by the listener and by another thread, and begins again.
 #[test]
 fn baking_stops_on_request() {
     use core::ops::ControlFlow;
