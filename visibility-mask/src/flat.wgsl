@@ -37,12 +37,12 @@ fn light_window(light: Cone, across: vec3f, normal: vec3f) -> UnitSquare {
     );
 }
 
-// The cone that the rotation of a window follows: for an outline less than a hemisphere, toward the outline's centre.
+// The cone that the rotation of a window follows: toward the middle of what a horizon leaves of an outline, and less than a hemisphere.
 fn light_turn(light: Cone) -> Cone {
-    if (!light_is_flat() || light.one_minus_cos < FLAT_WIDE) {
+    if (!light_is_flat() || (light.one_minus_cos < FLAT_WIDE && !outline.is_clipped)) {
         return light;
     }
-    return Cone(light_middle(), FLAT_WIDE, 3e38);
+    return Cone(light_middle(), min(light.one_minus_cos, FLAT_WIDE), light.distance);
 }
 
 // Half the size of the emitting region.

@@ -493,12 +493,12 @@ fn shown<'q>(query: &VisibilityQuery<'q>) -> Option<(&'q LightImage, &'q Outline
     query.image.zip(query.outline)
 }
 
-/// The cone that the rotation of a polygon's mask follows: toward the polygon's centre, and less than a hemisphere.
+/// The cone that the rotation of a polygon's mask follows: toward the middle of what a horizon leaves of it, and less than a hemisphere.
 fn toward_middle(outline: &Outline, cone: &Cone) -> Cone {
-    if cone.one_minus_cos < WIDE {
+    if cone.one_minus_cos < WIDE && !outline.is_clipped() {
         return *cone;
     }
-    Cone { axis: outline.middle().normalize_or(cone.axis), one_minus_cos: WIDE, distance: f32::INFINITY }
+    Cone { axis: outline.middle().normalize_or(cone.axis), one_minus_cos: cone.one_minus_cos.min(WIDE), ..*cone }
 }
 
 /// The tolerance of a light that fills its window with equal samples: a long light has few of the window's samples, a wide one few

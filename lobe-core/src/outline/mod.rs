@@ -239,7 +239,8 @@ impl Outline {
     }
 
     /// Whether a horizon has cut something off it.
-    pub(crate) const fn is_clipped(&self) -> bool {
+    #[must_use]
+    pub const fn is_clipped(&self) -> bool {
         self.is_clipped
     }
 
