@@ -1,5 +1,7 @@
+use fearless_simd::{Level, Simd, dispatch, f32x8, i32x8, prelude::*};
 use glam::{Vec3, Vec4};
 use lobe_core::SelfShadow;
+use lobe_core::vec3x8::Vec3x8;
 use rayon::prelude::*;
 
 use crate::quality::self_distance;
@@ -63,6 +65,61 @@ impl Pass {
     }
 }
 
+/// Passes, eight side by side, and the cost of blocking each. The last block is filled with passes that cost nothing.
+#[derive(Default)]
+struct Passes {
+    /// Rows: to the centre, direction, nearness, cost.
+    blocks: Vec<[[f32; 8]; 8]>,
+    count: usize,
+}
+
+impl Passes {
+    fn clear(&mut self) {
+        self.blocks.clear();
+        self.count = 0;
+    }
+
+    fn push(&mut self, pass: &Pass, cost: f32) {
+        let lane = self.count % 8;
+        if lane == 0 {
+            self.blocks.push([[0.0; 8]; 8]);
+        }
+        let Pass { to, v, near, .. } = *pass;
+        if let Some(block) = self.blocks.last_mut() {
+            let column = [to.x, to.y, to.z, v.x, v.y, v.z, near, cost];
+            block.iter_mut().zip(column).for_each(|(row, value)| row[lane] = value);
+        }
+        self.count += 1;
+    }
+
+    /// Adds the cost of each pass to the bin of its [exit](Pass::exit); those that miss go to bins of their own lanes, so that none waits for
+    /// another.
+    #[inline(always)]
+    fn bin<S: Simd>(&self, simd: S, whole: f32, own: &SelfShadow, bins: &mut [f32; BINS + 8]) {
+        let scale = 1.0 / (BIN * whole);
+        let [zero, last] = [0.0, (BINS - 1) as f32].map(|value| f32x8::splat(simd, value));
+        let missed: [f32; 8] = core::array::from_fn(|lane| (BINS + lane) as f32);
+        let missed = f32x8::simd_from(simd, missed);
+        let shrink = f32x8::splat(simd, whole * (1.0 - own.radius));
+        for block in &self.blocks {
+            let row = |i: usize| f32x8::simd_from(simd, block[i]);
+            let near = row(6);
+            let radius = whole - shrink * near;
+            let moved = Vec3x8::splat(simd, own.offset) * (near * whole);
+            let to = Vec3x8::new(row(0), row(1), row(2)) + moved;
+            let along = to.dot(Vec3x8::new(row(3), row(4), row(5)));
+            let half_sq = radius * radius - (to.length_squared() - along * along);
+            let exit = along + half_sq.max(zero).sqrt();
+            let meets = half_sq.simd_gt(zero) & exit.simd_gt(zero);
+            let place = meets.select((exit * scale).min(last), missed);
+            let places: [i32; 8] = place.to_int::<i32x8<S>>().into();
+            for (place, cost) in places.iter().zip(&block[7]) {
+                bins[*place as usize] += cost;
+            }
+        }
+    }
+}
+
 /// Fits a near sphere and a distance to each sphere, for shadows on its own object.
 ///
 /// Rays leave points spread over the mesh; a ray is dark if it meets the mesh. The fit minimises the cost of misclassified rays,
@@ -102,15 +159,15 @@ pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Ve
         distance + unlike_sphere * (own.offset.length() + 1.0 - own.radius)
     };
     let mut random = Random::new(2);
+    let mut free = Passes::default();
     for sweep in 0..SWEEPS {
         let step = 0.4 * 0.85_f32.powi(sweep);
         for ((sphere, passes), found) in spheres.iter().zip(&passes).zip(&mut found) {
             passes.iter().filter(|p| p.blocks(sphere.w, found)).for_each(|p| covers[p.ray as usize] -= 1);
-            let free: Vec<(&Pass, f32)> = passes
-                .iter()
-                .filter(|p| covers[p.ray as usize] == 0)
-                .map(|p| (p, if rays[p.ray as usize].2 { -1.0 } else { DARK_SPOT }))
-                .collect();
+            free.clear();
+            for pass in passes.iter().filter(|p| covers[p.ray as usize] == 0) {
+                free.push(pass, if rays[pass.ray as usize].2 { -1.0 } else { DARK_SPOT });
+            }
             let tried = tries(found, step, &mut random);
             let tried: Vec<(f32, SelfShadow)> =
                 tried.par_iter().map(|own| farthest(&free, *own, sphere.w, 0.1 * start, price)).collect();
@@ -147,25 +204,19 @@ fn tries(best: &SelfShadow, step: f32, random: &mut Random) -> Vec<SelfShadow> {
 
 /// The distance that minimises the cost of misclassified rays for one sphere; returns the cost and both.
 fn farthest(
-    free: &[(&Pass, f32)],
+    free: &Passes,
     own: SelfShadow,
     whole: f32,
     least: f32,
     price: impl Fn(&SelfShadow) -> f32,
 ) -> (f32, SelfShadow) {
-    let mut bins = [0.0_f32; BINS];
-    let scale = 1.0 / (BIN * whole);
-    for (pass, cost) in free {
-        let exit = pass.exit(whole, &own);
-        if exit > 0.0 {
-            bins[((exit * scale) as usize).min(BINS - 1)] += cost;
-        }
-    }
+    let mut bins = [0.0_f32; BINS + 8];
+    dispatch!(Level::new(), simd => free.bin(simd, whole, &own, &mut bins));
     // From blocking nothing to blocking all that leaves it farther than `least`. Against that, each dark ray that is
     // blocked is one less wrong, each lit one more.
     let at = |distance: f32| SelfShadow { distance, ..own };
     let (mut wrong, mut best) = (0.0, (price(&at(NEVER)), at(NEVER)));
-    for (bin, cost) in bins.iter().enumerate().rev() {
+    for (bin, cost) in bins[..BINS].iter().enumerate().rev() {
         let distance = bin as f32 * BIN * whole;
         if distance < least || bin == 0 {
             break;
@@ -233,6 +284,30 @@ mod tests {
     fn wrong(rays: &[(Vec3, Vec3, bool)], spheres: &[Vec4], own: &[SelfShadow]) -> f32 {
         let differ = |(from, v, dark): &&(Vec3, Vec3, bool)| blocked(spheres, own, *from, *v) != *dark;
         rays.iter().filter(differ).count() as f32 / rays.len() as f32
+    }
+
+    /// Eight passes at once fall into the bins of one by one, to the bit.
+    #[test]
+    fn passes_side_by_side_exit_as_one_by_one() {
+        let mut random = Random::new(3);
+        let mut unit = || 2.0 * random.unit() - 1.0;
+        let mut vector = || Vec3::new(unit(), unit(), unit());
+        for whole in [0.3_f32, 1e-3] {
+            let own = SelfShadow { offset: 0.3 * vector(), radius: 0.7, distance: 0.1 };
+            let (mut passes, mut want) = (Passes::default(), [0.0_f32; BINS + 8]);
+            for k in 0..1003_u32 {
+                let pass = Pass::new(k, vector() * (3.0 * whole), vector().normalize_or(Vec3::X), Vec4::W * whole);
+                let (exit, cost) = (pass.exit(whole, &own), 0.5 + k as f32);
+                let at = if exit > 0.0 { ((exit * (1.0 / (BIN * whole))) as usize).min(BINS - 1) } else { BINS };
+                want[at] += cost;
+                passes.push(&pass, cost);
+            }
+            let mut bins = [0.0; BINS + 8];
+            dispatch!(Level::new(), simd => passes.bin(simd, whole, &own, &mut bins));
+            assert!(want[BINS] > 0.0 && want[BINS - 1] > 0.0);
+            assert_eq!(bins[..BINS], want[..BINS]);
+            assert_eq!(bins[BINS..].iter().sum::<f32>(), want[BINS]);
+        }
     }
 
     #[test]
