@@ -10,6 +10,7 @@ mod environment;
 mod errors;
 mod handles;
 mod images;
+mod lamp;
 mod light;
 mod material;
 mod mesh;
@@ -39,6 +40,8 @@ mod native {
     use crate::light::Light;
     #[pymodule_export]
     use crate::material::Material;
+    #[pymodule_export]
+    use crate::mesh::cut_out;
     #[pymodule_export]
     use crate::pictures::{compare, exposed, read_exr, write_exr, write_png};
     #[pymodule_export]

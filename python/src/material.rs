@@ -84,21 +84,28 @@ impl Material {
         Self::checked(HalfVector { diffuse: color_or_black("diffuse", &diffuse)?, lobes }, &emission)
     }
 
-    /// glTF's metallic–roughness model.
+    /// glTF's metallic–roughness model. Its coat is that of a refractive index, or reflects `f0` at normal incidence.
     #[staticmethod]
-    #[pyo3(signature = (base, *, metallic = 1.0, roughness = 1.0, ior = None, emission = None))]
+    #[pyo3(signature = (base, *, metallic = 1.0, roughness = 1.0, ior = None, f0 = None, emission = None))]
     fn metallic_roughness(
         base: &Bound<'_, PyAny>,
         metallic: f32,
         roughness: f32,
         ior: Option<f64>,
+        f0: Given<'_>,
         emission: Given<'_>,
     ) -> PyResult<Self> {
         let metal = MetallicRoughness::new(color("base", base)?, metallic, roughness).or_raise()?;
-        let Some(ior) = ior else { return Self::checked(metal, &emission) };
-        let ior = within("ior", ior, 1.0, 1e6)?;
-        let f0 = ((ior - 1.0) / (ior + 1.0)).powi(2);
-        Self::checked(metal.with_coat(Vec3::splat(f0), 1.0).or_raise()?, &emission)
+        let f0 = match (ior, f0) {
+            (None, None) => return Self::checked(metal, &emission),
+            (Some(_), Some(_)) => return Err(PyTypeError::new_err("expected one of ior, f0")),
+            (Some(ior), None) => {
+                let ior = within("ior", ior, 1.0, 1e6)?;
+                Vec3::splat(((ior - 1.0) / (ior + 1.0)).powi(2))
+            }
+            (None, Some(f0)) => color("f0", &f0)?,
+        };
+        Self::checked(metal.with_coat(f0, 1.0).or_raise()?, &emission)
     }
 
     /// The name of its model.
