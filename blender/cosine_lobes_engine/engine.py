@@ -16,7 +16,7 @@ def engine_settings(scene, is_viewport):
     """The settings of the engine's renderer, by their keywords."""
     own = scene.cosine_lobes
     tolerance = own.viewport_tolerance if is_viewport else own.tolerance
-    return {"tolerance": round(tolerance, 6), "samples": 1 if is_viewport else own.samples or None, "device": own.device.lower()}
+    return {"tolerance": round(tolerance, 6), "samples": 1 if is_viewport else own.samples or None}
 
 
 def live_of(key=None):

@@ -39,8 +39,12 @@ class Look:
     base: tuple = (0.8, 0.8, 0.8)
     metallic: float = 0.0
     roughness: float = 1.0
-    # Reflectance of the coat at normal incidence; None without one.
-    f0: Optional[tuple] = None
+    # Refractive index of the coat; 1 without one.
+    ior: float = 1.0
+    # Colour of the coat's reflectance at normal incidence.
+    tint: tuple = (1.0, 1.0, 1.0)
+    # Whether light that scatters between facets more than once counts.
+    scatters: bool = True
     emission: tuple = (0.0, 0.0, 0.0)
     color_image: Optional[Picture] = None
     metallic_image: Optional[Picture] = None
@@ -288,7 +292,9 @@ def _principled(reader, node):
         base=_clipped(reader, base),
         metallic=min(max(metallic, 0.0), 1.0),
         roughness=min(max(roughness, 0.0), 1.0),
-        f0=_f0(reader.number(node, "IOR", 1.5), reader.number(node, "Specular IOR Level", 0.5), tint),
+        ior=_index(reader.number(node, "IOR", 1.5), reader.number(node, "Specular IOR Level", 0.5)),
+        tint=tuple(min(max(t, 0.0), 1.0) for t in tint),
+        scatters=node.distribution == "MULTI_GGX",
         emission=tuple(max(c * strength, 0.0) for c in emission),
         color_image=color_image,
         metallic_image=metallic_image,
@@ -304,10 +310,11 @@ def _clipped(reader, color):
     return tuple(min(max(c, 0.0), 1.0) for c in color)
 
 
-def _f0(ior, level, tint):
-    """The reflectance at normal incidence: that of the refractive index, times twice the level, times the tint."""
-    own = ((ior - 1) / (ior + 1)) ** 2
-    return tuple(min(max(own * 2 * level * t, 0.0), 1.0) for t in tint)
+def _index(ior, level):
+    """The refractive index with twice the level times the reflectance of this one at normal incidence."""
+    ior = max(ior, 1 / max(ior, 1e-3))
+    root = np.sqrt(min(max(((ior - 1) / (ior + 1)) ** 2 * 2 * level, 0.0), 0.99))
+    return float((1 + root) / (1 - root))
 
 
 def _on_one_place(reader, look):
@@ -329,11 +336,17 @@ def placed(uvs, place):
 def made(cl, look, image_of):
     """The engine's material of a look. `image_of(kind, picture)` gives the arrays of images."""
     emission = look.emission if any(look.emission) else None
-    if look.f0 is None or (look.metallic == 0 and not look.metallic_image and max(look.f0) == 0):
+    if look.metallic == 0 and look.ior == 1:
         material = cl.Material.lambert(look.base, emission=emission)
     else:
-        material = cl.Material.metallic_roughness(
-            look.base, metallic=look.metallic, roughness=look.roughness, f0=look.f0, emission=emission
+        material = cl.Material.principled(
+            look.base,
+            metallic=look.metallic,
+            roughness=look.roughness,
+            ior=look.ior,
+            tint=look.tint,
+            scatters=look.scatters,
+            emission=emission,
         )
     given = {
         "color": look.color_image and image_of("color", look.color_image),

@@ -27,11 +27,6 @@ class CosineLobesSettings(bpy.types.PropertyGroup):
     viewport_tolerance: bpy.props.FloatProperty(
         name="Viewport Tolerance", description="The tolerance in viewports", default=0.02, min=0.0005, max=0.1, precision=4
     )
-    device: bpy.props.EnumProperty(
-        name="Device",
-        items=[("CPU", "CPU", "The processor"), ("GPU", "GPU", "The graphics card, where the package was built for it")],
-        default="CPU",
-    )
 
 
 class RENDER_PT_cosine_lobes(bpy.types.Panel):
@@ -50,7 +45,7 @@ class RENDER_PT_cosine_lobes(bpy.types.Panel):
     def draw(self, context):
         self.layout.use_property_split = True
         own = context.scene.cosine_lobes
-        for name in ("tolerance", "samples", "viewport_tolerance", "device"):
+        for name in ("tolerance", "samples", "viewport_tolerance"):
             self.layout.prop(own, name)
 
 

@@ -3,19 +3,18 @@
 import numpy as np
 
 
-def rgba(radiance, coverage, behind, is_transparent):
-    """The picture over what is behind it, `(height, width, 4)`."""
-    alpha = coverage[..., None]
-    if is_transparent:
-        return np.concatenate([radiance, alpha], axis=2)
-    return np.concatenate([radiance + (1 - alpha) * behind, np.ones_like(alpha)], axis=2)
+def over(live, view, radiance, is_transparent):
+    """The picture with alpha, `(height, width, 4)`: of a transparent film without the sky behind surfaces, which the engine shows."""
+    if not is_transparent:
+        return np.concatenate([radiance, np.ones_like(radiance[..., :1])], axis=2)
+    alpha = live.renderer.coverage(window=view.window)[..., None]
+    return np.concatenate([np.maximum(radiance - (1 - alpha) * live.behind(view), 0) * (alpha > 0), alpha], axis=2)
 
 
 def render(live, view, *, is_transparent=False, progress=None):
     """The picture of a view that `live` shows."""
-    renderer = live.renderer
-    radiance = renderer.render(window=view.window, progress=progress)
-    return rgba(radiance, renderer.coverage(window=view.window), live.behind(view), is_transparent)
+    radiance = live.renderer.render(window=view.window, progress=progress)
+    return over(live, view, radiance, is_transparent)
 
 
 def render_passes(live, view, wanted, *, is_transparent=False, progress=None):
@@ -24,9 +23,7 @@ def render_passes(live, view, wanted, *, is_transparent=False, progress=None):
     names = [name for name, layer in (("depth", "Depth"), ("normal", "Normal")) if layer in wanted["passes"]]
     names += ["lights"] if wanted["groups"] else []
     layers = renderer.layers(names, window=view.window, progress=progress)
-    coverage = renderer.coverage(window=view.window)
-    behind = live.behind(view)
-    made = {"Combined": rgba(layers["beauty"], coverage, behind, is_transparent)}
+    made = {"Combined": over(live, view, layers["beauty"], is_transparent)}
     if "Depth" in wanted["passes"]:
         made["Depth"] = _depth(layers["depth"], view)[..., None]
     if "Normal" in wanted["passes"]:
@@ -34,9 +31,9 @@ def render_passes(live, view, wanted, *, is_transparent=False, progress=None):
     groups = live.groups
     for group in wanted["groups"]:
         total = sum((layers[f"light{n}"] for n, g in enumerate(groups) if g == group), np.zeros_like(layers["beauty"]))
-        is_sky = group == live.sky_group and not is_transparent
-        picture = rgba(total, coverage, behind, False) if is_sky else np.concatenate([total, np.ones_like(coverage)[..., None]], axis=2)
-        made[f"Combined_{group}"] = picture[..., :3]
+        if group == live.sky_group and not is_transparent:
+            total = total + (1 - renderer.coverage(window=view.window)[..., None]) * live.behind(view)
+        made[f"Combined_{group}"] = total
     return made
 
 

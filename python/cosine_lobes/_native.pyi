@@ -236,6 +236,17 @@ class Material:
         f0: Optional[_Color] = None,
         emission: Optional[_Color] = None,
     ) -> Material: ...
+    @staticmethod
+    def principled(
+        base: _Color,
+        *,
+        metallic: float = 0.0,
+        roughness: float = 0.5,
+        ior: float = 1.5,
+        tint: Optional[_Color] = None,
+        scatters: bool = True,
+        emission: Optional[_Color] = None,
+    ) -> Material: ...
     def with_images(
         self,
         *,

@@ -16,6 +16,7 @@ mod material;
 mod mesh;
 mod pictures;
 mod points;
+mod principled;
 mod reference;
 mod renderer;
 mod scene;

@@ -103,8 +103,8 @@ impl Renderer {
             let range = |side: &Range<usize>| side.start as u32..side.end as u32;
             let (part, image) = ([range(&band.columns), range(&band.rows)], band.image.map(|side| side as u32));
             let g = GBuffer::sampled(&world, image, samples, part, &cancel).ok_or(RenderError::Cancelled)?;
-            let ones = vec![Vec3::ONE; g.len()];
-            all.extend(g.picture(&ones, Vec3::ZERO).iter().map(|pixel| pixel.x.min(1.0)));
+            let ones = vec![1.0; g.len()];
+            all.extend(g.resolve(&ones, 0.0).iter().map(|part| part.min(1.0)));
         }
         Ok(all)
     }
