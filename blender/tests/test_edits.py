@@ -14,12 +14,18 @@ class Session:
 
     def __init__(self):
         self.live, _ = stage.live()
+        self.touched = None
+        bpy.app.handlers.depsgraph_update_post.append(self.hear)
         self.follow(Touched())
 
+    def hear(self, _scene, depsgraph):
+        """What a viewport hears by view_update."""
+        self.touched = touched_of(depsgraph)
+
     def follow(self, touched=None):
+        bpy.context.view_layer.update()
+        touched, self.touched = touched or self.touched or Touched(everything=False), None
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        depsgraph.update()
-        touched = touched or touched_of(depsgraph)
         scene = bpy.context.scene
         snapshot = self.live._exporter.snapshot(depsgraph, touched)
         view = cameras.of_scene(scene, scene.camera.evaluated_get(depsgraph), snapshot.notes)
