@@ -51,8 +51,9 @@ class CosineLobesEngine(bpy.types.RenderEngine):
     _worker = None
 
     def __del__(self):
-        if self._worker is not None:
-            self._worker.stop()
+        worker = getattr(self, "_worker", None)
+        if worker is not None:
+            worker.stop()
 
     def update_render_passes(self, scene, layer):
         self.register_pass(scene, layer, "Combined", 4, "RGBA", "COLOR")
@@ -96,7 +97,7 @@ class CosineLobesEngine(bpy.types.RenderEngine):
             self.add_pass(name, width, chans, layer=layer.name)
         part = border(scene, view)
         made = self._pictures(live, camera.cropped(view, part), wanted, scene.render.film_transparent)
-        self._write(part, view, made, layer)
+        self._write(part[2:], made, layer)
         notes.extend(live.notes)
         for line in notes.lines:
             self.report({"WARNING"}, line)
@@ -115,10 +116,12 @@ class CosineLobesEngine(bpy.types.RenderEngine):
             live, view, {"passes": wanted, "groups": groups}, is_transparent=is_transparent, progress=progress
         )
 
-    def _write(self, part, view, made, layer):
-        x, y, width, height = part
-        below = view.window[3] - y - height
-        result = self.begin_result(x, below, width, height, layer=layer.name)
+    def _write(self, size, made, layer):
+        # Of a region Blender keeps the region alone.
+        result = self.begin_result(0, 0, *size, layer=layer.name)
+        if (result.resolution_x, result.resolution_y) != size:
+            self.end_result(result, cancel=True)
+            raise Refused(f"Blender's picture has {result.resolution_x} × {result.resolution_y} pixels instead of {size[0]} × {size[1]}")
         for name, pixels in made.items():
             into = result.layers[0].passes.get(name)
             if into is not None:
@@ -128,16 +131,20 @@ class CosineLobesEngine(bpy.types.RenderEngine):
     # Viewports.
 
     def view_update(self, context, depsgraph):
-        if self._worker is None:
-            self._worker = Worker(self, *live_of())
-        self._worker.update(context, depsgraph, touched_of(depsgraph))
+        try:
+            if self._worker is None:
+                self._worker = Worker(self, *live_of())
+            self._worker.update(context, depsgraph, touched_of(depsgraph))
+        except ImportError as error:
+            self.update_stats("Cosine Lobes", f"the package cosine_lobes cannot be loaded: {error}")
 
     def view_draw(self, context, depsgraph):
         if self._worker is None:
             self.view_update(context, depsgraph)
+        if self._worker is None:
+            return
         shown = self._worker.picture(context, depsgraph)
-        message = self._worker.message
-        self.update_stats("Cosine Lobes", message)
+        self.update_stats("Cosine Lobes", self._worker.message)
         if shown is not None:
             self._drawn = draw.show(self, depsgraph.scene, context.region, shown, getattr(self, "_drawn", None))
 

@@ -116,6 +116,8 @@ class Exporter:
             key = (instance.parent.name_full, *key)
         matrix = np.array(instance.matrix_world, dtype=np.float64)
         if object.type == "LIGHT":
+            if object.visible_camera:
+                snapshot.notes.add(object.name, "the camera does not see lights")
             recipe = lights.convert(None, object.data, matrix, snapshot.notes)
             if recipe is not None:
                 snapshot.lamps[key] = Lamp(object.name, recipe, getattr(object, "lightgroup", ""))

@@ -25,7 +25,7 @@ def render_passes(live, view, wanted, *, is_transparent=False, progress=None):
     layers = renderer.layers(names, window=view.window, progress=progress)
     made = {"Combined": over(live, view, layers["beauty"], is_transparent)}
     if "Depth" in wanted["passes"]:
-        made["Depth"] = _depth(layers["depth"], view)[..., None]
+        made["Depth"] = _depth(layers["depth"])[..., None]
     if "Normal" in wanted["passes"]:
         made["Normal"] = layers["normal"]
     groups = live.groups
@@ -37,14 +37,9 @@ def render_passes(live, view, wanted, *, is_transparent=False, progress=None):
     return made
 
 
-def _depth(distance, view):
-    """Blender's depth is along the camera's axis, and 1e10 where there is nothing."""
-    x, y, width, height = view.window
-    pitch = 2 * np.tan(np.radians(view.fov) / 2) / view.frame[1]
-    across = (np.arange(width) + x + 0.5 - view.frame[0] / 2) * pitch
-    down = (np.arange(height) + y + 0.5 - view.frame[1] / 2) * pitch
-    along = distance / np.sqrt(1 + across[None, :] ** 2 + down[:, None] ** 2)
-    return np.where(np.isfinite(distance) & (distance > 0), along, 1e10).astype(np.float32)
+def _depth(depth):
+    """As the engine's, along the camera's axis; but 1e10 where there is nothing."""
+    return np.where(np.isfinite(depth) & (depth > 0), depth, 1e10).astype(np.float32)
 
 
 def flat(picture):
