@@ -89,7 +89,7 @@ impl Light {
         Self::checked(SpotLight { light, axis, cos: [inner, outer].map(|degrees| degrees.to_radians().cos()) })
     }
 
-    /// A lamp as programs for modelling have it, by its intensity: a sphere, or with `facing` a disc that turns to whoever looks at it, as
+    /// A lamp as programs for modelling have it, by its intensity: a sphere, or with `facing` a disc that turns to each receiver, as
     /// Blender's lamps with a soft falloff. With a `direction` it shines into a cone of `angle` degrees from it, whose edge takes up the
     /// part `blend` of the cone (from 0, hard, to 1).
     #[staticmethod]
