@@ -2,9 +2,9 @@
 
 import bpy
 
-from . import engine, panels
+from . import bake, engine, panels
 
-_classes = (*panels.classes, engine.CosineLobesEngine)
+_classes = (*panels.classes, *bake.classes, engine.CosineLobesEngine)
 
 
 def register():

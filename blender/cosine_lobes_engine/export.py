@@ -118,6 +118,7 @@ class Exporter:
         if object.type == "LIGHT":
             if object.visible_camera:
                 snapshot.notes.add(object.name, "the camera does not see lights")
+            self._note_linking(object, snapshot.notes)
             recipe = lights.convert(None, object.data, matrix, snapshot.notes)
             if recipe is not None:
                 snapshot.lamps[key] = Lamp(object.name, recipe, getattr(object, "lightgroup", ""))
@@ -134,6 +135,9 @@ class Exporter:
             return
         if not object.visible_camera and not object.visible_shadow:
             return
+        for name in ("is_holdout", "is_shadow_catcher"):
+            if getattr(object, name, False):
+                notes.add(object.name, f"{name[3:].replace('_', ' ')} is not supported: it is rendered as any surface")
         looks = [self._look(snapshot, slot.material) for slot in object.material_slots] or [self._look(snapshot, None)]
         for part in self._parts_of(object, looks, snapshot, depsgraph, touched):
             look = looks[min(part.slot, len(looks) - 1)]
@@ -143,6 +147,12 @@ class Exporter:
             snapshot.things[(*key, part.slot)] = thing
             if look.emits:
                 self._emit(snapshot, key, object, part, look, matrix)
+
+    @staticmethod
+    def _note_linking(object, notes):
+        linking = getattr(object, "light_linking", None)
+        if linking and (linking.receiver_collection or linking.blocker_collection):
+            notes.add(object.name, "light linking is not supported: it lights everything")
 
     def _look(self, snapshot, material):
         name = material.name_full if material else None

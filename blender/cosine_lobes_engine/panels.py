@@ -47,6 +47,7 @@ class RENDER_PT_cosine_lobes(bpy.types.Panel):
         own = context.scene.cosine_lobes
         for name in ("tolerance", "samples", "viewport_tolerance"):
             self.layout.prop(own, name)
+        self.layout.operator("object.cosine_lobes_bake")
 
 
 def _panels():

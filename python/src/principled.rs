@@ -43,7 +43,7 @@ struct Node {
     fresnel: f32,
 }
 
-/// What coats of one refractive index reflect.
+/// The reflection of coats of one refractive index.
 #[derive(Debug)]
 struct Table {
     nodes: Vec<[Node; VIEWS]>,
