@@ -1,7 +1,7 @@
 """Lights in Blender's units.
 
 A lamp of P watts has the intensity P/4π in all directions, an area light of area A the radiance P/(πA), a sun of strength E the irradiance E. With
-`normalize` off, P is π times the radiance instead. All are multiplied by colour, temperature and 2^exposure.
+`normalize` off, P is π times the radiance instead, and of suns the radiance. All are multiplied by colour, temperature and 2^exposure.
 """
 
 import math
@@ -100,7 +100,7 @@ def _sun(light, matrix, strength, notes):
     arguments = {"direction": _plain(-matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])), "angle": max(2 * math.degrees(half), NARROWEST)}
     if is_normalized(light) or light.angle == 0:
         return "sun", arguments | {"irradiance": _plain(strength)}
-    return "sun", arguments | {"irradiance": _plain(strength * math.sin(half) ** 2)}
+    return "sun", arguments | {"irradiance": _plain(strength * math.pi * math.sin(half) ** 2)}
 
 
 def _area(light, matrix, strength, notes):
