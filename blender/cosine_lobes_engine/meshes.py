@@ -50,14 +50,15 @@ def parts(mesh, uv_layer_of):
         slots = _read(mesh.loop_triangles, "material_index", np.int32, 1)
     vertex_of = _read(mesh.loops, "vertex_index", np.int32, 1)
     positions = _read(mesh.vertices, "co", np.float32, 3)
-    is_flat = mesh.normals_domain == "FACE"
-    normals = None if is_flat else _read(mesh.corner_normals, "vector", np.float32, 3)
+    # Normals of corners only where the corners of a vertex differ.
+    domain = mesh.normals_domain
+    normals = None if domain == "FACE" else _read(mesh.corner_normals, "vector", np.float32, 3)
     made = []
     for slot in np.unique(slots):
         corners = loops[slots == slot].ravel()
         layer = _layer(mesh, uv_layer_of(int(slot)))
         uvs = None if layer is None else _read(layer.uv, "vector", np.float32, 2)
-        made.append(_part(int(slot), corners, vertex_of, positions, normals, uvs))
+        made.append(_part(int(slot), corners, vertex_of, positions, normals, uvs, domain == "CORNER"))
     return made
 
 
@@ -69,17 +70,15 @@ def _layer(mesh, name):
     return next((layer for layer in mesh.uv_layers if layer.active_render), mesh.uv_layers[0])
 
 
-def _part(slot, corners, vertex_of, positions, normals, uvs):
+def _part(slot, corners, vertex_of, positions, normals, uvs, has_creases):
     vertices = vertex_of[corners]
-    columns = [vertices.reshape(-1, 1)]
-    if normals is not None:
-        columns.append(np.ascontiguousarray(normals[corners]).view(np.int32))
+    ids = vertices.astype(np.int64)
+    if has_creases:
+        ids = _paired(ids, _numbered(normals[corners]))
     if uvs is not None:
-        columns.append(np.ascontiguousarray(uvs[corners]).view(np.int32))
-    rows = np.ascontiguousarray(np.hstack(columns))
-    keys = rows.view(np.dtype((np.void, rows.dtype.itemsize * rows.shape[1]))).ravel()
-    _, first, index = np.unique(keys, return_index=True, return_inverse=True)
-    # In the order of the mesh: bytes sort in another on other machines.
+        ids = _paired(ids, _numbered(uvs[corners]))
+    _, first, index = np.unique(ids, return_index=True, return_inverse=True)
+    # In the order of the corners.
     order = np.argsort(first)
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
@@ -91,6 +90,19 @@ def _part(slot, corners, vertex_of, positions, normals, uvs):
         None if normals is None else _unit(normals[corners[first]]),
         None if uvs is None else _downward(uvs[corners[first]]),
     )
+
+
+def _numbered(rows):
+    """A number for each row of single-precision numbers: equal rows have equal ones."""
+    bits = np.ascontiguousarray(rows).view(np.uint32).astype(np.uint64)
+    ids = np.unique(bits[:, 0] << np.uint64(32) | bits[:, 1], return_inverse=True)[1].astype(np.int64)
+    return ids if rows.shape[1] == 2 else _paired(ids, np.unique(bits[:, 2], return_inverse=True)[1])
+
+
+def _paired(a, b):
+    """A number for each pair of two numbers."""
+    pairs = a.astype(np.int64) * (int(b.max(initial=0)) + 1) + b
+    return np.unique(pairs, return_inverse=True)[1].astype(np.int64)
 
 
 def _unit(normals):
