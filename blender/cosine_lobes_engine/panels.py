@@ -2,8 +2,18 @@
 
 import bpy
 
-#: Panels of Blender that mean nothing to the engine.
-_EXCLUDED = {"VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes", "RENDER_PT_eevee_performance", "RENDER_PT_simplify"}
+#: Common panels of Blender that mean nothing to the engine.
+_EXCLUDED = {"RENDER_PT_freestyle", "DATA_PT_distance"}
+#: Panels of EEVEE that mean the same here.
+_INCLUDED = {
+    "DATA_PT_EEVEE_light",
+    "EEVEE_MATERIAL_PT_context_material",
+    "EEVEE_MATERIAL_PT_surface",
+    "EEVEE_WORLD_PT_surface",
+    "MATERIAL_PT_preview",
+    "NODE_DATA_PT_EEVEE_light",
+}
+_NAME = "COSINE_LOBES"
 
 
 class CosineLobesSettings(bpy.types.PropertyGroup):
@@ -29,41 +39,100 @@ class CosineLobesSettings(bpy.types.PropertyGroup):
     )
 
 
-class RENDER_PT_cosine_lobes(bpy.types.Panel):
-    """The engine's settings, in the render properties."""
+class _Panel:
+    """What all panels of the engine have in common."""
 
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
-    bl_context = "render"
-    bl_label = "Cosine Lobes"
-    COMPAT_ENGINES = {"COSINE_LOBES"}
+    COMPAT_ENGINES = {_NAME}
 
     @classmethod
     def poll(cls, context):
-        return context.engine in cls.COMPAT_ENGINES
+        return context.engine == _NAME
+
+
+class RENDER_PT_cosine_lobes(_Panel, bpy.types.Panel):
+    """The engine's settings."""
+
+    bl_context = "render"
+    bl_label = "Cosine Lobes"
 
     def draw(self, context):
         self.layout.use_property_split = True
-        own = context.scene.cosine_lobes
         for name in ("tolerance", "samples", "viewport_tolerance"):
-            self.layout.prop(own, name)
+            self.layout.prop(context.scene.cosine_lobes, name)
+        self.layout.prop(context.scene.render, "film_transparent", text="Transparent Film")
         self.layout.operator("object.cosine_lobes_bake")
 
 
-def _panels():
-    return [p for p in bpy.types.Panel.__subclasses__() if "BLENDER_RENDER" in getattr(p, "COMPAT_ENGINES", ())]
+class VIEWLAYER_PT_cosine_lobes(_Panel, bpy.types.Panel):
+    """Passes and light groups of a view layer."""
+
+    bl_context = "view_layer"
+    bl_label = "Passes"
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        layer = context.view_layer
+        self.layout.prop(layer, "use_pass_z", text="Depth")
+        self.layout.prop(layer, "use_pass_normal", text="Normal")
+        self.layout.label(text="Light Groups")
+        row = self.layout.row()
+        row.template_list("UI_UL_list", "lightgroups", layer, "lightgroups", layer, "active_lightgroup_index", rows=3)
+        column = row.column(align=True)
+        column.operator("scene.view_layer_add_lightgroup", icon="ADD", text="")
+        column.operator("scene.view_layer_remove_lightgroup", icon="REMOVE", text="")
+
+
+class OBJECT_PT_cosine_lobes(_Panel, bpy.types.Panel):
+    """The light group of an object, and which rays see it."""
+
+    bl_context = "object"
+    bl_label = "Cosine Lobes"
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.prop_search(context.object, "lightgroup", context.view_layer, "lightgroups", text="Light Group")
+        if context.object.type != "LIGHT":
+            self.layout.prop(context.object, "visible_camera", text="Camera")
+            self.layout.prop(context.object, "visible_shadow", text="Shadow")
+
+
+class WORLD_PT_cosine_lobes(_Panel, bpy.types.Panel):
+    """The light group of the world."""
+
+    bl_context = "world"
+    bl_label = "Cosine Lobes"
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == _NAME and context.world is not None
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.prop_search(context.world, "lightgroup", context.view_layer, "lightgroups", text="Light Group")
+
+
+def _is_shared(panel):
+    common = "BLENDER_RENDER" in getattr(panel, "COMPAT_ENGINES", ()) and panel.__name__ not in _EXCLUDED
+    return common or panel.__name__ in _INCLUDED
 
 
 def share():
-    """Shows Blender's common panels for the engine."""
-    for panel in _panels():
-        if panel.__name__ not in _EXCLUDED:
-            panel.COMPAT_ENGINES.add("COSINE_LOBES")
+    """Shows Blender's panels that suit the engine."""
+    for panel in filter(_is_shared, bpy.types.Panel.__subclasses__()):
+        panel.COMPAT_ENGINES.add(_NAME)
 
 
 def unshare():
-    for panel in _panels():
-        panel.COMPAT_ENGINES.discard("COSINE_LOBES")
+    for panel in filter(_is_shared, bpy.types.Panel.__subclasses__()):
+        panel.COMPAT_ENGINES.discard(_NAME)
 
 
-classes = (CosineLobesSettings, RENDER_PT_cosine_lobes)
+classes = (
+    CosineLobesSettings,
+    RENDER_PT_cosine_lobes,
+    VIEWLAYER_PT_cosine_lobes,
+    OBJECT_PT_cosine_lobes,
+    WORLD_PT_cosine_lobes,
+)

@@ -34,3 +34,26 @@ def test_the_zip_installs_and_renders_the_startup_scene(tmp_path):
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120)
     assert "RENDERED" in done.stdout, done.stdout + done.stderr
     assert picture.stat().st_size > 1000
+
+
+def test_blender_s_own_panels_show_for_the_engine():
+    import bpy
+
+    shown = {panel.__name__ for panel in bpy.types.Panel.__subclasses__() if "COSINE_LOBES" in getattr(panel, "COMPAT_ENGINES", ())}
+    wanted = {"DATA_PT_EEVEE_light", "DATA_PT_spot", "EEVEE_MATERIAL_PT_surface", "EEVEE_WORLD_PT_surface", "DATA_PT_lens", "RENDER_PT_format"}
+    assert wanted <= shown and "RENDER_PT_eevee_sampling" not in shown
+
+
+def test_the_add_on_leaves_without_a_trace():
+    import bpy
+
+    import cosine_lobes_engine
+
+    cosine_lobes_engine.unregister()
+    try:
+        assert not hasattr(bpy.types.Scene, "cosine_lobes")
+        left = [p.__name__ for p in bpy.types.Panel.__subclasses__() if "COSINE_LOBES" in getattr(p, "COMPAT_ENGINES", ())]
+        # Its own classes, which Python keeps.
+        assert all(name.endswith("cosine_lobes") for name in left)
+    finally:
+        cosine_lobes_engine.register()
