@@ -1,5 +1,6 @@
 """Viewports, as far as they go without a window: views from matrices, and pictures that follow edits. Drawing on the screen needs a window."""
 
+import sys
 import time
 from types import SimpleNamespace
 
@@ -9,7 +10,7 @@ import pytest
 
 import stage
 from cosine_lobes_engine import camera as cameras
-from cosine_lobes_engine.engine import live_of
+from cosine_lobes_engine.engine import CosineLobesEngine, live_of
 from cosine_lobes_engine.export import Touched
 from cosine_lobes_engine.notes import Notes, Refused
 from cosine_lobes_engine.worker import Worker, reduced
@@ -116,3 +117,36 @@ def test_a_newer_view_stops_the_picture_at_once():
     start = time.monotonic()
     worker.stop()
     assert time.monotonic() - start < 2 and worker._shown is None
+
+
+def test_the_engine_draws_its_picture(monkeypatch):
+    """The calls of drawing, on a graphics module that only listens."""
+    _, camera = simple()
+    calls, textures = [], []
+    texture = lambda size, format, data: textures.append((size, format, len(data))) or "texture"
+    gpu = SimpleNamespace(
+        types=SimpleNamespace(Buffer=lambda kind, size, data: data if (kind, size) == ("FLOAT", len(data)) else None, GPUTexture=texture),
+        state=SimpleNamespace(blend_set=lambda mode: calls.append(mode)),
+    )
+    presets = SimpleNamespace(draw_texture_2d=lambda *arguments: calls.append(arguments))
+    for name, module in (("gpu", gpu), ("gpu_extras", SimpleNamespace(presets=presets)), ("gpu_extras.presets", presets)):
+        monkeypatch.setitem(sys.modules, name, module)
+    engine = SimpleNamespace(
+        _worker=None,
+        tag_redraw=lambda: None,
+        update_stats=lambda *_: None,
+        bind_display_space_shader=lambda scene: calls.append("bind"),
+        unbind_display_space_shader=lambda: calls.append("unbind"),
+    )
+    engine.view_update = lambda *arguments: CosineLobesEngine.view_update(engine, *arguments)
+    context, depsgraph = context_of(camera), bpy.context.evaluated_depsgraph_get()
+    CosineLobesEngine.view_draw(engine, context, depsgraph)
+    finished(engine._worker, context)
+    calls.clear()
+    for _ in range(2):
+        CosineLobesEngine.view_draw(engine, context, depsgraph)
+    once = ["ALPHA_PREMULT", "bind", ("texture", (0, 0), *SIZE), "unbind", "NONE"]
+    assert calls == 2 * once
+    # One texture for one picture, however often it is drawn.
+    assert textures[-1] == (SIZE, "RGBA16F", 4 * SIZE[0] * SIZE[1]) and len(textures) <= 2
+    engine._worker.stop()
