@@ -27,6 +27,7 @@ __all__ = [
     "Settings",
     "SphereSet",
     "compare",
+    "cut_out",
     "exposed",
     "read_exr",
     "reference",
@@ -42,6 +43,7 @@ _Vector = Union[Iterable[float], _Floats]
 _Color = Union[float, Iterable[float], _Floats]
 _Matrix = Union[Iterable[Iterable[float]], _Floats]
 _Triple = tuple[float, float, float]
+_Window = tuple[int, int, int, int]
 _Progress = Callable[[str, float], object]
 _Visibility = Literal["spheres", "shadow-map", "silhouettes", "rays", "none"]
 _SceneVisibility = Literal["scene", "spheres", "shadow-map", "silhouettes", "rays", "none"]
@@ -99,6 +101,17 @@ class Light:
         angle: float,
         inner: float = 0.0,
         radius: float = 0.01,
+    ) -> Light: ...
+    @staticmethod
+    def lamp(
+        center: _Vector,
+        *,
+        intensity: _Color,
+        radius: float = 0.01,
+        facing: bool = False,
+        direction: Optional[_Vector] = None,
+        angle: float = 90.0,
+        blend: float = 0.0,
     ) -> Light: ...
     @staticmethod
     def rectangle(
@@ -220,6 +233,18 @@ class Material:
         metallic: float = 1.0,
         roughness: float = 1.0,
         ior: Optional[float] = None,
+        f0: Optional[_Color] = None,
+        emission: Optional[_Color] = None,
+    ) -> Material: ...
+    @staticmethod
+    def principled(
+        base: _Color,
+        *,
+        metallic: float = 0.0,
+        roughness: float = 0.5,
+        ior: float = 1.5,
+        tint: Optional[_Color] = None,
+        scatters: bool = True,
         emission: Optional[_Color] = None,
     ) -> Material: ...
     def with_images(
@@ -231,6 +256,7 @@ class Material:
         normal: Optional[NDArray[np.uint8]] = None,
         roughness: Optional[NDArray[np.uint8]] = None,
         metallic: Optional[NDArray[np.uint8]] = None,
+        normal_scale: float = 1.0,
     ) -> Material: ...
     @property
     def model(self) -> str: ...
@@ -453,9 +479,15 @@ class Renderer:
     """Turns a scene into pictures, and keeps what the next picture can use."""
 
     def __new__(cls, scene: Scene, settings: Optional[Settings] = None, **changes: Unpack[_Changes]) -> Renderer: ...
-    def render(self, *, progress: Optional[_Progress] = None, out: Optional[_Image] = None) -> _Image: ...
+    def render(
+        self, *, progress: Optional[_Progress] = None, out: Optional[_Image] = None, window: Optional[_Window] = None
+    ) -> _Image: ...
     def layers(
-        self, names: Optional[Sequence[_Layer]] = None, *, progress: Optional[_Progress] = None
+        self,
+        names: Optional[Sequence[_Layer]] = None,
+        *,
+        progress: Optional[_Progress] = None,
+        window: Optional[_Window] = None,
     ) -> dict[str, NDArray[Any]]: ...
     def unshadowed(self, *, progress: Optional[_Progress] = None) -> _Image: ...
     def shade(
@@ -478,6 +510,7 @@ class Renderer:
         material: Optional[Union[Material, MaterialHandle, int]] = None,
         objects: Optional[Union[ObjectHandle, int, str, NDArray[np.int32], NDArray[np.int64]]] = None,
     ) -> dict[str, _Image]: ...
+    def coverage(self, *, window: Optional[_Window] = None) -> NDArray[np.float32]: ...
     def exposure(self) -> float: ...
     def pick(self, x: int, y: int) -> Optional[Pick]: ...
     def visible_fraction(self, point: _Vector, normal: _Vector, light: _LightKey) -> _Triple: ...
@@ -602,6 +635,15 @@ class SphereSet:
 def compare(
     test: _Floats, reference: _Floats, *, unshadowed: Optional[_Floats] = None, exposure: float = 0.0
 ) -> dict[str, Any]: ...
+def cut_out(
+    positions: _Floats,
+    triangles: _Integers,
+    uvs: _Floats,
+    alpha: NDArray[np.uint8],
+    *,
+    limit: float = 0.5,
+    normals: Optional[_Floats] = None,
+) -> tuple[_Image, NDArray[np.uint32], Optional[_Image], _Image]: ...
 def reference(
     scene: Scene,
     *,

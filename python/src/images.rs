@@ -39,12 +39,21 @@ fn numbers(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Channel> {
     Ok(Channel { map: map(name, [width, height], texels, Encoding::Linear)?, index: 0 })
 }
 
+/// An image of alpha, one byte a texel.
+pub(crate) fn alpha(name: &str, value: &Bound<'_, PyAny>) -> PyResult<TextureMap> {
+    let array = value.cast::<PyArray2<u8>>().map_err(|_| refuse(name, value, "(height, width)", "uint8"))?;
+    let (height, width) = (array.shape()[0], array.shape()[1]);
+    let texels = array.try_readonly()?.as_array().iter().map(|t| [u8::MAX, u8::MAX, u8::MAX, *t]).collect();
+    map(name, [width, height], texels, Encoding::Linear)
+}
+
 #[pymethods]
 impl Material {
     /// The material with images, which its own values multiply: arrays of uint8, the upper row first. `color`, `specular` and `emission` are
     /// sRGB, `(height, width, 3)`; `normal` is a normal map of that shape; `roughness` and `metallic` are `(height, width)`. They lie by the
-    /// `uvs` of meshes, v downward, and repeat.
-    #[pyo3(signature = (*, color = None, specular = None, emission = None, normal = None, roughness = None, metallic = None))]
+    /// `uvs` of meshes, v downward, and repeat. `normal_scale` multiplies x and y of the normal map.
+    #[pyo3(signature = (*, color = None, specular = None, emission = None, normal = None, roughness = None, metallic = None, normal_scale = 1.0))]
+    #[expect(clippy::too_many_arguments, reason = "each is a keyword")]
     fn with_images(
         &self,
         color: Given<'_, '_>,
@@ -53,6 +62,7 @@ impl Material {
         normal: Given<'_, '_>,
         roughness: Given<'_, '_>,
         metallic: Given<'_, '_>,
+        normal_scale: f64,
     ) -> PyResult<Self> {
         let mut new = self.clone();
         let surface = &mut new.surface;
@@ -70,7 +80,8 @@ impl Material {
             }
         }
         if let Some(image) = normal {
-            surface.normal = Some((colors("normal", image, Encoding::Linear)?, 1.0));
+            let scale = crate::args::within("normal_scale", normal_scale, 0.0, 1e3)?;
+            surface.normal = Some((colors("normal", image, Encoding::Linear)?, scale));
         }
         if let Some(image) = roughness {
             surface.roughness = Some(numbers("roughness", image)?);

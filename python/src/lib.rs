@@ -10,11 +10,13 @@ mod environment;
 mod errors;
 mod handles;
 mod images;
+mod lamp;
 mod light;
 mod material;
 mod mesh;
 mod pictures;
 mod points;
+mod principled;
 mod reference;
 mod renderer;
 mod scene;
@@ -39,6 +41,8 @@ mod native {
     use crate::light::Light;
     #[pymodule_export]
     use crate::material::Material;
+    #[pymodule_export]
+    use crate::mesh::cut_out;
     #[pymodule_export]
     use crate::pictures::{compare, exposed, read_exr, write_exr, write_png};
     #[pymodule_export]

@@ -1,5 +1,6 @@
 use crate::args::{color, direction, one_of, points, positive, vec3, within};
 use crate::errors::OrRaise;
+use crate::lamp::{Beam, Lamp};
 use crate::values::vector;
 use cosine_lobes::lighting::{self, AmbientLight, FlatLight, SphereLight, SpotLight, SunLight, TubeLight};
 use cosine_lobes::lobe_core::Sphere;
@@ -86,6 +87,28 @@ impl Light {
         let inner = within("inner", inner, 0.0, angle)?;
         let axis = crate::args::direction("direction", direction)?;
         Self::checked(SpotLight { light, axis, cos: [inner, outer].map(|degrees| degrees.to_radians().cos()) })
+    }
+
+    /// A lamp as programs for modelling have it, by its intensity: a sphere, or with `facing` a disc that turns to each receiver, as
+    /// Blender's lamps with a soft falloff. With a `direction` it shines into a cone of `angle` degrees from it, whose edge takes up the
+    /// part `blend` of the cone (from 0, hard, to 1).
+    #[staticmethod]
+    #[pyo3(signature = (center, *, intensity, radius = 0.01, facing = false, direction = None, angle = 90.0, blend = 0.0))]
+    fn lamp(
+        center: &Bound<'_, PyAny>,
+        intensity: &Bound<'_, PyAny>,
+        radius: f64,
+        facing: bool,
+        direction: Given<'_>,
+        angle: f64,
+        blend: f64,
+    ) -> PyResult<Self> {
+        let light = SphereLight::with_intensity(Self::sphere_of(center, radius)?, color("intensity", intensity)?);
+        let angle = within("angle", angle, 0.1, 90.0)?.to_radians();
+        let blend = within("blend", blend, 0.0, 1.0)?;
+        let axis = direction.map(|axis| crate::args::direction("direction", &axis)).transpose()?;
+        let beam = axis.map(|axis| Beam { axis, cos: angle.cos(), blend });
+        Self::checked(Lamp { light, facing, beam }.light())
     }
 
     /// A rectangle, `center` ± `u` ± `v`, that shines toward `u` × `v`.

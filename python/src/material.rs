@@ -1,5 +1,6 @@
 use crate::args::{color, matrix3, positive, type_name, vec3, within};
 use crate::errors::OrRaise;
+use crate::principled::Principled;
 use crate::values::vector;
 use cosine_lobes::brdf::{
     self, HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Lambert, MetallicRoughness, ModifiedPhong, Neumann,
@@ -7,9 +8,10 @@ use cosine_lobes::brdf::{
 };
 use cosine_lobes::scene::{Scene, Surface};
 use glam::Vec3;
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::sync::Arc;
 
 /// How a surface reflects light, and what it emits. Immutable.
 #[pyclass(module = "cosine_lobes", frozen, eq, from_py_object)]
@@ -84,21 +86,53 @@ impl Material {
         Self::checked(HalfVector { diffuse: color_or_black("diffuse", &diffuse)?, lobes }, &emission)
     }
 
-    /// glTF's metallic–roughness model.
+    /// glTF's metallic–roughness model. Its coat is that of a refractive index, or reflects `f0` at normal incidence.
     #[staticmethod]
-    #[pyo3(signature = (base, *, metallic = 1.0, roughness = 1.0, ior = None, emission = None))]
+    #[pyo3(signature = (base, *, metallic = 1.0, roughness = 1.0, ior = None, f0 = None, emission = None))]
     fn metallic_roughness(
         base: &Bound<'_, PyAny>,
         metallic: f32,
         roughness: f32,
         ior: Option<f64>,
+        f0: Given<'_>,
         emission: Given<'_>,
     ) -> PyResult<Self> {
         let metal = MetallicRoughness::new(color("base", base)?, metallic, roughness).or_raise()?;
-        let Some(ior) = ior else { return Self::checked(metal, &emission) };
-        let ior = within("ior", ior, 1.0, 1e6)?;
-        let f0 = ((ior - 1.0) / (ior + 1.0)).powi(2);
-        Self::checked(metal.with_coat(Vec3::splat(f0), 1.0).or_raise()?, &emission)
+        let f0 = match (ior, f0) {
+            (None, None) => return Self::checked(metal, &emission),
+            (Some(_), Some(_)) => return Err(PyTypeError::new_err("expected one of ior, f0")),
+            (Some(ior), None) => {
+                let ior = within("ior", ior, 1.0, 1e6)?;
+                Vec3::splat(((ior - 1.0) / (ior + 1.0)).powi(2))
+            }
+            (None, Some(f0)) => color("f0", &f0)?,
+        };
+        Self::checked(metal.with_coat(f0, 1.0).or_raise()?, &emission)
+    }
+
+    /// Blender's Principled, of which it has the base with its coat: `ior` is the coat's refractive index (1 for none), `tint` colours what it
+    /// reflects at normal incidence, and with `scatters` light that scatters between the facets more than once counts. On the CPU alone.
+    #[staticmethod]
+    #[pyo3(signature = (base, *, metallic = 0.0, roughness = 0.5, ior = 1.5, tint = None, scatters = true, emission = None))]
+    fn principled(
+        base: &Bound<'_, PyAny>,
+        metallic: f64,
+        roughness: f64,
+        ior: f64,
+        tint: Given<'_>,
+        scatters: bool,
+        emission: Given<'_>,
+    ) -> PyResult<Self> {
+        let fractions = |name: &str, color: Vec3| {
+            let wrong = || PyValueError::new_err(format!("{name} is {color}: expected 0 to 1"));
+            if color.max_element() <= 1.0 { Ok(color) } else { Err(wrong()) }
+        };
+        let base = fractions("base", color("base", base)?)?;
+        let tint = fractions("tint", tint.map_or(Ok(Vec3::ONE), |tint| color("tint", &tint))?)?;
+        let numbers = [within("metallic", metallic, 0.0, 1.0)?, within("roughness", roughness, 0.0, 1.0)?];
+        let ior = within("ior", ior, 1.0, 1e3)?;
+        let model = Principled::new(base, numbers, f64::from(ior), tint, scatters);
+        Self::checked(brdf::Material::Custom(Arc::new(model)), &emission)
     }
 
     /// The name of its model.

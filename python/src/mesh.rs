@@ -1,12 +1,13 @@
 //! Objects from arrays.
 
-use crate::args::{directions, points, rows, same_count, triangles, type_name};
+use crate::args::{directions, points, rows, same_count, triangles, type_name, within};
 use crate::spheres::SphereSet;
 use crate::work::warn;
 use cosine_lobes::lobe_core::Sphere;
 use cosine_lobes::scene::{Mesh, Object, Proxy, Strategy};
 use glam::{Vec2, Vec3};
-use numpy::PyUntypedArray;
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray2, PyUntypedArray};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
@@ -116,8 +117,9 @@ fn proxy(value: &Bound<'_, PyAny>) -> PyResult<Proxy> {
         return Ok(Proxy::Spheres(sphere_rows("spheres", value)?));
     }
     match value.extract::<i64>() {
+        Ok(0) => Ok(Proxy::None),
         Ok(count @ 1..=100_000) => Ok(Proxy::Count(count as usize)),
-        Ok(count) => Err(PyValueError::new_err(format!("spheres is {count}: expected 1 to 100000"))),
+        Ok(count) => Err(PyValueError::new_err(format!("spheres is {count}: expected 0 to 100000"))),
         Err(_) => {
             let kind = type_name(value);
             let fault =
@@ -125,4 +127,47 @@ fn proxy(value: &Bound<'_, PyAny>) -> PyResult<Proxy> {
             Err(PyTypeError::new_err(fault))
         }
     }
+}
+
+/// The arrays of a mesh without the parts where an image of alpha (uint8, `(height, width)`, the upper row first) is below a limit:
+/// positions, triangles, normals or none, uvs. Camera and shadows then see the same outline.
+#[pyfunction]
+#[pyo3(signature = (positions, triangles, uvs, alpha, *, limit = 0.5, normals = None))]
+#[expect(clippy::type_complexity, reason = "four arrays")]
+pub(crate) fn cut_out<'py>(
+    py: Python<'py>,
+    positions: &Bound<'py, PyAny>,
+    triangles: &Bound<'py, PyAny>,
+    uvs: &Bound<'py, PyAny>,
+    alpha: &Bound<'py, PyAny>,
+    limit: f64,
+    normals: Option<&Bound<'py, PyAny>>,
+) -> PyResult<(
+    Bound<'py, PyArray2<f32>>,
+    Bound<'py, PyArray2<u32>>,
+    Option<Bound<'py, PyArray2<f32>>>,
+    Bound<'py, PyArray2<f32>>,
+)> {
+    let limit = within("limit", limit, 1e-6, 1.0)?;
+    let map = crate::images::alpha("alpha", alpha)?;
+    let arrays = Arrays { positions, triangles, normals, uvs: Some(uvs), colors: None, smooth: false };
+    let mut mesh = arrays.mesh(py)?;
+    if !py.detach(|| mesh.cut_out(&map, limit)) {
+        return Err(PyValueError::new_err("alpha is repeated too often to cut along its outline"));
+    }
+    let uvs: Vec<[f32; 2]> = mesh.uv_sets[0].iter().map(Vec2::to_array).collect();
+    let rows = |all: &[Vec3]| array(py, &all.iter().map(Vec3::to_array).collect::<Vec<_>>());
+    let normals = (!mesh.normals.is_empty()).then(|| rows(&mesh.normals)).transpose()?;
+    Ok((rows(&mesh.positions)?, array(py, &mesh.triangles)?, normals, array(py, &uvs)?))
+}
+
+/// Rows as an array.
+fn array<'py, T: numpy::Element + Copy, const N: usize>(
+    py: Python<'py>,
+    rows: &[[T; N]],
+) -> PyResult<Bound<'py, PyArray2<T>>> {
+    let shape = (rows.len(), N);
+    let array =
+        Array2::from_shape_vec(shape, rows.concat()).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    Ok(array.into_pyarray(py))
 }

@@ -12,7 +12,7 @@ use cosine_lobes::lobe_core::Receiver;
 use cosine_lobes::renderer::{self, Image, ImageStats, LayerSet, Layers};
 use cosine_lobes::scene::Cancel;
 use glam::Vec3;
-use numpy::{PyArray3, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{PyArray2, PyArray3, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFrozenSet};
@@ -54,14 +54,31 @@ impl Inner {
         [self.renderer.scene().width as usize, self.renderer.scene().height as usize]
     }
 
-    /// Renders into memory of three numbers a pixel.
-    fn render_into(&mut self, py: Python<'_>, progress: Progress<'_, '_>, pixels: &mut [f32]) -> PyResult<()> {
+    /// A part of the picture: its left column, upper row, width and height; none for all of it.
+    fn window(&self, part: Option<(usize, usize, usize, usize)>) -> PyResult<Window> {
         let [width, height] = self.size();
+        let Some((x, y, across, down)) = part else { return Ok(Window::whole(width, height)) };
+        let is_inside = |first: usize, count: usize, all: usize| count > 0 && first < all && count <= all - first;
+        if !(is_inside(x, across, width) && is_inside(y, down, height)) {
+            let fault = format!("window is {:?}: expected a part of {width} x {height} pixels", (x, y, across, down));
+            return Err(PyValueError::new_err(fault));
+        }
+        Ok(Window { image: [width, height], columns: x..x + across, rows: y..y + down })
+    }
+
+    /// Renders into memory of three numbers a pixel.
+    fn render_into(
+        &mut self,
+        py: Python<'_>,
+        progress: Progress<'_, '_>,
+        window: &Window,
+        pixels: &mut [f32],
+    ) -> PyResult<()> {
         let renderer = &mut self.renderer;
         let stats = run(py, progress, |cancel, reporter| {
             renderer.set_cancel(cancel.clone());
             let pixels: &mut [Vec3] = bytemuck::cast_slice_mut(pixels);
-            let done = renderer.render_into(&Window::whole(width, height), &mut |event| reporter.hear(event), pixels);
+            let done = renderer.render_into(window, &mut |event| reporter.hear(event), pixels);
             renderer.set_cancel(Cancel::new());
             done
         });
@@ -70,13 +87,18 @@ impl Inner {
     }
 
     /// Renders with some layers.
-    fn render_layers(&mut self, py: Python<'_>, progress: Progress<'_, '_>, layers: LayerSet) -> PyResult<Image> {
-        let [width, height] = self.size();
+    fn render_layers(
+        &mut self,
+        py: Python<'_>,
+        progress: Progress<'_, '_>,
+        window: &Window,
+        layers: LayerSet,
+    ) -> PyResult<Image> {
         self.renderer.set_layers(layers).or_raise()?;
         let renderer = &mut self.renderer;
         let image = run(py, progress, |cancel, reporter| {
             renderer.set_cancel(cancel.clone());
-            let done = renderer.render_window(&Window::whole(width, height), &mut |event| reporter.hear(event));
+            let done = renderer.render_window(window, &mut |event| reporter.hear(event));
             renderer.set_cancel(Cancel::new());
             done
         });
@@ -181,22 +203,25 @@ impl Renderer {
 
     /// Renders the picture: linear radiance, `(height, width, 3)`, the top row first. With `out` into that array.
     ///
-    /// `progress(stage, done)` is called from this thread; what it raises stops the work, as Ctrl-C does.
-    #[pyo3(signature = (*, progress = None, out = None))]
+    /// `window` is a part of the picture to render alone: left column, upper row, width, height. `progress(stage, done)` is called from this
+    /// thread; what it raises stops the work, as Ctrl-C does.
+    #[pyo3(signature = (*, progress = None, out = None, window = None))]
     fn render<'py>(
         &self,
         py: Python<'py>,
         progress: Option<&Bound<'py, PyAny>>,
         out: Option<&Bound<'py, PyAny>>,
+        window: Option<(usize, usize, usize, usize)>,
     ) -> PyResult<Bound<'py, PyArray3<f32>>> {
         let mut held = self.hold(py)?;
-        let [width, height] = held.value.size();
+        let window = held.value.window(window)?;
+        let [width, height] = window.size();
         if let Some(out) = out {
             let array = writable(out, [width, height])?;
             let refused = |error: numpy::BorrowError| PyValueError::new_err(format!("out: {error}"));
             let mut memory = array.try_readwrite().map_err(refused)?;
             let wrong = |_| PyValueError::new_err("out: expected rows in order, without gaps");
-            held.value.render_into(py, progress, memory.as_slice_mut().map_err(wrong)?)?;
+            held.value.render_into(py, progress, &window, memory.as_slice_mut().map_err(wrong)?)?;
             drop(memory);
             return Ok(array);
         }
@@ -204,21 +229,24 @@ impl Renderer {
         let count = 3 * width * height;
         pixels.try_reserve_exact(count).map_err(|error| PyMemoryError::new_err(error.to_string()))?;
         pixels.resize(count, 0.0);
-        held.value.render_into(py, progress, &mut pixels)?;
+        held.value.render_into(py, progress, &window, &mut pixels)?;
         values::image(py, [width, height], pixels)
     }
 
     /// Renders the picture with its layers, by the names that they have in files of `lobes render --layers`. `names` are some of
-    /// "unshadowed", "lights", "normal", "depth", "object" and "counts"; when left out all but "object".
-    #[pyo3(signature = (names = None, *, progress = None))]
+    /// "unshadowed", "lights", "normal", "depth", "object" and "counts"; when left out all but "object". `window` as of [`render`](Self::render).
+    #[pyo3(signature = (names = None, *, progress = None, window = None))]
     fn layers<'py>(
         &self,
         py: Python<'py>,
         names: Option<Vec<String>>,
         progress: Option<&Bound<'py, PyAny>>,
+        window: Option<(usize, usize, usize, usize)>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let set = layer_set(names)?;
-        let image = self.hold(py)?.value.render_layers(py, progress, set)?;
+        let mut held = self.hold(py)?;
+        let window = held.value.window(window)?;
+        let image = held.value.render_layers(py, progress, &window, set)?;
         named_layers(py, image, set)
     }
 
@@ -230,8 +258,29 @@ impl Renderer {
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray3<f32>>> {
         let set = LayerSet { unshadowed: true, ..LayerSet::NONE };
-        let image = self.hold(py)?.value.render_layers(py, progress, set)?;
+        let mut held = self.hold(py)?;
+        let window = held.value.window(None)?;
+        let image = held.value.render_layers(py, progress, &window, set)?;
         values::layer(py, image.size, &image.layers.unshadowed)
+    }
+
+    /// The fraction of each pixel that shows a surface, `(height, width)`: the rest shows the background.
+    #[pyo3(signature = (*, window = None))]
+    fn coverage<'py>(
+        &self,
+        py: Python<'py>,
+        window: Option<(usize, usize, usize, usize)>,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let mut held = self.hold(py)?;
+        let window = held.value.window(window)?;
+        let renderer = &mut held.value.renderer;
+        let found = run(py, None, |cancel, _| {
+            renderer.set_cancel(cancel.clone());
+            let found = renderer.coverage(&window);
+            renderer.set_cancel(Cancel::new());
+            found
+        });
+        values::plane(py, window.size(), found?.or_raise()?)
     }
 
     /// The exposure, in stops, that PNG files of the command have.

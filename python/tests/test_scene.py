@@ -151,7 +151,7 @@ BAD_MESHES = [
     ({"material": 5}, "material 5 is not in the scene: there are 0"),
     ({"material": "red"}, "material is of type str: expected a Material or a number"),
     ({"visibility": "magic"}, 'visibility is "magic": expected one of spheres, shadow-map'),
-    ({"spheres": 0}, "spheres is 0: expected 1 to 100000"),
+    ({"spheres": -1}, "spheres is -1: expected 0 to 100000"),
     ({"spheres": np.array([[0.0, 0, 0, -1]])}, r"spheres\[0\]: sphere has radius -1"),
     ({"spheres": "many"}, "spheres is of type str"),
     ({"positions": np.array([[0, 0, 0], [2e9, 0, 0], [0, 2e9, 0], [1, 1, 1]])}, "vertex 1 is .*: coordinates must lie within ±1e9"),

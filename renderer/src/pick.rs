@@ -7,7 +7,7 @@ use crate::{
     RenderError, Renderer, Shader, ShaderTask,
 };
 use brdf::Material;
-use core::ops::ControlFlow;
+use core::ops::{ControlFlow, Range};
 use glam::Vec3;
 use lighting::Light;
 use lobe_core::paper::Tables;
@@ -31,6 +31,9 @@ pub struct Pick {
     /// Distance from the eye, in units of the scene.
     pub distance: f32,
 }
+
+/// Rows of pixels whose camera rays are held at once.
+const COVERAGE_ROWS: usize = 64;
 
 /// A point is on a light if it is within this fraction of the light's radius.
 const ON_LIGHT: f32 = 1e-3;
@@ -72,6 +75,38 @@ impl Renderer {
             receiver,
             distance: receiver.position.distance(self.scene.camera.eye),
         })
+    }
+
+    /// The fraction of each pixel of a window that shows a surface, row by row: the rest shows the background.
+    ///
+    /// ```
+    /// use renderer::{Renderer, Settings};
+    /// let mut scene = scene::builtin();
+    /// (scene.width, scene.height) = (64, 36);
+    /// let mut renderer = Renderer::new(scene, scene::Animation::default(), Settings::default())?;
+    /// let coverage = renderer.coverage(&pictures::Window::whole(64, 36))?;
+    /// assert!(coverage.len() == 64 * 36 && coverage.iter().all(|part| (0.0..=1.0).contains(part)));
+    /// # Ok::<(), renderer::RenderError>(())
+    /// ```
+    ///
+    /// # Cost
+    /// The camera rays of the window, once the hierarchy is updated to the last edit.
+    ///
+    /// # Errors
+    /// [`RenderError::Cancelled`].
+    pub fn coverage(&mut self, window: &Window) -> Result<Vec<f32>, RenderError> {
+        let (samples, cancel) = (self.settings.samples, self.cancel.clone());
+        let hierarchy = self.follow_hierarchy();
+        let world = World::with_hierarchy(&self.scene, hierarchy);
+        let mut all = Vec::with_capacity(window.pixels());
+        for band in window.parts([window.image[0].max(1), COVERAGE_ROWS]) {
+            let range = |side: &Range<usize>| side.start as u32..side.end as u32;
+            let (part, image) = ([range(&band.columns), range(&band.rows)], band.image.map(|side| side as u32));
+            let g = GBuffer::sampled(&world, image, samples, part, &cancel).ok_or(RenderError::Cancelled)?;
+            let ones = vec![1.0; g.len()];
+            all.extend(g.resolve(&ones, 0.0).iter().map(|part| part.min(1.0)));
+        }
+        Ok(all)
     }
 
     /// The radiance that the surface in the middle of a pixel would have of each light if nothing blocked it, in the order of the lights;

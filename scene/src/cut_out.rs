@@ -57,6 +57,32 @@ impl CutOut {
     }
 }
 
+impl Mesh {
+    /// Takes the parts away where an image's alpha, its fourth channel, is below a limit in (0, 1]; along the line at which it is, so that
+    /// camera and shadows see the same outline. Returns false and leaves the mesh unchanged where the image is repeated too often for
+    /// that.
+    ///
+    /// Triangles are halved until each is inside, outside or smaller than a texel: up to some 40 new triangles for each texel of
+    /// the outline, a million in all.
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use scene::{Encoding, Mesh, Texture, TextureMap};
+    /// // Alpha is 0 in the left half of the image.
+    /// let texels = vec![[255, 255, 255, 0], [255, 255, 255, 255]];
+    /// let map = TextureMap::new(Texture::new("half", [2, 1], texels, Encoding::Srgb));
+    /// let mut mesh = Mesh::quad(Vec3::ZERO, Vec3::X, Vec3::Y);
+    /// assert!(mesh.cut_out(&map, 0.5));
+    /// assert!(mesh.area() > 1.0 && mesh.area() < 3.0);
+    /// ```
+    #[must_use]
+    pub fn cut_out(&mut self, map: &TextureMap, limit: f32) -> bool {
+        let bounds = AlphaBounds::new(&map.texture);
+        let by = CutOut { map: Some(map.clone()), factor: 1.0, limit };
+        by.cut(self, &[], Some(&bounds), usize::MAX)
+    }
+}
+
 /// The most halvings of one triangle. They shorten its sides by 2⁴⁰, which is more than single precision resolves.
 const DEEPEST: u32 = 80;
 
