@@ -1,4 +1,3 @@
-use crate::SilhouetteMesh;
 use crate::beside::Beside;
 use crate::bounds::bounds;
 use crate::clip::{Ball, Behind, Chord, Front};
@@ -9,6 +8,7 @@ use crate::mesh::{is_flat, side};
 use crate::project::{Crossing, View, project};
 use crate::select::{Silhouettes, add_edges, silhouettes};
 use crate::topology::normal;
+use crate::{SilhouetteInstances, SilhouetteMesh};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::{Vec2, Vec3};
 use lobe_core::{Cone, Coverage, Outline, Receiver, Shaft, Sphere, VisibilityQuery};
@@ -102,6 +102,13 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
     #[must_use]
     pub fn new(meshes: impl IntoIterator<Item = &'m SilhouetteMesh>, hits: H) -> Self {
         Self { meshes: Meshes::new(meshes.into_iter().collect()), hits }
+    }
+
+    /// Adds shared meshes at their places. The rays are to meet these as well.
+    #[must_use]
+    pub fn with_instances(mut self, instances: &'m SilhouetteInstances) -> Self {
+        self.meshes = self.meshes.with_instances(instances);
+        self
     }
 
     /// Draws [simplified forms](SilhouetteMesh::with_coarse) for receivers that cannot tell their outlines from the exact ones: the
