@@ -46,8 +46,7 @@ const FLATTEST: f32 = 1e-4;
 pub(crate) fn is_place(matrix: &Mat4) -> bool {
     let linear = Mat3::from_mat4(*matrix);
     let longest = [linear.x_axis, linear.y_axis, linear.z_axis].map(Vec3::length).into_iter().fold(0.0, f32::max);
-    let is_affine = matrix.row(3) == glam::Vec4::W;
-    // Not so for NaN either.
+    let is_affine = matrix.is_finite() && matrix.row(3) == glam::Vec4::W;
     is_affine && longest > 1e-12 && longest < 1e12 && linear.determinant().abs() > FLATTEST * longest.powi(3)
 }
 
@@ -80,7 +79,7 @@ impl Instances {
             let corners = mesh.triangles.iter().flatten().map(|i| matrix.transform_point3(mesh.positions[*i as usize]));
             corners.fold(all, Bounds::with_point)
         });
-        if !(bounds.min.abs().max(bounds.max.abs()).max_element() <= MAX_COORDINATE) {
+        if bounds.min.abs().max(bounds.max.abs()).max_element() > MAX_COORDINATE {
             return Err(SceneError::invalid("places lie beyond ±1e9"));
         }
         Ok(Self { mesh, places, bounds })

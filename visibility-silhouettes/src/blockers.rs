@@ -2,9 +2,10 @@ use crate::beside::Beside;
 use crate::bounds::bounds;
 use crate::clip::{Ball, Behind, Chord, Front};
 use crate::count::{Counter, Fewest};
+use crate::fit::{is_flat, side};
 use crate::hull::Fineness;
 use crate::lists::{Lists, Meshes};
-use crate::mesh::{is_flat, side};
+
 use crate::project::{Crossing, View, project};
 use crate::select::{Silhouettes, add_edges, silhouettes};
 use crate::topology::normal;

@@ -59,6 +59,7 @@ mod clip;
 mod coarse;
 mod count;
 mod edge_list;
+mod fit;
 mod gpu;
 mod hull;
 mod hull_placed;

@@ -1,8 +1,9 @@
 //! Shared meshes at places of their own.
 
 use crate::edge_list::{Block, COLUMNS, ENDS, ID, PLANES, SOMETIMES};
+use crate::fit::{plane, side};
 use crate::lanes::columns;
-use crate::mesh::{SilhouetteMesh, plane};
+use crate::mesh::SilhouetteMesh;
 use crate::tree::Tree;
 use fearless_simd::Simd;
 use glam::{DMat4, DVec3, Mat4, Vec3};
@@ -209,7 +210,7 @@ impl Placed<'_> {
 
     /// [`SilhouetteMesh::sides`] in the world.
     pub(crate) fn sides(&self, edge: usize, x: Vec3) -> [f32; 2] {
-        self.mesh.sides_by(edge, |t| crate::mesh::side(self.corners(t), x))
+        self.mesh.sides_by(edge, |t| side(self.corners(t), x))
     }
 
     /// [`SilhouetteMesh::is_drawn`].
@@ -270,6 +271,7 @@ mod tests {
     use crate::hull::{Fineness, Hull, Memory};
     use crate::lists::Meshes;
     use crate::select::{NUMBERS, Silhouettes, silhouettes};
+    use core::f32::consts::{PI, TAU};
     use fearless_simd::{Level, dispatch};
     use glam::Quat;
     use lobe_core::oracle::Random;
@@ -280,7 +282,7 @@ mod tests {
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
         for ring in 0..=n {
             for k in 0..n {
-                let [theta, phi] = [ring as f32 / n as f32 * 3.14, k as f32 / n as f32 * 6.283_185];
+                let [theta, phi] = [(ring as f32 + 0.3) / (n + 1) as f32 * PI, k as f32 / n as f32 * TAU];
                 let radius = 1.0 + 0.2 * (3.0 * phi).sin() * theta.sin();
                 let across = radius * theta.sin();
                 positions.push(Vec3::new(across * phi.cos(), radius * theta.cos(), across * phi.sin()));

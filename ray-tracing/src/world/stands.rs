@@ -146,9 +146,9 @@ impl Stand {
             for l in 0..8 {
                 let (low, high) = (f32::from(low[l]), f32::from(high[l]));
                 let (c, h) = (p + (low + high) * (0.5 * step), (high - low) * (0.5 * step));
-                for k in 0..3 {
-                    boxes.centers[k][l] += along[k] * c;
-                    boxes.halves[k][l] += along[k].abs() * h;
+                for (k, along) in along.iter().enumerate() {
+                    boxes.centers[k][l] += along * c;
+                    boxes.halves[k][l] += along.abs() * h;
                 }
             }
         }
