@@ -43,7 +43,7 @@ fn main() -> Fallible<()> {
 fn mesh(scene: &Scene) -> &scene::Mesh {
     match &scene.objects[1].shape {
         Shape::Mesh(mesh) => mesh,
-        Shape::Spheres(_) => unreachable!("a mesh file gives meshes"),
+        Shape::Instances(_) | Shape::Spheres(_) => unreachable!("a mesh file gives meshes"),
     }
 }
 

@@ -4,7 +4,7 @@ use crate::look::diffuse;
 use brdf::Material;
 use glam::{Mat4, Vec2, Vec3};
 use pictures::{Picture, png_bytes, srgb_bytes};
-use scene::{Camera, GltfDocument, GltfPart, Mesh, Scene, Shape, Surface, TextureMap, TexturePlace, Wrap};
+use scene::{Camera, GltfDocument, GltfPart, Mesh, Scene, Surface, TextureMap, TexturePlace, Wrap};
 use serde_json::{Map, Value, json};
 
 /// A document of the meshes of a scene that are seen, with its camera: one node an object, from the object `first` on. And a line about each
@@ -14,13 +14,13 @@ pub(crate) fn document(scene: &Scene, first: usize) -> (GltfDocument, Vec<String
     let (mut parts, mut notes) = (Vec::new(), Vec::new());
     for (number, object) in scene.objects.iter().enumerate().skip(first).filter(|(_, object)| object.visible) {
         let name = &object.name;
-        let Shape::Mesh(mesh) = &object.shape else {
+        let Some(mesh) = object.shape.mesh() else {
             notes.push(format!("\"{name}\" casts shadows and is not written: spheres have no triangles"));
             continue;
         };
-        let place = made.mesh(name, mesh, object.material);
+        let place = made.mesh(name, &mesh, object.material);
         let node = made.node(json!({"name": name, "mesh": place}));
-        let (name, geometry) = (name.clone(), mesh.clone());
+        let (name, geometry) = (name.clone(), mesh.into_owned());
         parts.push(GltfPart {
             node,
             mesh: place,

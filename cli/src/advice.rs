@@ -96,6 +96,9 @@ pub(crate) fn advise(
     let advice = |strategy, reason: String| Advice { strategy, reason };
     let mesh = match &object.shape {
         Shape::Spheres(_) => return advice(Strategy::Spheres, "spheres are exact, and cheapest".to_owned()),
+        Shape::Instances(_) => {
+            return advice(Strategy::Silhouettes, "one mesh at many places, which is stored once".to_owned());
+        }
         Shape::Mesh(mesh) => mesh,
     };
     if object.strategy.is_none() && taken == Strategy::None {

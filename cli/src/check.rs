@@ -98,8 +98,9 @@ fn spheres(object: &Object) -> Result<(usize, Option<SetQuality>), BlockersError
     match (&object.proxy, &object.shape) {
         (Proxy::None, _) => Ok((0, None)),
         (Proxy::Spheres(list), _) | (Proxy::Count(_), Shape::Spheres(list)) => Ok((list.len(), None)),
-        (Proxy::Count(n), Shape::Mesh(mesh)) => {
-            Ok((*n, input::cache_folder().and_then(|cache| known_set(mesh, *n, &cache)).map(|set| set.quality)))
+        (Proxy::Count(n), shape) => {
+            let mesh = shape.mesh().unwrap_or_default();
+            Ok((*n, input::cache_folder().and_then(|cache| known_set(&mesh, *n, &cache)).map(|set| set.quality)))
         }
         (Proxy::File { path, placement }, _) => {
             let set = read_set(path, placement, object)?;
@@ -137,7 +138,7 @@ fn requirements(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Re
     });
     let objects_json = scene.objects.iter().zip(objects).map(|(o, needs)| {
         let (kind, primitives) = match &o.shape {
-            Shape::Mesh(m) => ("triangles", m.triangles.len()),
+            Shape::Mesh(_) | Shape::Instances(_) => ("triangles", o.shape.triangle_count()),
             Shape::Spheres(s) => ("spheres", s.len()),
         };
         json!({
@@ -245,6 +246,10 @@ fn residuals(material: &Material) -> String {
 fn describe(o: &Object, needs: &Requirement, of_scene: bool) -> String {
     let shape = match &o.shape {
         Shape::Mesh(m) => counted(m.triangles.len(), "triangle"),
+        Shape::Instances(all) => {
+            let each = counted(all.mesh().triangles.len(), "triangle");
+            format!("{each} at {}", counted(all.places().len(), "place"))
+        }
         Shape::Spheres(s) => counted(s.len(), "sphere"),
     };
     let seen = if o.visible { "" } else { ", not seen by the camera" };
@@ -269,13 +274,14 @@ fn blocks(o: &Object, needs: &Requirement) -> String {
     match (needs.strategy, &o.proxy, &o.shape) {
         (Strategy::None, ..) => "blocks nothing".to_owned(),
         (Strategy::Custom(name), ..) => format!("blocks by {name}"),
-        (Strategy::Silhouettes, _, Shape::Mesh(_)) => "blocks by its silhouettes".to_owned(),
+        (Strategy::Silhouettes, _, Shape::Mesh(_) | Shape::Instances(_)) => "blocks by its silhouettes".to_owned(),
         (Strategy::Rays, ..) => "blocks by rays".to_owned(),
+        (Strategy::ShadowMap, _, Shape::Instances(_)) => "blocks by its silhouettes".to_owned(),
         (Strategy::ShadowMap, _, Shape::Mesh(_)) => "blocks through shadow maps".to_owned(),
         (Strategy::Spheres, Proxy::File { path, .. }, _) => {
             format!("blocks with the {} of {}", counted(spheres, "sphere"), path.display())
         }
-        (Strategy::Spheres, Proxy::Count(n), Shape::Mesh(_)) => match &needs.quality {
+        (Strategy::Spheres, Proxy::Count(n), Shape::Mesh(_) | Shape::Instances(_)) => match &needs.quality {
             Some(_) => format!("blocks with {}, built before", counted(*n, "sphere")),
             None => format!("blocks with up to {}, built at the first picture and kept", counted(*n, "sphere")),
         },

@@ -1,6 +1,6 @@
 //! All parts of a mesh file as one mesh, with its joints and weights.
 
-use cosine_lobes::scene::{Animation, Object, Shape};
+use cosine_lobes::scene::{Animation, Object};
 use cosine_lobes::sphere_sets::Carriers;
 use glam::{Mat4, Vec3};
 
@@ -22,7 +22,7 @@ impl WholeMesh {
     pub(crate) fn new(objects: &[Object], animation: &Animation) -> Self {
         let mut all = Self::default();
         for (number, object) in objects.iter().enumerate() {
-            let Shape::Mesh(mesh) = &object.shape else { continue };
+            let Some(mesh) = object.shape.mesh() else { continue };
             let first = all.positions.len();
             all.positions.extend_from_slice(&mesh.positions);
             all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first as u32)));

@@ -7,6 +7,7 @@ mod primitive;
 mod query;
 #[cfg(test)]
 mod refit_tests;
+mod stands;
 mod surface;
 mod tree;
 mod triangle_list;
@@ -17,14 +18,14 @@ pub(crate) use self::build::build;
 pub(crate) use self::camera_rays::{Rays, SIDE};
 pub use self::hierarchy::{Hierarchy, Update};
 pub(crate) use self::packet::{NOTHING, RayPacket};
-use self::primitive::{Corners, Exact};
+use self::primitive::{Corners, Exact, Named};
 pub use self::query::{Primitive, Region};
 pub(crate) use self::surface::RayHits;
 pub(crate) use self::tree::{Tree, hierarchy_scale};
 pub use self::triangle_list::TriangleList;
 use glam::{DVec3, Vec3};
 use obvhs::ray::Ray;
-use scene::{Scene, Shape};
+use scene::Scene;
 use std::sync::Arc;
 
 /// A hit of a ray.
@@ -80,7 +81,27 @@ impl<'s> World<'s> {
     /// Number of triangles, those without area not counted.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
-        self.hierarchy.triangles.primitives.len()
+        self.hierarchy.triangles.primitives.len() + self.hierarchy.stands.count() as usize
+    }
+
+    /// A triangle by its number: those of meshes first, in the order of their hierarchy, then those of instances.
+    #[inline]
+    pub(crate) fn triangle(&self, number: u32) -> Corners {
+        let own = &self.hierarchy.triangles.primitives;
+        match own.get(number as usize) {
+            Some(corners) => *corners,
+            None => self.hierarchy.stands.triangle(number - own.len() as u32),
+        }
+    }
+
+    /// Object and number of a triangle.
+    #[inline]
+    pub(crate) fn triangle_name(&self, number: u32) -> (u32, u32) {
+        let own = &self.hierarchy.triangles.primitives;
+        match own.get(number as usize) {
+            Some(corners) => corners.name(),
+            None => self.hierarchy.stands.name(number - own.len() as u32),
+        }
     }
 
     /// The nearest visible surface along a ray of unit direction; tests compare tiles of rays with it.
@@ -88,7 +109,7 @@ impl<'s> World<'s> {
     pub(crate) fn hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         let ray = Ray::new_inf(origin.into(), direction.into());
         let seen = |visible: bool, t: f32| if visible { t } else { f32::INFINITY };
-        let triangle = self.hierarchy.triangles.nearest(ray, |c, r| seen(c.visible, c.intersect(r)));
+        let triangle = self.nearest_triangle(ray, |c, r| seen(c.visible, c.intersect(r)));
         let limit = Ray { tmax: triangle.map_or(f32::INFINITY, |(_, t)| t), ..ray };
         let sphere = self.hierarchy.spheres.nearest(limit, |b, r| seen(b.visible, b.intersect(r)));
         match (sphere, triangle) {
@@ -96,7 +117,7 @@ impl<'s> World<'s> {
                 let (position, normal) = sphere.surface(origin, direction, t);
                 Some(Hit { position, normal, face_normal: normal, object: sphere.object })
             }
-            (None, Some((corners, _))) => Some(self.triangle_hit(corners, origin, direction)),
+            (None, Some((corners, _))) => Some(self.triangle_hit(&corners, origin, direction)),
             (None, None) => None,
         }
     }
@@ -113,9 +134,11 @@ impl<'s> World<'s> {
     #[must_use]
     pub fn occluded_by(&self, origin: Vec3, direction: Vec3, distance: f32, by: impl Fn(u32) -> bool) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
-        self.hierarchy
-            .triangles
-            .any(ray, |c, r| if by(c.object) { c.meet(r, |_| self.exact_distance(c, &ray)) } else { f32::INFINITY })
+        let meet = |c: &Corners, r: &Ray| {
+            if by(c.object) { c.meet(r, |_| self.exact_distance(c, &ray)) } else { f32::INFINITY }
+        };
+        self.hierarchy.triangles.any(ray, meet)
+            || self.hierarchy.stands.any(&ray, meet).is_some()
             || self.hierarchy.spheres.any(ray, |b, r| if b.blocks && by(b.object) { b.meet(r) } else { f32::INFINITY })
     }
 
@@ -127,13 +150,20 @@ impl<'s> World<'s> {
     #[must_use]
     pub fn meets_back(&self, origin: Vec3, direction: Vec3) -> Option<bool> {
         let ray = Ray::new_inf(origin.into(), direction.into());
-        let triangle = self.hierarchy.triangles.nearest(ray, |c, r| c.meet(r, |_| self.exact_distance(c, &ray)));
+        let triangle = self.nearest_triangle(ray, |c, r| c.meet(r, |_| self.exact_distance(c, &ray)));
         let limit = Ray { tmax: triangle.map_or(f32::INFINITY, |(_, t)| t), ..ray };
         if let Some((sphere, _)) = self.hierarchy.spheres.nearest(limit, |b, r| b.intersect(r)) {
             return Some(sphere.sphere.center.distance(origin) < sphere.sphere.radius);
         }
-        let [a, b, c] = self.positions(triangle?.0);
+        let [a, b, c] = self.positions(&triangle?.0);
         Some((b - a).cross(c - a).dot(direction.as_dvec3()) > 0.0)
+    }
+
+    /// The nearest triangle on a ray, and its distance.
+    fn nearest_triangle(&self, ray: Ray, meet: impl Fn(&Corners, &Ray) -> f32) -> Option<(Corners, f32)> {
+        let own = self.hierarchy.triangles.nearest(ray, &meet).map(|(corners, t)| (*corners, t));
+        let limit = Ray { tmax: own.map_or(ray.tmax, |(_, t)| t), ..ray };
+        self.hierarchy.stands.nearest(&limit, meet).or(own)
     }
 
     /// Start of a shadow ray: `position` moved along the geometric normal by 5e-7 of its largest coordinate (4 to 8 units
@@ -161,18 +191,20 @@ impl<'s> World<'s> {
 
     /// The corners of a triangle.
     fn positions(&self, corners: &Corners) -> [DVec3; 3] {
-        let Shape::Mesh(mesh) = &self.scene.objects[corners.object as usize].shape else {
-            unreachable!("triangles come from meshes")
-        };
-        mesh.triangles[corners.index as usize].map(|i| mesh.positions[i as usize].as_dvec3())
+        let shape = &self.scene.objects[corners.object as usize].shape;
+        shape.corners(corners.index as usize).unwrap_or_default().map(Vec3::as_dvec3)
+    }
+
+    /// The corners of a triangle in world space, by its object and number; `None` if there is none.
+    #[must_use]
+    pub fn corners(&self, (object, index): (u32, u32)) -> Option<[Vec3; 3]> {
+        self.scene.objects.get(object as usize)?.shape.corners(index as usize)
     }
 
     #[cfg(test)]
     fn triangle_hit(&self, corners: &Corners, origin: Vec3, direction: Vec3) -> Hit {
         let (o, d) = (origin.as_dvec3(), direction.as_dvec3());
-        let Shape::Mesh(mesh) = &self.scene.objects[corners.object as usize].shape else {
-            unreachable!("triangles come from meshes")
-        };
+        let mesh = self.scene.objects[corners.object as usize].shape.mesh().expect("triangles come from meshes");
         let vertices = mesh.triangles[corners.index as usize];
         let [a, b, c] = vertices.map(|i| mesh.positions[i as usize].as_dvec3());
         let (e1, e2) = (b - a, c - a);
@@ -208,7 +240,7 @@ mod tests {
     use crate::GBuffer;
     use lobe_core::Sphere;
     use lobe_core::oracle::Random;
-    use scene::Mesh;
+    use scene::{Mesh, Shape};
     use test_scenes::floor_and_ball;
 
     /// The scene times a power of two, which changes no digit.
@@ -222,6 +254,7 @@ mod tests {
                 Shape::Spheres(spheres) => {
                     spheres.iter_mut().for_each(|b| *b = Sphere { center: b.center * s, radius: b.radius * s });
                 }
+                Shape::Instances(_) => {}
             }
         }
         scene

@@ -100,7 +100,7 @@ fn measure(name: &str, mut scene: Scene, degrees: f32) {
     let groups: Vec<&[Receiver]> = points.receivers.chunks(GROUP).collect();
     let is_mesh = |r: &Receiver| match &scene.objects[r.object as usize].shape {
         Shape::Mesh(mesh) => mesh.triangles.len() > 12 || name == "room",
-        Shape::Spheres(_) => false,
+        _ => false,
     };
     let all = time(&exact, &groups, &light);
     let triangles: usize = silhouettes.meshes().iter().map(SilhouetteMesh::triangle_count).sum();

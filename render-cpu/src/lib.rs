@@ -31,7 +31,7 @@ mod surface_hits;
 pub use crate::blockers::blockers;
 pub use crate::blockers_error::{BlockersError, BlockersProgress};
 pub use crate::revision::Revision;
-pub use crate::scene_silhouettes::SceneSilhouettes;
+pub use crate::scene_silhouettes::{Looks, SceneSilhouettes};
 pub use crate::scene_spheres::{SceneSpheres, SphereSource, read_set};
 pub use crate::shade::{CpuShader, Layers, ShadeRequest};
 pub use crate::sky::{SkyLighting, SkyScratch, SkyShader};

@@ -1,15 +1,46 @@
 use crate::Revision;
+use glam::Mat4;
 use ray_tracing::Update;
 use rayon::prelude::*;
-use scene::{Cancel, Mesh, Scene, Shape};
+use scene::{Cancel, Instances, Mesh, Scene, Shape};
 use std::collections::HashMap;
-use visibility_silhouettes::SilhouetteMesh;
+use std::sync::Arc;
+use visibility_silhouettes::{SharedMesh, SilhouetteInstances, SilhouetteMesh};
 
 /// Meshes from so many triangles on have simplified forms: the outlines of smaller ones are few anyway.
 const LARGE: usize = 20_000;
 
-fn prepare(object: u32, mesh: &Mesh) -> SilhouetteMesh {
-    let make = if mesh.triangles.len() < LARGE { SilhouetteMesh::new } else { SilhouetteMesh::with_coarse };
+/// Simplified forms of a mesh take as long as they save for so many receivers a triangle, before a light of a half-angle of 5°.
+const WORTH: f64 = 2.0;
+
+/// How many receivers look at lights: decides whether simplified forms are worth their time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Looks(f64);
+
+impl Looks {
+    /// So many that all large meshes have simplified forms.
+    pub const MANY: Self = Self(f64::INFINITY);
+
+    /// So many that look at a light of a half-angle of 5°. One that looks at a wider light counts as several.
+    #[must_use]
+    pub const fn new(receivers: f64) -> Self {
+        Self(receivers)
+    }
+
+    /// Whether a mesh gets simplified forms.
+    fn are_worth(self, mesh: &Mesh) -> bool {
+        mesh.triangles.len() >= LARGE && self.0 >= WORTH * mesh.triangles.len() as f64
+    }
+}
+
+impl Default for Looks {
+    fn default() -> Self {
+        Self::MANY
+    }
+}
+
+fn prepare(object: u32, mesh: &Mesh, looks: Looks) -> SilhouetteMesh {
+    let make = if looks.are_worth(mesh) { SilhouetteMesh::with_coarse } else { SilhouetteMesh::new };
     make(object, &mesh.positions, &mesh.triangles)
 }
 
@@ -19,6 +50,10 @@ pub struct SceneSilhouettes {
     meshes: Vec<SilhouetteMesh>,
     /// The revision of each mesh's object.
     revisions: Vec<Revision>,
+    instances: SilhouetteInstances,
+    /// Objects that the instances were made of, with their numbers.
+    instanced: Vec<(u32, Revision)>,
+    looks: Looks,
 }
 
 impl SceneSilhouettes {
@@ -33,7 +68,7 @@ impl SceneSilhouettes {
     /// Follows the scene, of whose objects there is a revision each: meshes that have moved are refitted, others that are new are
     /// prepared, the rest stays. How many were prepared, and how many refitted.
     pub fn update(&mut self, scene: &Scene, blocks: impl Fn(u32) -> bool, revisions: &[Revision]) -> [usize; 2] {
-        self.update_until(scene, blocks, revisions, &Cancel::new())
+        self.update_until(scene, blocks, (revisions, Looks::MANY), &Cancel::new())
     }
 
     /// The same until the request to stop is made, which is looked at for each mesh. Meshes that were not reached then are as
@@ -42,11 +77,16 @@ impl SceneSilhouettes {
         &mut self,
         scene: &Scene,
         blocks: impl Fn(u32) -> bool,
-        revisions: &[Revision],
+        (revisions, looks): (&[Revision], Looks),
         cancel: &Cancel,
     ) -> [usize; 2] {
+        let before = core::mem::replace(&mut self.looks, looks);
         let old = core::mem::take(&mut self.revisions).into_iter().zip(core::mem::take(&mut self.meshes));
         let mut old: HashMap<u64, (Revision, SilhouetteMesh)> = old.map(|(r, mesh)| (r.object, (r, mesh))).collect();
+        let [mut instances_made, mut instances_refitted] = [0; 2];
+        if !cancel.is_cancelled() {
+            [instances_made, instances_refitted] = self.update_instances(scene, &blocks, (revisions, before));
+        }
         let chosen = (0..scene.objects.len() as u32).zip(revisions).filter(|(object, _)| blocks(*object));
         let work: Vec<_> = chosen.map(|(object, revision)| (object, *revision, old.remove(&revision.object))).collect();
         let follow = |(object, revision, old): (u32, Revision, Option<(Revision, SilhouetteMesh)>)| {
@@ -54,29 +94,91 @@ impl SceneSilhouettes {
                 return old.map(|(before, kept)| (kept, (before, Update::Kept)));
             }
             let Shape::Mesh(mesh) = &scene.objects[object as usize].shape else { return None };
-            let (made, done) = follow(object, mesh, &revision, old);
+            let old = old.filter(|_| looks.are_worth(mesh) == before.are_worth(mesh));
+            let (made, done) = follow(object, mesh, &revision, (old, looks));
             Some((made, (revision, done)))
         };
         let made: (Vec<SilhouetteMesh>, Vec<(Revision, Update)>) = work.into_par_iter().filter_map(follow).unzip();
         self.meshes = made.0;
         let (revisions, done): (Vec<Revision>, Vec<Update>) = made.1.into_iter().unzip();
         self.revisions = revisions;
-        [Update::Built, Update::Refitted].map(|kind| done.iter().filter(|done| **done == kind).count())
+        if cancel.is_cancelled() {
+            // Some meshes may be as before.
+            self.looks = before;
+        }
+        let [made, refitted] =
+            [Update::Built, Update::Refitted].map(|kind| done.iter().filter(|d| **d == kind).count());
+        [made + instances_made, refitted + instances_refitted]
+    }
+
+    /// Prepares the shared meshes of instances where any of these have come, gone or moved. How many were prepared, and 0.
+    fn update_instances(
+        &mut self,
+        scene: &Scene,
+        blocks: impl Fn(u32) -> bool,
+        (revisions, before): (&[Revision], Looks),
+    ) -> [usize; 2] {
+        let looks = self.looks;
+        let all =
+            (0..).zip(&scene.objects).zip(revisions).filter_map(|((number, object), revision)| match &object.shape {
+                Shape::Instances(instances) if blocks(number) => Some((number, *revision, instances)),
+                _ => None,
+            });
+        let all: Vec<(u32, Revision, &Instances)> = all.collect();
+        let is_as_worth =
+            |(_, _, all): &(u32, Revision, &Instances)| looks.are_worth(all.mesh()) == before.are_worth(all.mesh());
+        let names = all.iter().map(|(number, revision, _)| (*number, *revision));
+        if all.iter().all(is_as_worth) && names.eq(self.instanced.iter().copied()) {
+            return [0; 2];
+        }
+        let mut meshes: Vec<&Arc<Mesh>> = Vec::new();
+        let mut places: Vec<Vec<(u32, Mat4)>> = Vec::new();
+        let mut known: HashMap<*const Mesh, usize> = HashMap::new();
+        for (number, _, instances) in &all {
+            let place = *known.entry(Arc::as_ptr(instances.mesh())).or_insert_with(|| {
+                meshes.push(instances.mesh());
+                places.push(Vec::new());
+                meshes.len() - 1
+            });
+            places[place].extend(instances.places().iter().map(|matrix| (*number, *matrix)));
+        }
+        let shared = meshes.iter().zip(&places).map(|(mesh, places)| SharedMesh {
+            positions: &mesh.positions,
+            triangles: &mesh.triangles,
+            places,
+            is_coarse: looks.are_worth(mesh),
+        });
+        self.instances = SilhouetteInstances::new(&shared.collect::<Vec<_>>());
+        self.instanced = all.iter().map(|(number, revision, _)| (*number, *revision)).collect();
+        [meshes.len(), 0]
     }
 
     /// Follows a scene whose objects have moved and are otherwise the same: every mesh is refitted.
     pub fn refit(&mut self, scene: &Scene) {
+        let looks = self.looks;
         self.meshes.par_iter_mut().for_each(|kept| {
             let object = kept.object();
             if let Shape::Mesh(mesh) = &scene.objects[object as usize].shape
                 && !kept.refit(&mesh.positions)
             {
-                *kept = prepare(object, mesh);
+                *kept = prepare(object, mesh, looks);
             }
         });
     }
 
-    /// The meshes.
+    /// The receivers for which simplified forms were or were not made.
+    #[must_use]
+    pub const fn looks(&self) -> Looks {
+        self.looks
+    }
+
+    /// The shared meshes at their places.
+    #[must_use]
+    pub const fn instances(&self) -> &SilhouetteInstances {
+        &self.instances
+    }
+
+    /// The meshes that are not shared.
     #[must_use]
     pub fn meshes(&self) -> &[SilhouetteMesh] {
         &self.meshes
@@ -88,14 +190,17 @@ fn follow(
     object: u32,
     mesh: &Mesh,
     revision: &Revision,
-    old: Option<(Revision, SilhouetteMesh)>,
+    (old, looks): (Option<(Revision, SilhouetteMesh)>, Looks),
 ) -> (SilhouetteMesh, Update) {
     let Some((before, mut kept)) = old.filter(|(before, _)| before.form == revision.form) else {
-        return (prepare(object, mesh), Update::Built);
+        return (prepare(object, mesh, looks), Update::Built);
     };
     kept.set_object(object);
     if before.place == revision.place {
         return (kept, Update::Kept);
     }
-    if kept.refit(&mesh.positions) { (kept, Update::Refitted) } else { (prepare(object, mesh), Update::Built) }
+    match kept.refit(&mesh.positions) {
+        true => (kept, Update::Refitted),
+        false => (prepare(object, mesh, looks), Update::Built),
+    }
 }

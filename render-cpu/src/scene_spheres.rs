@@ -112,7 +112,8 @@ impl ObjectSpheres {
 fn listed_distance(object: &Object) -> f32 {
     match (&object.proxy, &object.shape) {
         // Spheres that stand for a flat or empty mesh: nothing to measure, and no inside to shadow.
-        (Proxy::Spheres(list), Shape::Mesh(mesh)) if object.visible => {
+        (Proxy::Spheres(list), shape) if object.visible && shape.has_triangles() => {
+            let mesh = shape.mesh().unwrap_or_default();
             SphereSet::self_distance_of(&mesh.positions, &mesh.triangles, list).unwrap_or(0.0)
         }
         (Proxy::Spheres(list), _) => sphere_self_distance(list),
@@ -241,7 +242,7 @@ impl SceneSpheres {
             for (i, sphere) in spheres.iter().enumerate() {
                 let first = match object.shape {
                     Shape::Spheres(_) => balls.is_first(object, sphere),
-                    Shape::Mesh(_) => own_spheres.is_first(object, sphere),
+                    Shape::Mesh(_) | Shape::Instances(_) => own_spheres.is_first(object, sphere),
                 };
                 if !first || scene.lights.iter().any(|l| l.is_shown_by(sphere)) {
                     continue;
@@ -266,7 +267,7 @@ fn make(
     progress: &mut BlockersProgress<'_>,
 ) -> Result<ObjectSpheres, BlockersError> {
     match (source, &object.shape) {
-        (SphereSource::Nothing, _) | (SphereSource::Shape, Shape::Mesh(_)) => {
+        (SphereSource::Nothing, _) | (SphereSource::Shape, Shape::Mesh(_) | Shape::Instances(_)) => {
             Ok(ObjectSpheres::new(Spheres::Nothing, 0.0))
         }
         (SphereSource::Shape, Shape::Spheres(balls)) => {
@@ -290,7 +291,9 @@ fn from_proxy(
             return Ok(ObjectSpheres::new(Spheres::Shape, sphere_self_distance(balls)));
         }
         (Proxy::Spheres(_), _) => return Ok(ObjectSpheres::new(Spheres::Listed, listed_distance(object))),
-        (Proxy::Count(count), Shape::Mesh(Mesh { positions, triangles, .. })) => {
+        (Proxy::Count(count), shape) => {
+            let mesh = shape.mesh().unwrap_or_default();
+            let Mesh { positions, triangles, .. } = &*mesh;
             let mut report = |done| progress(&object.name, done);
             let options = BuildOptions::new(*count);
             let set = SphereSet::build_with_progress(positions, triangles, &options, &mut report);
@@ -340,7 +343,7 @@ fn read_and_place(path: &Path, placement: &Mat4, object: &Object) -> Result<(Sph
     let text = std::fs::read_to_string(path()).map_err(|source| BlockersError::Read { path: path(), source })?;
     let set = SphereSet::from_json(&text).map_err(|source| BlockersError::Set { path: path(), source })?;
     let mut placed = set.placed(placement);
-    if let Shape::Mesh(mesh) = &object.shape {
+    if let Some(mesh) = object.shape.mesh() {
         let back = placement.inverse();
         let own: Vec<Vec3> = mesh.positions.iter().map(|p| back.transform_point3(*p)).collect();
         let fits = set.check_fits(&own, &mesh.triangles);

@@ -1,7 +1,6 @@
 use glam::Vec3;
 use lobe_core::{LightId, Shaft, Sphere};
 use ray_tracing::{TriangleList, World};
-use scene::Shape;
 use visibility_silhouettes::AnyHit;
 
 /// So many triangles in a group's shaft are tested one by one; more are left to the hierarchy.
@@ -58,18 +57,14 @@ impl AnyHit for SurfaceHits<'_> {
     }
 
     fn triangles_meeting(&self, sphere: Sphere, visit: &mut dyn FnMut([Vec3; 3])) {
-        let scene = self.world.scene();
         let mut found = Vec::new();
         let whole = Shaft::new(sphere, sphere, LightId(0));
         self.world.triangles_in(&whole, |o| self.has(o), usize::MAX, &mut found);
-        for (object, index) in self.world.names(&found) {
-            if let Shape::Mesh(mesh) = &scene.objects[object as usize].shape {
-                let corners = mesh.triangles[index as usize].map(|i| mesh.positions[i as usize]);
-                let [a, b, c] = corners.map(|p| p.as_dvec3() - sphere.center.as_dvec3());
-                // Not where the sphere is on one side of the plane.
-                if (b - a).cross(c - a).normalize_or_zero().dot(a).abs() <= 1.000_1 * f64::from(sphere.radius) {
-                    visit(corners);
-                }
+        for corners in self.world.names(&found).filter_map(|name| self.world.corners(name)) {
+            let [a, b, c] = corners.map(|p| p.as_dvec3() - sphere.center.as_dvec3());
+            // Not where the sphere is on one side of the plane.
+            if (b - a).cross(c - a).normalize_or_zero().dot(a).abs() <= 1.000_1 * f64::from(sphere.radius) {
+                visit(corners);
             }
         }
     }

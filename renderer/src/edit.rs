@@ -275,7 +275,7 @@ impl Renderer {
     ) -> Result<Stale, RenderError> {
         let place = self.material_place(handle)?;
         Scene::check_material(place, &material, &surface)?;
-        let has_colors = |o: &Object| matches!(&o.shape, Shape::Mesh(mesh) if !mesh.colors.is_empty());
+        let has_colors = |o: &Object| o.shape.vertices().is_some_and(|mesh| !mesh.colors.is_empty());
         let varies = self.scene.surface(place).is_some()
             || !surface.is_plain()
             || self.scene.objects.iter().any(|o| o.material == place && has_colors(o));
@@ -421,7 +421,10 @@ fn fault_of(object: &Object, matrix: &Mat4) -> Option<&'static str> {
     if volume == 0.0 {
         return Some("flattens it");
     }
-    if matches!((&object.shape, &object.proxy), (Shape::Mesh(_), Proxy::None)) {
+    if matches!(&object.shape, Shape::Instances(all) if all.moved(matrix).is_err()) {
+        return Some("flattens it, or moves it too far");
+    }
+    if object.shape.has_triangles() && object.proxy == Proxy::None {
         return None;
     }
     let scale = axes[0].length();

@@ -42,6 +42,8 @@ pub struct FrameBlockers<'a> {
     of_own: bool,
     /// The meshes by silhouettes for all receivers.
     meshes: Vec<&'a SilhouetteMesh>,
+    /// Whether there are shared meshes beside them.
+    has_instances: bool,
     /// For each object the receivers that it hides lights from by its true surface.
     hides: Vec<HidesFrom>,
 }
@@ -73,7 +75,8 @@ impl<'a> FrameBlockers<'a> {
         let casters = plan.casters(scene);
         let is_drawn = |(object, is_caster): (&Object, &bool)| match &object.shape {
             Shape::Mesh(mesh) => *is_caster && maps.iter().any(|(_, map)| map.draws(&mesh.positions, &mesh.triangles)),
-            Shape::Spheres(_) => false,
+            // Silhouettes stand for them.
+            Shape::Instances(_) | Shape::Spheres(_) => false,
         };
         let drawn: Vec<bool> = scene.objects.iter().zip(&casters).map(is_drawn).collect();
 
@@ -86,10 +89,13 @@ impl<'a> FrameBlockers<'a> {
         let (own, meshes): (Vec<_>, Vec<_>) = silhouettes.meshes().iter().partition(is_in_maps);
         let mut has_outlines = vec![false; drawn.len()];
         silhouettes.meshes().iter().for_each(|mesh| has_outlines[mesh.object() as usize] = true);
+        let instances = silhouettes.instances();
+        instances.objects().for_each(|object| has_outlines[object as usize] = true);
         let outlines = |meshes: &[&'a SilhouetteMesh], in_maps: bool| {
             let has = |o: u32| has_outlines[o as usize] && casters[o as usize] == in_maps;
             let hits = SurfaceHits::new(world, has);
-            SilhouetteBlockers::new(meshes.iter().copied(), hits).with_tolerance(accuracy.tolerance)
+            let blockers = SilhouetteBlockers::new(meshes.iter().copied(), hits).with_tolerance(accuracy.tolerance);
+            if in_maps { blockers } else { blockers.with_instances(instances) }
         };
         let hides = |o: usize| match (traced[o], drawn[o]) {
             (true, _) => HidesFrom::All,
@@ -98,7 +104,7 @@ impl<'a> FrameBlockers<'a> {
             _ => HidesFrom::None,
         };
         let hides = (0..drawn.len()).map(hides).collect();
-        let silhouettes = (!meshes.is_empty()).then(|| outlines(&meshes, false));
+        let silhouettes = (!meshes.is_empty() || !instances.is_empty()).then(|| outlines(&meshes, false));
         let on_drawn = drawn.contains(&true).then(|| OnObjects::new(outlines(&own, true), drawn.clone()));
         let maps = (!maps.is_empty()).then(|| ShadowMapBlockers::of_lights(maps).with_casters(casters).leaving(drawn));
         Self {
@@ -112,6 +118,7 @@ impl<'a> FrameBlockers<'a> {
             custom: &[],
             of_own: false,
             meshes,
+            has_instances: !instances.is_empty(),
             hides,
         }
     }
@@ -136,11 +143,11 @@ impl<'a> FrameBlockers<'a> {
         Self { custom, of_own: settings.own_radiance, ..self }
     }
 
-    /// The meshes by silhouettes, packed for a GPU. `None` if other objects are traced by rays anyway, or if a round light contains
+    /// The meshes by silhouettes, packed for a GPU. `None` if other objects are traced by rays anyway, if there are instances, or if a round light contains
     /// parts of triangles: rays then block for these meshes too, equally exactly.
     #[cfg(feature = "gpu")]
     fn gpu_silhouettes(&self) -> Option<GpuSilhouettes> {
-        let by_rays = self.rays.is_some() || self.drawn.is_some();
+        let by_rays = self.rays.is_some() || self.drawn.is_some() || self.has_instances;
         let silhouettes = self.silhouettes.as_ref().filter(|_| !by_rays)?;
         let meeting = |sphere: Sphere| {
             let mut triangles = Vec::new();

@@ -47,6 +47,7 @@ mod kept_sky;
 mod kept_spheres;
 mod layers;
 mod light_mask;
+mod looks;
 mod on_objects;
 mod pick;
 mod plan;

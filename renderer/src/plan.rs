@@ -4,7 +4,7 @@ use glam::Vec3;
 use lighting::Light;
 use lobe_core::{LightLobes, Sphere};
 use rayon::prelude::*;
-use render_cpu::{Revision, SceneSilhouettes, SphereSource};
+use render_cpu::{Looks, Revision, SceneSilhouettes, SphereSource};
 use scene::{Bounds, Cancel, Object, Proxy, Scene, Shape, Strategy};
 use visibility_shadowmap::{MapOptions, PackedMaps, ReceiverBounds, ShadowMap};
 
@@ -35,7 +35,7 @@ impl Plan {
         let of = |(number, o): (usize, &Object)| {
             // Exact, unless the object already has spheres.
             let usual = match (&o.proxy, &o.shape) {
-                (Proxy::Count(_) | Proxy::None, Shape::Mesh(_)) => Strategy::Silhouettes,
+                (Proxy::Count(_) | Proxy::None, Shape::Mesh(_) | Shape::Instances(_)) => Strategy::Silhouettes,
                 _ => Strategy::Spheres,
             };
             let blocks = match strategy.or(o.strategy) {
@@ -103,24 +103,24 @@ impl Plan {
     pub(crate) fn follow_silhouettes(
         &self,
         scene: &Scene,
-        revisions: &[Revision],
+        followed: (&[Revision], Looks),
         kept: &mut SceneSilhouettes,
         cancel: &Cancel,
     ) -> [usize; 2] {
         let blocks = |o| self.by_silhouettes(scene, o) || self.is_mapped(scene, o as usize);
-        kept.update_until(scene, blocks, revisions, cancel)
+        kept.update_until(scene, blocks, followed, cancel)
     }
 
     /// Whether an object's triangles block by their silhouettes.
     #[must_use]
     pub fn by_silhouettes(&self, scene: &Scene, object: u32) -> bool {
         let o = object as usize;
-        self.objects[o] == Strategy::Silhouettes && matches!(scene.objects[o].shape, Shape::Mesh(_))
+        self.objects[o] == Strategy::Silhouettes && scene.objects[o].shape.has_triangles()
     }
 
     /// Whether an object is a mesh with the strategy shadow map.
     fn is_mapped(&self, scene: &Scene, object: usize) -> bool {
-        self.objects[object] == Strategy::ShadowMap && matches!(scene.objects[object].shape, Shape::Mesh(_))
+        self.objects[object] == Strategy::ShadowMap && scene.objects[object].shape.has_triangles()
     }
 
     /// Whether any object is a mesh with the strategy shadow map.

@@ -17,7 +17,7 @@ use lighting::Light;
 use lobe_core::Accuracy;
 use lobe_core::paper::Tables;
 use pictures::Window;
-use render_cpu::{Hierarchy, SceneSilhouettes, SceneSpheres, Update, World};
+use render_cpu::{Hierarchy, Looks, SceneSilhouettes, SceneSpheres, Update, World};
 use scene::{Animation, BlockerSet, Bounds, Cancel, Scene};
 use std::sync::Arc;
 
@@ -599,11 +599,16 @@ impl Renderer {
             })?;
         }
         check(&self.cancel)?;
-        if self.stale.has(Stale::SILHOUETTES) {
+        // A change of lights or size may make simplified forms worth their time, or no longer.
+        let looks = match self.settings.keep_points || !self.animation.is_still() || self.points.is_some() {
+            true => Looks::MANY,
+            false => crate::looks::of_picture(scene),
+        };
+        if self.stale.has(Stale::SILHOUETTES) || looks != self.silhouettes.looks() {
             self.custom.update(scene, plan)?;
             let (kept, cancel) = (&mut self.silhouettes, &self.cancel);
             let [made, refitted] =
-                seconds(&mut clocks.silhouettes, || plan.follow_silhouettes(scene, revisions, kept, cancel));
+                seconds(&mut clocks.silhouettes, || plan.follow_silhouettes(scene, (revisions, looks), kept, cancel));
             self.upkeep.silhouette_builds += made as u64;
             self.upkeep.silhouette_refits += refitted as u64;
         }

@@ -80,6 +80,12 @@ impl Rows {
                     mesh.transform(&matrix);
                 }
             }
+            (Shape::Instances(all), Shape::Instances(own)) => {
+                // Edits check the matrix first.
+                if let Ok(moved) = own.moved(&matrix) {
+                    *all = if matrix == Mat4::IDENTITY { own.clone() } else { moved };
+                }
+            }
             (Shape::Spheres(spheres), Shape::Spheres(own)) => *spheres = moved(own, &matrix),
             _ => {}
         }

@@ -3,7 +3,7 @@ use crate::{Event, Listener, Plan, RenderError, cache};
 use core::ops::ControlFlow;
 use glam::Mat4;
 use render_cpu::{BlockersError, Revision, SceneSpheres, SphereSource};
-use scene::{Animation, Mesh, Object, Proxy, Scene, Shape, Stopwatch};
+use scene::{Animation, Mesh, Object, Proxy, Scene, Stopwatch};
 use sphere_sets::{BuildOptions, SetQuality, SphereSet};
 use std::path::{Path, PathBuf};
 use xxhash_rust::xxh3::Xxh3;
@@ -66,7 +66,7 @@ pub(crate) fn follow_spheres(
 /// Builds the sphere sets that the scene's objects need, or finds them among those of earlier runs, and lets the objects refer to
 /// their files. If a set cannot be stored, the scene stays the same.
 fn fill(scene: &mut Scene, plan: &Plan, folder: &Path, listener: &mut Listener<'_>) -> Result<(), RenderError> {
-    let built = |o: &Object| matches!((&o.proxy, &o.shape), (Proxy::Count(_), Shape::Mesh(_)));
+    let built = |o: &Object| matches!(o.proxy, Proxy::Count(_)) && o.shape.has_triangles();
     let by_proxy = |number: usize| plan.spheres(scene, number) == SphereSource::Proxy;
     let wanted: Vec<usize> = (0..scene.objects.len()).filter(|n| by_proxy(*n) && built(&scene.objects[*n])).collect();
     if wanted.is_empty() {
@@ -74,8 +74,8 @@ fn fill(scene: &mut Scene, plan: &Plan, folder: &Path, listener: &mut Listener<'
     }
     for number in wanted {
         let object = &mut scene.objects[number];
-        let (Proxy::Count(count), Shape::Mesh(mesh)) = (&object.proxy, &object.shape) else { continue };
-        let key = key(mesh, *count);
+        let (Proxy::Count(count), Some(mesh)) = (&object.proxy, object.shape.mesh()) else { continue };
+        let (mesh, key) = (&*mesh, key(&mesh, *count));
         let path = match find(folder, &key, listener)? {
             Some((path, _)) => path,
             None => {

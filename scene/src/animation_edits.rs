@@ -134,6 +134,12 @@ impl Animation {
         keys.check().map_err(name)?;
         let body = match &moved.shape {
             Shape::Mesh(mesh) => Body::Mesh(Box::new(Deformer::rigid(mesh)), None),
+            Shape::Instances(instances) => {
+                let mesh = instances.expanded();
+                let body = Body::Mesh(Box::new(Deformer::rigid(&mesh)), None);
+                moved.shape = Shape::Mesh(mesh);
+                body
+            }
             Shape::Spheres(spheres) => Body::Spheres(spheres.clone()),
         };
         let placement = keys.placement();

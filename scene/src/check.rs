@@ -1,6 +1,6 @@
 //! Checks of everything that a renderer relies on, for a whole scene and for each item.
 
-use crate::{Camera, Object, Proxy, Scene, SceneError, Shape, Surface};
+use crate::{Camera, Mesh, Object, Proxy, Scene, SceneError, Shape, Surface};
 use brdf::Material;
 use glam::Vec3;
 use lighting::Light;
@@ -85,15 +85,11 @@ impl Scene {
             return Err(SceneError::invalid(format!("{name} has material {m} of {n}")));
         }
         match &object.shape {
+            // Checked as they were made.
+            Shape::Instances(instances) => self.check_colors(&name, object, instances.mesh())?,
             Shape::Mesh(mesh) => {
                 mesh.validate().map_err(|e| fault(&name, &e))?;
-                let material = &self.materials[object.material];
-                if !mesh.colors.is_empty() && !material.takes_textures() {
-                    let model = material.name();
-                    return Err(SceneError::invalid(format!(
-                        "{name} has vertex colours: the model `{model}` takes none"
-                    )));
-                }
+                self.check_colors(&name, object, mesh)?;
             }
             Shape::Spheres(spheres) if spheres.is_empty() => {
                 return Err(SceneError::invalid(format!("{name} has no spheres")));
@@ -107,6 +103,15 @@ impl Scene {
             check_spheres(spheres).map_err(|e| fault(&format_args!("proxy of {name}"), &e))?;
         }
         Ok(())
+    }
+
+    fn check_colors(&self, name: &str, object: &Object, mesh: &Mesh) -> Result<(), SceneError> {
+        let material = &self.materials[object.material];
+        if mesh.colors.is_empty() || material.takes_textures() {
+            return Ok(());
+        }
+        let model = material.name();
+        Err(SceneError::invalid(format!("{name} has vertex colours: the model `{model}` takes none")))
     }
 
     /// Checks another camera for this scene.

@@ -1,4 +1,4 @@
-use crate::{Mesh, Object, Proxy, Shape};
+use crate::{Object, Proxy, Shape};
 use lobe_core::Sphere;
 use std::collections::{HashMap, HashSet};
 
@@ -38,16 +38,24 @@ impl Duplicates {
     /// and strategy had an equal mesh. Call it for all objects of one scene, in their order.
     pub fn is_first_mesh(&mut self, objects: &[Object], number: usize) -> bool {
         let object = &objects[number];
-        let Shape::Mesh(mesh) = &object.shape else { return true };
-        let Some(first) = mesh.positions.first() else { return true };
-        let key = ((*first + 0.0).to_array().map(f32::to_bits), mesh.positions.len(), mesh.triangles.len());
+        let (first, vertices) = match &object.shape {
+            Shape::Mesh(mesh) => (mesh.positions.first().copied(), mesh.positions.len()),
+            Shape::Instances(all) => (Some(all.bounds().min), all.places().len()),
+            Shape::Spheres(_) => return true,
+        };
+        let Some(first) = first else { return true };
+        let key = ((first + 0.0).to_array().map(f32::to_bits), vertices, object.shape.triangle_count());
         let alike = self.meshes.entry(key).or_default();
         let is_duplicate = alike.iter().any(|other| {
             let other = &objects[*other];
-            let same = |o: &Mesh| (&o.positions, &o.triangles) == (&mesh.positions, &mesh.triangles);
+            let same = match (&object.shape, &other.shape) {
+                (Shape::Mesh(a), Shape::Mesh(b)) => (&a.positions, &a.triangles) == (&b.positions, &b.triangles),
+                (Shape::Instances(a), Shape::Instances(b)) => a == b,
+                _ => false,
+            };
             let blocks =
                 (other.visible, other.strategy, &other.proxy) == (object.visible, object.strategy, &object.proxy);
-            blocks && matches!(&other.shape, Shape::Mesh(o) if same(o))
+            blocks && same
         });
         if !is_duplicate {
             alike.push(number);

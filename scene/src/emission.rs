@@ -67,7 +67,8 @@ pub(crate) fn emitted(
         Shape::Spheres(spheres) => {
             (spheres.iter().map(|sphere| own(SphereLight::new(*sphere, radiance).into())).collect(), None)
         }
-        Shape::Mesh(mesh) => {
+        Shape::Mesh(_) | Shape::Instances(_) => {
+            let mesh = object.shape.mesh().unwrap_or_default();
             let lamp = emissive_mesh(&mesh.positions, &mesh.triangles, radiance)
                 .map_err(|e| format!("{e}: lights of `[[lights]]` in its place light as they are meant to"))?;
             match lamp.is_inside {
@@ -174,7 +175,7 @@ fn by_default(
     if surface.emission_map.is_some() {
         return Err("a picture of its emission is seen only".to_owned());
     }
-    if matches!(&object.shape, Shape::Mesh(mesh) if mesh.triangles.len() > MOST_TRIANGLES) {
+    if object.shape.triangle_count() > MOST_TRIANGLES {
         return Err(format!("it has more than {MOST_TRIANGLES} triangles"));
     }
     let is_full = || format!("the scene has {MOST_LIGHTS} lights by emission already");

@@ -13,6 +13,7 @@ use crate::gltf_light::{PlacedLight, read_light};
 use crate::gltf_material::read_material;
 use crate::gltf_mesh::{Influences, Shapes, read_influences, read_primitive, read_skin};
 use crate::gltf_nodes::{fine_locals, read_camera, shown_nodes, skeleton};
+use crate::gltf_shared::{SharedMeshes, Shown};
 use crate::gltf_texture::Images;
 use crate::look::Look;
 use crate::mesh::MAX_COORDINATE;
@@ -157,6 +158,7 @@ fn document(
         materials: HashMap::new(),
         uses: uses(root, &shown),
         cut: HashMap::new(),
+        shared: SharedMeshes::default(),
         images: Images::new(&context.files, path, root),
         extensions,
         notes: Notes::default(),
@@ -190,7 +192,7 @@ fn document(
         return Err("no triangles: its meshes are in nodes that are not visible".to_owned());
     }
     let Notes { skipped, reduced, uneven, broken } = reader.notes;
-    context.tell_broken(path, broken);
+    context.tell_broken(path, broken + reader.shared.broken);
     if skipped > 0 {
         context.warn(path, format!("{skipped} primitives that are points or lines were left out"));
     }
@@ -302,6 +304,8 @@ struct Reader<'a> {
     uses: Vec<usize>,
     /// Primitives, by mesh and number, that are cut out for all nodes.
     cut: HashMap<(usize, usize), Shapes>,
+    /// Primitives that are stored once for all nodes.
+    shared: SharedMeshes,
     images: Images<'a>,
     extensions: Extensions,
     notes: Notes,
@@ -334,6 +338,16 @@ impl Reader<'_> {
             let name = if mesh.primitives.len() == 1 { name.clone() } else { format!("{name} {p}") };
             let cut_out = material.as_ref().and_then(|(_, look)| look.cut_out.as_ref());
             let copies = instances.as_deref().filter(|_| skin.is_none());
+            let places = self.places(n, skin.is_none(), copies);
+            if let Some(places) = places {
+                let all = self.uses[m].max(places.len());
+                let (path, material) = (self.images.path(), material.as_ref());
+                let shown = Shown { path, name: &name, mesh: m, primitive: p, copies: all, places, material };
+                if let Some(part) = self.shared.part(self.root, &self.buffers, shown, context).map_err(fault)? {
+                    parts.push(part);
+                    continue;
+                }
+            }
             // A document that is kept keeps the whole of it.
             let early = cut_out.filter(|_| context.document.is_none());
             let Some((shapes, is_cut)) = self.shapes([n, m, p], &name, early, copies, context).map_err(fault)? else {
@@ -367,9 +381,16 @@ impl Reader<'_> {
                 context.cut_out(self.images.path(), &name, cut_out, (&mut mesh, &alphas), rig.is_some());
             }
             let is_bare = mesh.normals.is_empty();
-            parts.push(Part { name, mesh, material, rig, is_bare, source });
+            parts.push(Part { rig, is_bare, source, ..Part::fixed(name, mesh, material) });
         }
         Ok(())
+    }
+
+    /// The places of a node's mesh, or of its instances, if these stand still and keep their shape.
+    fn places(&self, n: usize, is_rigid: bool, instances: Option<&[Mat4]>) -> Option<Vec<Mat4>> {
+        let is_still = is_rigid && !self.moving[n] && self.skeleton.bones[n].rest_weights.is_empty();
+        let world = &self.worlds[n];
+        is_still.then(|| instances.map_or_else(|| vec![*world], |all| all.iter().map(|i| *world * *i).collect()))
     }
 
     /// The material of a primitive and its number, read once.

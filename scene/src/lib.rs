@@ -102,6 +102,8 @@ mod gltf_material;
 mod gltf_mesh;
 #[cfg(feature = "files")]
 mod gltf_nodes;
+#[cfg(feature = "files")]
+mod gltf_shared;
 #[cfg(test)]
 #[cfg(feature = "files")]
 mod gltf_tests;
@@ -113,6 +115,7 @@ mod hdr_header;
 mod height;
 #[cfg(feature = "files")]
 mod image_file;
+mod instances;
 #[cfg(feature = "files")]
 mod keys;
 #[cfg(feature = "files")]
@@ -140,6 +143,8 @@ mod obj;
 #[cfg(feature = "files")]
 mod obj_libraries;
 #[cfg(feature = "files")]
+mod obj_lines;
+#[cfg(feature = "files")]
 mod obj_normals;
 mod origin;
 #[cfg(feature = "files")]
@@ -151,6 +156,7 @@ mod ply;
 mod ply_mesh;
 #[cfg(feature = "files")]
 mod polygon;
+mod quick_hash;
 mod scene;
 #[cfg(feature = "files")]
 mod scene_environment;
@@ -197,6 +203,7 @@ pub use crate::error::SceneError;
 pub use crate::files::{Disk, Files};
 #[cfg(feature = "files")]
 pub use crate::gltf_document::{GltfDocument, GltfPart};
+pub use crate::instances::Instances;
 #[cfg(feature = "files")]
 pub use crate::load::{
     LoadOptions, load, load_animated, load_clip, load_document, load_from, load_objects, load_with, load_with_warnings,

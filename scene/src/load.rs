@@ -199,7 +199,7 @@ pub fn load_objects(
     let Bare { mut objects, animation, .. } = bare_objects(path, file, &mut context);
     animation.move_objects(0.0, &animation.worlds(0.0), &mut objects);
     for object in &objects {
-        if let Shape::Mesh(mesh) = &object.shape {
+        if let Some(mesh) = object.shape.vertices() {
             mesh.validate().map_err(|e| SceneError::file(path, format!("object \"{}\": {e}", object.name)))?;
         }
     }
@@ -273,7 +273,7 @@ fn load_in(
     }
     known_errors::lines(&scene).into_iter().for_each(|line| context.warn(path, line));
     let wants_uvs = |o: &&Object| scene.surface(o.material).is_some_and(Surface::has_textures);
-    let has_none = |o: &&Object| matches!(&o.shape, Shape::Mesh(mesh) if mesh.uv_sets.is_empty());
+    let has_none = |o: &&Object| o.shape.vertices().is_some_and(|mesh| mesh.uv_sets.is_empty());
     for object in scene.objects.iter().filter(wants_uvs).filter(has_none) {
         let name = &object.name;
         context.warn(path, format!("object \"{name}\" has no texture coordinates: it shows a corner of its textures"));

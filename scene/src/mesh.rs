@@ -1,7 +1,7 @@
 use crate::normals::{angle_at, is_usable};
+use crate::quick_hash::{QuickHash, QuickMap, QuickSet};
 use crate::{Bounds, SceneError};
 use glam::{DVec3, Mat3, Mat4, Vec2, Vec3};
-use std::collections::{HashMap, HashSet};
 
 /// Triangles in world space.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -115,7 +115,7 @@ impl Mesh {
     pub(crate) fn remove_doubles(&mut self, moves: bool) -> usize {
         let before = self.triangles.len();
         let places = if moves { Vec::new() } else { self.same_places() };
-        let mut seen = HashSet::with_capacity(before);
+        let mut seen = QuickSet::with_capacity_and_hasher(before, QuickHash);
         self.triangles.retain(|t| {
             let mut key = if moves { *t } else { t.map(|i| places[i as usize]) };
             key.sort_unstable();
@@ -159,7 +159,7 @@ impl Mesh {
 
     /// For each vertex the number of its place: the same for vertices with the same position.
     pub(crate) fn same_places(&self) -> Vec<u32> {
-        let mut first: HashMap<[u32; 3], u32> = HashMap::with_capacity(self.positions.len());
+        let mut first: QuickMap<[u32; 3], u32> = QuickMap::with_capacity_and_hasher(self.positions.len(), QuickHash);
         let number = |p: &Vec3| {
             // −0 and 0 are the same place.
             let key = (*p + 0.0).to_array().map(f32::to_bits);
@@ -228,11 +228,7 @@ impl Mesh {
         }
         let mirrored = linear.determinant() < 0.0;
         if !self.normals.is_empty() {
-            let (x, y, z) = (linear.x_axis, linear.y_axis, linear.z_axis);
-            let sign = if mirrored { -1.0 } else { 1.0 };
-            let cofactors = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign;
-            let largest = cofactors.to_cols_array().iter().fold(0.0_f32, |m, v| m.max(v.abs()));
-            let cofactors = if largest > 0.0 && largest.is_finite() { cofactors * (1.0 / largest) } else { cofactors };
+            let cofactors = normals_matrix(&linear);
             for n in &mut self.normals {
                 *n = cofactors * *n;
             }
@@ -264,4 +260,13 @@ impl Mesh {
         self.positions.extend(&other.positions);
         self.triangles.extend(other.triangles.iter().map(|t| t.map(|i| i + offset)));
     }
+}
+
+/// A matrix that maps the directions of normals as `linear` maps points: its cofactors, the largest made 1.
+pub(crate) fn normals_matrix(linear: &Mat3) -> Mat3 {
+    let (x, y, z) = (linear.x_axis, linear.y_axis, linear.z_axis);
+    let sign = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
+    let cofactors = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign;
+    let largest = cofactors.to_cols_array().iter().fold(0.0_f32, |m, v| m.max(v.abs()));
+    if largest > 0.0 && largest.is_finite() { cofactors * (1.0 / largest) } else { cofactors }
 }

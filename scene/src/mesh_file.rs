@@ -5,7 +5,7 @@ use crate::files::extension;
 use crate::gltf_document::GltfDocument;
 use crate::gltf_file::Read;
 use crate::normals::turn_strays;
-use crate::part::Part;
+use crate::part::{Part, Repaired};
 use crate::{Bounds, SceneError, gltf_file, obj, ply};
 use glam::DVec3;
 use std::path::Path;
@@ -30,7 +30,7 @@ pub(crate) fn near_parts(
     let mark = context.files.budget.mark();
     context.origin = DVec3::ZERO;
     let file = file_parts(path, clip, context, endings)?;
-    let bounds = file.parts.iter().fold(Bounds::EMPTY, |b, part| b.union(part.mesh.bounds()));
+    let bounds = file.parts.iter().fold(Bounds::EMPTY, |b, part| b.union(part.bounds()));
     context.origin = crate::origin::near(bounds.center(), bounds.radius());
     if context.origin == DVec3::ZERO {
         return Ok(file);
@@ -78,6 +78,11 @@ pub(crate) fn file_parts(
     let (mut dropped, mut turned, mut mixed) = (0, 0, 0);
     let parts = &mut file.parts;
     for part in parts.iter_mut() {
+        let Repaired { dropped: own_dropped, turned: own_turned, mixed: own_mixed } = part.repaired;
+        (dropped, turned, mixed) = (dropped + own_dropped, turned + own_turned, mixed + own_mixed);
+        if part.instances.is_some() {
+            continue;
+        }
         // Indices first: the geometry below relies on them.
         if !part.mesh.triangles.is_empty() {
             part.mesh.validate().map_err(|e| SceneError::file(path, format!("{}: {e}", part.name)))?;
@@ -94,7 +99,7 @@ pub(crate) fn file_parts(
     if mixed > 0 {
         context.warn(path, format!("{mixed} faces have normals to both sides: their shading changes across them"));
     }
-    parts.retain(|part| !part.mesh.triangles.is_empty());
+    parts.retain(|part| !part.is_empty());
     let mut what = counted(dropped, "triangle", "having no area");
     if parts.is_empty() && dropped > 0 {
         what += " (corners equal or in a line, or nearer to each other than about 1e-18)";

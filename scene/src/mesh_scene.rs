@@ -37,8 +37,8 @@ pub(crate) fn bare_objects(path: &Path, file: Read, context: &mut Context) -> Ba
     let mut keys: Vec<(usize, usize)> = Vec::new();
     let counts = share_out(DEFAULT_SPHERES, &parts);
     let mut objects = Vec::new();
-    for (part, count) in parts.into_iter().zip(counts) {
-        let material = match part.material {
+    for (mut part, count) in parts.into_iter().zip(counts) {
+        let material = match part.material.take() {
             None => 1,
             Some((key, look)) => match keys.iter().find(|(k, _)| *k == key) {
                 Some(&(_, index)) => index,
@@ -53,7 +53,9 @@ pub(crate) fn bare_objects(path: &Path, file: Read, context: &mut Context) -> Ba
         if let Some(kept) = kept {
             kept.object = Some(objects.len());
         }
-        objects.push(Object::mesh(part.name, part.mesh, material, Proxy::Count(count)));
+        let (name, proxy) = (part.name.clone(), Proxy::Count(count));
+        let shape = part.into_shape();
+        objects.push(Object { name, shape, material, proxy, visible: true, strategy: None });
     }
     Bare { objects, looks, animation, camera, lights }
 }

@@ -3,11 +3,13 @@
 use crate::context::{Context, counted};
 use crate::mtl::without_comment;
 use crate::obj_libraries::Libraries;
+use crate::obj_lines::{self, Run};
 use crate::obj_normals::{self, smoothing_group};
 use crate::part::Part;
+use crate::quick_hash::QuickMap;
 use crate::{Mesh, SceneError, polygon, vertex_colors};
 use brdf::Lambert;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
@@ -53,13 +55,8 @@ pub(crate) fn obj_text(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError
 /// The meshes of a file: one for each material in use, or a single one where there are no materials.
 pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Vec<Part>, SceneError> {
     let mut lists = Lists::default();
-    // Triangles by material, in the order of first use.
-    let mut names: Vec<String> = vec![String::new()];
-    let mut known: HashMap<String, usize> = HashMap::from([(String::new(), 0)]);
-    let mut groups: Vec<Vec<Face>> = vec![Vec::new()];
-    let (mut group, mut smoothing) = (0, 0);
+    let mut groups = Groups::default();
     let (mut short, mut infinite) = (0, 0);
-    let mut libraries = Libraries::default();
 
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     // Bare carriage returns end lines too, and a backslash at the end of a line joins it with the next.
@@ -69,65 +66,38 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
         Cow::Borrowed(text)
     };
     let mut face: Vec<Corner> = Vec::new();
-    let mut number = 0;
-    let mut lines = unified.split('\n');
-    while let Some(line) = lines.next() {
-        number += 1;
-        let first = number;
-        let mut joined = String::new();
-        let mut line = line;
-        while let Some(head) = line.trim_end().strip_suffix('\\') {
-            joined.push_str(head);
-            joined.push(' ');
-            line = lines.next().unwrap_or("");
-            number += 1;
+    let mut lines = 0;
+    for run in obj_lines::read(&unified, context.origin) {
+        let base = lists.counts();
+        lists.append(&run);
+        let mut others = run.others.iter().peekable();
+        let mut begin = 0;
+        for (number, line) in run.faces.iter().enumerate() {
+            while let Some(other) = others.next_if(|other| other.faces <= number) {
+                groups.read(path, &other.text, context);
+            }
+            face.clear();
+            let counts = [0, 1, 2].map(|k| base[k] + line.before[k] as usize);
+            for corner in &run.corners[begin..line.end] {
+                let fault = |message: String| SceneError::at_line(path, lines + line.line as usize, message);
+                face.push(resolved(corner, counts).map_err(fault)?);
+            }
+            begin = line.end;
+            if face.len() < 3 {
+                short += 1;
+            } else if !face.iter().all(|c| lists.positions[c.0 as usize].is_finite()) {
+                infinite += 1;
+            } else {
+                groups.add(&face, &lists.positions);
+            }
         }
-        let whole = if joined.is_empty() {
-            line
-        } else {
-            joined.push_str(line);
-            &joined
-        };
-        let fault = |message: String| SceneError::at_line(path, first, message);
-        let content = whole.split('#').next().unwrap_or("");
-        let mut words = content.split_whitespace();
-        match words.next() {
-            Some("v") => {
-                let (position, color) = vertex(words, context.origin).map_err(fault)?;
-                lists.colors.extend(color.filter(|_| lists.colors.len() == lists.positions.len()));
-                lists.positions.push(position);
-            }
-            Some("vn") => lists.normals.push(Vec3::from_array(numbers(&mut words).map_err(fault)?)),
-            Some("vt") => lists.uvs.push(texture_coordinates(words).map_err(fault)?),
-            Some("f") => {
-                face.clear();
-                for word in words {
-                    face.push(corner(word, &lists).map_err(fault)?);
-                }
-                if face.len() < 3 {
-                    short += 1;
-                } else if !face.iter().all(|c| lists.positions[c.0 as usize].is_finite()) {
-                    infinite += 1;
-                } else {
-                    let places: Vec<_> = face.iter().map(|c| lists.positions[c.0 as usize].as_dvec3()).collect();
-                    polygon::ears(&places, &mut |triangle| {
-                        groups[group].push(Face { corners: triangle.map(|k| face[k]), group: smoothing });
-                    });
-                }
-            }
-            Some("usemtl") => {
-                let name = name_of(whole).split_whitespace().collect::<Vec<_>>().join(" ");
-                group = *known.entry(name).or_insert_with_key(|name| {
-                    names.push(name.clone());
-                    groups.push(Vec::new());
-                    names.len() - 1
-                });
-            }
-            Some("s") => smoothing = smoothing_group(words),
-            Some("mtllib") => libraries.add(path, name_of(whole), context),
-            _ => {}
+        others.for_each(|other| groups.read(path, &other.text, context));
+        if let Some((line, message)) = run.fault {
+            return Err(SceneError::at_line(path, lines + line, message));
         }
+        lines += run.lines;
     }
+    let Groups { names, lists: mut groups, libraries, .. } = groups;
     let looks = libraries.looks(path, context)?;
     let mut left_out = vec![
         counted(short, "face", "fewer than three corners"),
@@ -186,7 +156,7 @@ fn assemble(lists: &Lists, faces: &[Face], wants_uvs: bool, has_colors: bool) ->
     let mut uvs = Vec::new();
     // Without normals and texture coordinates a position is one vertex; else one for each combination.
     let mut places = vec![u32::MAX; if with_normals || with_uvs { 0 } else { lists.positions.len() }];
-    let mut index: HashMap<Corner, u32> = HashMap::new();
+    let mut index: QuickMap<Corner, u32> = QuickMap::default();
     for face in faces {
         let triangle = face.corners.map(|(p, n, t)| {
             let key = (p, n.filter(|_| with_normals), t.filter(|_| with_uvs));
@@ -219,79 +189,91 @@ fn name_of(line: &str) -> &str {
     without_comment(line).trim().split_once(char::is_whitespace).map_or("", |(_, name)| name.trim())
 }
 
-fn number(word: &str) -> Result<f32, String> {
-    word.parse().map_err(|_| format!("cannot read number '{word}'"))
-}
-
-fn numbers<'w>(words: &mut impl Iterator<Item = &'w str>) -> Result<[f32; 3], String> {
-    let mut out = [0.0; 3];
-    for slot in &mut out {
-        *slot = number(words.next().ok_or("expected three numbers")?)?;
-    }
-    Ok(out)
-}
-
-/// `u`, `u v` or `u v w`; v counts from the lower edge of the image.
-fn texture_coordinates<'w>(mut words: impl Iterator<Item = &'w str>) -> Result<Vec2, String> {
-    let u = number(words.next().ok_or("expected a number")?)?;
-    let v = words.next().map_or(Ok(0.0), number)?;
-    Ok(Vec2::new(u, 1.0 - v))
-}
-
-/// `x y z`, `x y z w` (homogeneous) or `x y z r g b`, perhaps with alpha, which means nothing: a position, relative to an origin, and an
-/// sRGB colour of any range.
-fn vertex<'w>(words: impl Iterator<Item = &'w str> + Clone, origin: DVec3) -> Result<(Vec3, Option<Vec3>), String> {
-    let mut more = words.clone().skip(3);
-    let color = match [more.next(), more.next(), more.next()] {
-        [Some(r), Some(g), Some(b)] => Some(Vec3::new(number(r)?, number(g)?, number(b)?)),
-        _ => None,
-    };
-    Ok((position(words, origin)?, color))
-}
-
-fn position<'w>(mut words: impl Iterator<Item = &'w str> + Clone, origin: DVec3) -> Result<Vec3, String> {
-    let fine = words.clone();
-    let p = Vec3::from_array(numbers(&mut words)?);
-    let (weight, mut is_one) = (words.next().map(number).transpose()?, true);
-    for word in words {
-        number(word)?;
-        is_one = false;
-    }
-    if origin != DVec3::ZERO {
-        let fine: Vec<f64> = fine.filter_map(|word| word.parse().ok()).collect();
-        let w = if let [_, _, _, w] = fine[..] { w } else { 1.0 };
-        return Ok((DVec3::from_slice(&fine) / w - origin).as_vec3());
-    }
-    match weight.filter(|_| is_one) {
-        Some(w) if w != 0.0 => Ok(p / w),
-        Some(_) => Err("vertex weight is 0".to_owned()),
-        None => Ok(p),
-    }
-}
-
-/// `p`, `p/t`, `p//n` or `p/t/n`: counted from 1, or from the last one back when negative.
-fn corner(word: &str, lists: &Lists) -> Result<Corner, String> {
-    let resolve = |field: &str, count: usize, what: &str| -> Result<u32, String> {
-        let i: i64 = field.parse().map_err(|_| format!("cannot read face corner '{word}'"))?;
-        let index = if i > 0 { i - 1 } else { i + count as i64 };
+/// A corner as written, with so many positions, texture coordinates and normals before it: counted from 1, or from the last one back when
+/// negative.
+fn resolved(&[p, t, n]: &[i32; 3], counts: [usize; 3]) -> Result<Corner, String> {
+    let resolve = |i: i32, count: usize, what: &str| -> Result<u32, String> {
+        let index = if i > 0 { i64::from(i) - 1 } else { i64::from(i) + count as i64 };
         if i == 0 || index < 0 || index >= count as i64 {
             return Err(format!("face uses {what} {i}, there are {count} so far"));
         }
         u32::try_from(index).map_err(|_| format!("too many {what}s"))
     };
-    let mut fields = word.split('/');
-    let p = resolve(fields.next().unwrap_or(""), lists.positions.len(), "vertex")?;
-    let t = match fields.next() {
-        None | Some("") => None,
-        // Files that name coordinates that they do not have are drawn without.
-        Some(field) => resolve(field, lists.uvs.len(), "texture coordinate").ok(),
-    };
-    let n = match fields.next() {
-        None | Some("") => None,
-        Some(field) => Some(resolve(field, lists.normals.len(), "normal")?),
-    };
-    if fields.next().is_some_and(|f| !f.is_empty()) {
-        return Err(format!("cannot read face corner '{word}'"));
-    }
+    let p = resolve(p, counts[0], "vertex")?;
+    // Files that name coordinates that they do not have are drawn without.
+    let t = resolve(t, counts[1], "texture coordinate").ok();
+    let n = if n == obj_lines::ABSENT { None } else { Some(resolve(n, counts[2], "normal")?) };
     Ok((p, n, t))
+}
+
+/// The triangles of a file by material, in the order of first use.
+struct Groups {
+    names: Vec<String>,
+    known: HashMap<String, usize>,
+    lists: Vec<Vec<Face>>,
+    /// The present material and smoothing group.
+    material: usize,
+    smoothing: u32,
+    libraries: Libraries,
+}
+
+impl Default for Groups {
+    fn default() -> Self {
+        Self {
+            names: vec![String::new()],
+            known: HashMap::from([(String::new(), 0)]),
+            lists: vec![Vec::new()],
+            material: 0,
+            smoothing: 0,
+            libraries: Libraries::default(),
+        }
+    }
+}
+
+impl Groups {
+    /// Adds a face of three corners or more.
+    fn add(&mut self, face: &[Corner], positions: &[Vec3]) {
+        let (group, list) = (self.smoothing, &mut self.lists[self.material]);
+        if let [a, b, c] = *face {
+            list.push(Face { corners: [a, b, c], group });
+            return;
+        }
+        let places: Vec<_> = face.iter().map(|c| positions[c.0 as usize].as_dvec3()).collect();
+        polygon::ears(&places, &mut |triangle| list.push(Face { corners: triangle.map(|k| face[k]), group }));
+    }
+
+    /// Reads a line that is neither a list's nor a face.
+    fn read(&mut self, path: &Path, line: &str, context: &mut Context) {
+        let content = line.split('#').next().unwrap_or("");
+        let mut words = content.split_whitespace();
+        match words.next() {
+            Some("usemtl") => {
+                let name = name_of(line).split_whitespace().collect::<Vec<_>>().join(" ");
+                self.material = *self.known.entry(name).or_insert_with_key(|name| {
+                    self.names.push(name.clone());
+                    self.lists.push(Vec::new());
+                    self.names.len() - 1
+                });
+            }
+            Some("s") => self.smoothing = smoothing_group(words),
+            Some("mtllib") => self.libraries.add(path, name_of(line), context),
+            _ => {}
+        }
+    }
+}
+
+impl Lists {
+    /// Positions, texture coordinates and normals.
+    fn counts(&self) -> [usize; 3] {
+        [self.positions.len(), self.uvs.len(), self.normals.len()]
+    }
+
+    fn append(&mut self, run: &Run<'_>) {
+        if self.colors.len() == self.positions.len() {
+            self.colors.extend_from_slice(&run.colors);
+        }
+        self.positions.extend_from_slice(&run.positions);
+        self.normals.extend_from_slice(&run.normals);
+        self.uvs.extend_from_slice(&run.uvs);
+    }
 }

@@ -1,8 +1,9 @@
-use crate::{Bounds, Camera, Mesh, Strategy, Surface};
+use crate::{Bounds, Camera, Instances, Mesh, Strategy, Surface};
 use brdf::Material;
 use glam::{Mat4, Vec3};
 use lighting::{Environment, Light};
 use lobe_core::Sphere;
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -11,6 +12,8 @@ use std::sync::Arc;
 pub enum Shape {
     /// Triangles.
     Mesh(Mesh),
+    /// The triangles of one mesh at many places.
+    Instances(Instances),
     /// Exact spheres.
     Spheres(Vec<Sphere>),
 }
@@ -97,7 +100,59 @@ impl Shape {
     pub fn bounds(&self) -> Bounds {
         match self {
             Self::Mesh(mesh) => mesh.bounds(),
+            Self::Instances(instances) => instances.bounds(),
             Self::Spheres(spheres) => spheres.iter().fold(Bounds::EMPTY, |b, &s| b.with_sphere(s)),
+        }
+    }
+}
+
+impl Shape {
+    /// The triangles as one mesh in world space, if it has any.
+    ///
+    /// # Cost
+    /// Nothing for a mesh; the memory of all copies for [instances](Instances::expanded).
+    #[must_use]
+    pub fn mesh(&self) -> Option<Cow<'_, Mesh>> {
+        match self {
+            Self::Mesh(mesh) => Some(Cow::Borrowed(mesh)),
+            Self::Instances(instances) => Some(Cow::Owned(instances.expanded())),
+            Self::Spheres(_) => None,
+        }
+    }
+
+    /// Whether it consists of triangles.
+    #[must_use]
+    pub const fn has_triangles(&self) -> bool {
+        matches!(self, Self::Mesh(_) | Self::Instances(_))
+    }
+
+    /// The number of triangles, all copies included.
+    #[must_use]
+    pub fn triangle_count(&self) -> usize {
+        match self {
+            Self::Mesh(mesh) => mesh.triangles.len(),
+            Self::Instances(instances) => instances.triangle_count(),
+            Self::Spheres(_) => 0,
+        }
+    }
+
+    /// The mesh that textures and vertex colours come from: of instances the shared one, in its own coordinates.
+    #[must_use]
+    pub fn vertices(&self) -> Option<&Mesh> {
+        match self {
+            Self::Mesh(mesh) => Some(mesh),
+            Self::Instances(instances) => Some(instances.mesh()),
+            Self::Spheres(_) => None,
+        }
+    }
+
+    /// The corners of a triangle in world space, by its number; `None` if there is no such triangle.
+    #[must_use]
+    pub fn corners(&self, triangle: usize) -> Option<[Vec3; 3]> {
+        match self {
+            Self::Mesh(mesh) => Some(mesh.triangles.get(triangle)?.map(|i| mesh.positions[i as usize])),
+            Self::Instances(instances) => (triangle < instances.triangle_count()).then(|| instances.corners(triangle)),
+            Self::Spheres(_) => None,
         }
     }
 }
@@ -106,8 +161,7 @@ impl Object {
     /// Whether rays may meet it: it is seen, or blocks light unseen.
     #[must_use]
     pub fn is_met(&self) -> bool {
-        let is_mesh = matches!(self.shape, Shape::Mesh(_));
-        self.visible || self.proxy != Proxy::None || is_mesh && self.strategy != Some(Strategy::None)
+        self.visible || self.proxy != Proxy::None || self.shape.has_triangles() && self.strategy != Some(Strategy::None)
     }
 
     /// Exact spheres that cast exact shadows: the proxy is the shape.
@@ -162,18 +216,14 @@ impl Scene {
     /// The number of triangles in all meshes.
     #[must_use]
     pub fn triangles(&self) -> usize {
-        let of = |o: &Object| match &o.shape {
-            Shape::Mesh(mesh) => mesh.triangles.len(),
-            Shape::Spheres(_) => 0,
-        };
-        self.objects.iter().map(of).sum()
+        self.objects.iter().map(|o| o.shape.triangle_count()).sum()
     }
 
     /// The number of exact spheres in all objects.
     #[must_use]
     pub fn spheres(&self) -> usize {
         let of = |o: &Object| match &o.shape {
-            Shape::Mesh(_) => 0,
+            Shape::Mesh(_) | Shape::Instances(_) => 0,
             Shape::Spheres(spheres) => spheres.len(),
         };
         self.objects.iter().map(of).sum()

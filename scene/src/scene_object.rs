@@ -168,10 +168,11 @@ fn objects(
             for mut part in parts {
                 let mover = part.place(normals, &placement);
                 if let Some(cut_out) = material.and_then(|material| materials.cut_out(material)) {
-                    context.cut_out(path, &part.name, cut_out, (&mut part.mesh, &[]), mover.is_some());
+                    let name = part.name.clone();
+                    context.cut_out(path, &name, cut_out, (part.own(), &[]), mover.is_some());
                 }
-                if !part.mesh.triangles.is_empty() {
-                    part.mesh.validate().map_err(|e| value.error(e))?;
+                if !part.is_empty() {
+                    part.validate().map_err(|e| value.error(e))?;
                     placed.push(part);
                     movers.push(mover);
                 }
@@ -201,8 +202,8 @@ fn objects(
             }
             let mut own: HashMap<usize, usize> = HashMap::new();
             let mut out = Vec::new();
-            for ((part, mover), count) in placed.into_iter().zip(movers).zip(counts) {
-                let material = match (material, part.material) {
+            for ((mut part, mover), count) in placed.into_iter().zip(movers).zip(counts) {
+                let material = match (material, part.material.take()) {
                     (Some(index), _) => index,
                     (None, Some((key, m))) => *own.entry(key).or_insert_with(|| materials.push(m)),
                     (None, None) => materials.fallback(),
@@ -216,7 +217,7 @@ fn objects(
                     let proxy = context.bind_proxy(&mover, &part.mesh, &proxy);
                     Mover { proxy, ..mover }
                 });
-                out.push((Object { name, shape: Shape::Mesh(part.mesh), material, proxy, visible, strategy }, mover));
+                out.push((Object { name, shape: part.into_shape(), material, proxy, visible, strategy }, mover));
             }
             Ok(out)
         }

@@ -44,7 +44,7 @@ const EXPECTED: &[Expected] = &[
 fn vertices(scene: &Scene) -> Vec<Vec3> {
     let meshes = scene.objects[1..].iter().flat_map(|o| match &o.shape {
         Shape::Mesh(mesh) => mesh.positions.clone(),
-        Shape::Spheres(_) => Vec::new(),
+        _ => Vec::new(),
     });
     meshes.collect()
 }

@@ -86,14 +86,14 @@ fn positions(scene: &Scene) -> &[Vec3] {
     // Object 0 is the floor.
     match &scene.objects[1].shape {
         Shape::Mesh(mesh) => &mesh.positions,
-        Shape::Spheres(_) => panic!(),
+        _ => panic!(),
     }
 }
 
 fn normals(scene: &Scene) -> &[Vec3] {
     match &scene.objects[1].shape {
         Shape::Mesh(mesh) => &mesh.normals,
-        Shape::Spheres(_) => panic!(),
+        _ => panic!(),
     }
 }
 

@@ -116,6 +116,7 @@ fn positions(scene: &Scene, animation: &Animation, s: DVec3) -> Vec<DVec3> {
     for object in &scene.objects {
         match &object.shape {
             Shape::Mesh(mesh) => all.extend(&mesh.positions),
+            Shape::Instances(instances) => all.extend(instances.expanded().positions),
             Shape::Spheres(spheres) => all.extend(spheres.iter().map(|b| b.center)),
         }
         if let Proxy::Spheres(spheres) = &object.proxy {

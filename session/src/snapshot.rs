@@ -96,7 +96,7 @@ impl Snapshot {
             name: object.name.clone(),
             bounds: bounds.get(place).copied().unwrap_or(Bounds::EMPTY),
             parts: match &object.shape {
-                Shape::Mesh(mesh) => mesh.triangles.len(),
+                Shape::Mesh(_) | Shape::Instances(_) => object.shape.triangle_count(),
                 Shape::Spheres(spheres) => spheres.len(),
             },
             material: object.material,

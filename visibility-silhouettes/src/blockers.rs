@@ -1,14 +1,15 @@
-use crate::SilhouetteMesh;
 use crate::beside::Beside;
 use crate::bounds::bounds;
 use crate::clip::{Ball, Behind, Chord, Front};
 use crate::count::{Counter, Fewest};
+use crate::fit::{is_flat, side};
 use crate::hull::Fineness;
 use crate::lists::{Lists, Meshes};
-use crate::mesh::{is_flat, side};
+
 use crate::project::{Crossing, View, project};
 use crate::select::{Silhouettes, add_edges, silhouettes};
 use crate::topology::normal;
+use crate::{SilhouetteInstances, SilhouetteMesh};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::{Vec2, Vec3};
 use lobe_core::{Cone, Coverage, Outline, Receiver, Shaft, Sphere, VisibilityQuery};
@@ -102,6 +103,13 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
     #[must_use]
     pub fn new(meshes: impl IntoIterator<Item = &'m SilhouetteMesh>, hits: H) -> Self {
         Self { meshes: Meshes::new(meshes.into_iter().collect()), hits }
+    }
+
+    /// Adds shared meshes at their places. The rays are to meet these as well.
+    #[must_use]
+    pub fn with_instances(mut self, instances: &'m SilhouetteInstances) -> Self {
+        self.meshes = self.meshes.with_instances(instances);
+        self
     }
 
     /// Draws [simplified forms](SilhouetteMesh::with_coarse) for receivers that cannot tell their outlines from the exact ones: the

@@ -14,7 +14,7 @@ pub(crate) const UNSURE: f32 = 6e-7;
 
 /// Where edges matter to some receivers.
 #[derive(Clone, Debug)]
-enum Region {
+pub(crate) enum Region {
     /// Between them and a light: inside of all planes, by outward unit normals and the offsets along them.
     Shaft([(Vec3, f32); SIDES]),
     /// Above any of their horizons: beyond one of the planes.
@@ -71,15 +71,15 @@ impl Region {
 /// any of the receivers.
 #[derive(Clone, Debug)]
 pub(crate) struct Hull {
-    region: Region,
+    pub(crate) region: Region,
     /// The places where rays start: in a box, and in a sphere with the same centre.
-    center: Vec3,
-    half: Vec3,
-    radius: f32,
+    pub(crate) center: Vec3,
+    pub(crate) half: Vec3,
+    pub(crate) radius: f32,
     /// The largest |x| + |y| + |z| of a receiver.
-    reach: f32,
+    pub(crate) reach: f32,
     /// The scales of the simplified forms that the receivers may take ([`Fineness::scale`]): least and largest; `None` for exact outlines.
-    scales: Option<[f32; 2]>,
+    pub(crate) scales: Option<[f32; 2]>,
 }
 
 /// The finest details of outlines: those smaller than this fraction of a light's radius may be left out. 0 for exact outlines.
@@ -110,16 +110,18 @@ impl Fineness {
 /// Memory that searches use again.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Memory {
-    forms: Vec<Option<bool>>,
-    stack: Vec<u32>,
-    leaves: Vec<Leaf>,
+    pub(crate) forms: Vec<Option<bool>>,
+    pub(crate) stack: Vec<u32>,
+    pub(crate) leaves: Vec<Leaf>,
+    /// Of the hierarchy over places.
+    pub(crate) places: Vec<Leaf>,
 }
 
 /// Some edges of a mesh.
 #[derive(Clone, Copy, Debug)]
-struct Leaf {
-    first: u32,
-    count: u8,
+pub(crate) struct Leaf {
+    pub(crate) first: u32,
+    pub(crate) count: u8,
 }
 
 impl Hull {
@@ -193,7 +195,7 @@ impl Hull {
 
     /// Which of eight edges are certainly not silhouettes for any of the receivers.
     #[inline(always)]
-    fn cancel<S: Simd>(&self, simd: S, packet: &impl EdgePacket) -> mask32x8<S> {
+    pub(crate) fn cancel<S: Simd>(&self, simd: S, packet: &impl EdgePacket) -> mask32x8<S> {
         let [one, other] = [self.faces(simd, packet, PLANES[0]), self.faces(simd, packet, PLANES[1])];
         (one[0] & other[0]) | (one[1] & other[1])
     }
@@ -206,7 +208,7 @@ impl Hull {
 
     /// Appends those of eight edges that `keep` has and that may lie inside of the hull; there must be room.
     #[inline(always)]
-    fn sift<S: Simd>(&self, simd: S, packet: &impl EdgePacket, keep: mask32x8<S>, out: &mut EdgeList) {
+    pub(crate) fn sift<S: Simd>(&self, simd: S, packet: &impl EdgePacket, keep: mask32x8<S>, out: &mut EdgeList) {
         if !keep.any_true() {
             return;
         }
@@ -242,7 +244,7 @@ impl Hull {
         most: &mut usize,
         out: &mut EdgeList,
     ) -> bool {
-        let Memory { forms, stack, leaves } = memory;
+        let Memory { forms, stack, leaves, .. } = memory;
         leaves.clear();
         let [fine, coarse] = mesh.trees();
         let radius = self.radius;
@@ -277,7 +279,7 @@ impl Hull {
 
     /// Appends the leaves of a tree that may have silhouettes inside the hull.
     #[inline(always)]
-    fn leaves<S: Simd>(
+    pub(crate) fn leaves<S: Simd>(
         &self,
         simd: S,
         tree: &Tree,
@@ -354,19 +356,19 @@ impl Hull {
 }
 
 /// The forms of a mesh's patches that are drawn for the receivers of a hull: `None` for a patch if receivers need both.
-struct Forms<'f> {
-    forms: &'f [Option<bool>],
+pub(crate) struct Forms<'f> {
+    pub(crate) forms: &'f [Option<bool>],
     /// Whether the searched tree is that of simplified forms.
-    is_coarse: bool,
+    pub(crate) is_coarse: bool,
     /// Radius of a sphere around the receivers.
-    radius: f32,
-    scales: [f32; 2],
+    pub(crate) radius: f32,
+    pub(crate) scales: [f32; 2],
 }
 
 impl Forms<'_> {
     /// The edges that are drawn for any of the receivers, and those of them that are not drawn for all.
     #[inline(always)]
-    fn drawn(&self, mesh: &SilhouetteMesh, first: usize, mut lanes: u32) -> (u32, u32) {
+    pub(crate) fn drawn(&self, mesh: &SilhouetteMesh, first: usize, mut lanes: u32) -> (u32, u32) {
         let (mut drawn, mut sometimes) = (0, 0);
         while lanes != 0 {
             let lane = lanes.trailing_zeros();

@@ -1,8 +1,9 @@
 //! The edges that a receiver must test: lists that near receivers share.
 
-use crate::SilhouetteMesh;
 use crate::edge_list::EdgeList;
 use crate::hull::{Fineness, Hull, Memory};
+use crate::placed::Placed;
+use crate::{SilhouetteInstances, SilhouetteMesh};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
 use lobe_core::{LightId, Shaft, Sphere};
@@ -30,6 +31,9 @@ pub(crate) struct Meshes<'m> {
     meshes: Vec<&'m SilhouetteMesh>,
     /// The number of each mesh's first edge.
     bases: Vec<u32>,
+    /// The number of their edges; those of instances come after them.
+    own: u32,
+    instances: Option<&'m SilhouetteInstances>,
     pub(crate) fineness: Fineness,
 }
 
@@ -41,11 +45,26 @@ impl<'m> Meshes<'m> {
             Some(base)
         };
         let bases = meshes.iter().scan(0, next).collect();
-        Self { meshes, bases, fineness: Fineness::default() }
+        let own = meshes.iter().map(|mesh| mesh.edge_count() as u32).sum();
+        Self { meshes, bases, own, instances: None, fineness: Fineness::default() }
+    }
+
+    /// Adds instances of shared meshes.
+    pub(crate) fn with_instances(self, instances: &'m SilhouetteInstances) -> Self {
+        Self { instances: (!instances.is_empty()).then_some(instances), ..self }
+    }
+
+    /// The place of an edge of an instance, and the edge's number in its mesh.
+    fn placed(&self, edge: u32) -> Option<(Placed<'m>, usize)> {
+        let instances = self.instances.filter(|_| edge >= self.own)?;
+        Some(instances.find(edge - self.own))
     }
 
     /// On which sides of an edge's two triangles a point lies.
     pub(crate) fn sides(&self, edge: u32, x: Vec3) -> [f32; 2] {
+        if let Some((placed, edge)) = self.placed(edge) {
+            return placed.sides(edge, x);
+        }
         let mesh = self.bases.partition_point(|base| *base <= edge) - 1;
         self.meshes[mesh].sides((edge - self.bases[mesh]) as usize, x)
     }
@@ -57,6 +76,9 @@ impl<'m> Meshes<'m> {
 
     /// The same by [`Fineness::scale`].
     pub(crate) fn is_drawn_at(&self, edge: u32, x: Vec3, scale: f32) -> bool {
+        if let Some((placed, edge)) = self.placed(edge) {
+            return placed.is_drawn(edge, x, scale);
+        }
         let mesh = self.bases.partition_point(|base| *base <= edge) - 1;
         self.meshes[mesh].is_drawn((edge - self.bases[mesh]) as usize, x, scale)
     }
@@ -71,6 +93,10 @@ impl<'m> Meshes<'m> {
                 hull.find(simd, mesh, *base, memory, &mut left, out)
             })
         });
+        let all = all
+            && self.instances.is_none_or(|instances| {
+                dispatch!(Level::new(), simd => hull.find_instances(simd, instances, self.own, memory, &mut left, out))
+            });
         all.then(|| most - left)
     }
 }

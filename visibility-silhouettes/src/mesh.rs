@@ -1,7 +1,8 @@
 use crate::coarse::{self, Coarse};
 use crate::edge_list::{Block, COLUMNS, ENDS, ID, PLANES, SOMETIMES};
+use crate::fit::{self, fit_patches, fit_planes, is_flat, least_height, settle, side};
 use crate::lanes::columns;
-use crate::topology::{self, Edge, Tag, normal};
+use crate::topology::{self, Edge, Tag};
 use crate::tree::{Reach, Tree};
 use core::ops::Range;
 use fearless_simd::Simd;
@@ -43,6 +44,8 @@ pub struct SilhouetteMesh {
     /// Corners that only simplified forms have, and corners that these leave out, with the triangles next to them.
     own: Vec<u32>,
     left_out: Vec<[u32; 2]>,
+    /// Of a shared mesh, by how much rounding moves its corners at its places. Any of its edges may be a silhouette then.
+    blur: Option<f32>,
 }
 
 /// Simplified forms are not drawn for receivers nearer than this many radii of their patch: some of these receivers would need one
@@ -52,9 +55,9 @@ const NEAR: f32 = 1.5;
 /// A part of a mesh with a simplified form: a sphere around it, and the difference of the form.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Patch {
-    center: Vec3,
-    radius: f32,
-    detail: f32,
+    pub(crate) center: Vec3,
+    pub(crate) radius: f32,
+    pub(crate) detail: f32,
 }
 
 impl Patch {
@@ -86,7 +89,13 @@ impl SilhouetteMesh {
     /// When a triangle has a corner that is not among `positions`.
     #[must_use]
     pub fn new(object: u32, positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
-        Self::make(object, positions, triangles, |_, _| None)
+        Self::make(object, positions, triangles, None, |_, _| None)
+    }
+
+    /// As [`new`](Self::new), for a mesh that stands at places, where rounding moves its corners by up to `blur` in the mesh's own units.
+    pub(crate) fn shared(positions: &[Vec3], triangles: &[[u32; 3]], blur: f32, is_coarse: bool) -> Self {
+        let simplify = if is_coarse { coarse::coarse } else { |_: &[Vec3], _: &[[u32; 3]]| None };
+        Self::make(0, positions, triangles, Some(blur), simplify)
     }
 
     /// As [`new`](Self::new), with simplified forms for receivers that are far away and allow them
@@ -96,13 +105,14 @@ impl SilhouetteMesh {
     /// As [`new`](Self::new).
     #[must_use]
     pub fn with_coarse(object: u32, positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
-        Self::make(object, positions, triangles, coarse::coarse)
+        Self::make(object, positions, triangles, None, coarse::coarse)
     }
 
     fn make(
         object: u32,
         positions: &[Vec3],
         triangles: &[[u32; 3]],
+        blur: Option<f32>,
         simplify: impl Fn(&[Vec3], &[[u32; 3]]) -> Option<Coarse>,
     ) -> Self {
         let (mut welded, numbers) = topology::weld(positions);
@@ -176,6 +186,7 @@ impl SilhouetteMesh {
             triangle_patches,
             own,
             left_out,
+            blur,
         };
         mesh.fit();
         mesh
@@ -213,8 +224,10 @@ impl SilhouetteMesh {
             triangle_patches,
             own,
             left_out,
+            blur,
             ..
         } = self;
+        let blur = *blur;
         fit_planes(planes, triangles, positions, |_| true);
         if !own.is_empty() {
             let mut moves = vec![false; positions.len()];
@@ -224,11 +237,12 @@ impl SilhouetteMesh {
         }
         let corners = |t: u32| triangles[t as usize].map(|i| positions[i as usize].truncate());
         edges.par_iter_mut().with_min_len(1024).for_each(|edge| {
-            let flat = edge.other().is_some_and(|other| {
-                let [p, q] = [edge.triangle(), other].map(|t| planes[t as usize]);
-                let alike = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] > 0.999_999;
-                alike && is_flat(corners(edge.triangle()), corners(other))
-            });
+            let flat = blur.is_none()
+                && edge.other().is_some_and(|other| {
+                    let [p, q] = [edge.triangle(), other].map(|t| planes[t as usize]);
+                    let alike = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] > 0.999_999;
+                    alike && is_flat(corners(edge.triangle()), corners(other))
+                });
             edge.set_flat(flat);
         });
         fit_patches(patches, triangle_patches, left_out, triangles, positions, planes);
@@ -237,7 +251,12 @@ impl SilhouetteMesh {
                 let edge = edges[i];
                 let corners = corners(edge.triangle());
                 let normal = |t: u32| Vec3::from_slice(&planes[t as usize]);
-                (edge.ends().map(|k| corners[k]), normal(edge.triangle()), edge.other().map(normal))
+                // The sine of the angle by which rounding turns a triangle.
+                let turn = |t: u32| {
+                    blur.map_or(0.0, |blur| (4.0 * blur / least_height(fit::corners(positions, triangles, t))).min(1.0))
+                };
+                let turn = turn(edge.triangle()).max(edge.other().map_or(0.0, turn));
+                (edge.ends().map(|k| corners[k]), normal(edge.triangle()), edge.other().map(normal), turn)
             })
         };
         // The largest distance at which an edge of the mesh may be drawn, or the smallest one for an edge of a simplified form.
@@ -403,94 +422,36 @@ impl SilhouetteMesh {
     /// The sides on which a point lies of the triangles that run along an edge upward and downward: 1 in front, −1 behind, 0 in the
     /// plane or if there is no triangle. Exact except for the rounding of f64.
     pub(crate) fn sides(&self, edge: usize, x: Vec3) -> [f32; 2] {
+        self.sides_by(edge, |t| side(self.corners(t), x))
+    }
+
+    /// The same by the side of each triangle.
+    pub(crate) fn sides_by(&self, edge: usize, side: impl Fn(u32) -> f32) -> [f32; 2] {
+        let (one, other, is_down) = self.triangles_of(edge);
+        let [one, other] = [side(one), other.map_or(0.0, side)];
+        if is_down { [other, one] } else { [one, other] }
+    }
+
+    /// The two triangles at an edge, and whether the first runs along it downward.
+    pub(crate) fn triangles_of(&self, edge: usize) -> (u32, Option<u32>, bool) {
         let edge = self.edges[edge];
-        let side = |t: u32| side(self.triangles[t as usize].map(|i| self.positions[i as usize].truncate()), x);
-        let [one, other] = [side(edge.triangle()), edge.other().map_or(0.0, side)];
-        if edge.is_down() { [other, one] } else { [one, other] }
+        (edge.triangle(), edge.other(), edge.is_down())
     }
-}
 
-/// The fraction by which corners of simplified forms make up for the offsets of left-out corners: outlines then neither shrink nor
-/// grow.
-const SETTLE: f32 = 0.65;
+    /// The ends of an edge in the direction of its first triangle, and whether that is downward.
+    pub(crate) fn ends_of(&self, edge: usize) -> ([Vec3; 2], bool) {
+        let edge = self.edges[edge];
+        let corners = self.corners(edge.triangle());
+        (edge.ends().map(|k| corners[k]), edge.is_down())
+    }
 
-fn fit_planes(
-    planes: &mut [[f32; 4]],
-    triangles: &[[u32; 3]],
-    positions: &[Vec4],
-    wanted: impl Fn(&[u32; 3]) -> bool + Sync,
-) {
-    let all = planes.par_iter_mut().with_min_len(1024).zip(triangles);
-    all.filter(|(_, corners)| wanted(corners)).for_each(|(plane, corners)| {
-        let corners = corners.map(|i| positions[i as usize].truncate());
-        let n = normal(corners).normalize_or_zero();
-        let d = -n.dot(corners[0].as_dvec3());
-        *plane = [n.x as f32, n.y as f32, n.z as f32, d as f32];
-    });
-}
+    /// The corners of a triangle.
+    pub(crate) fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        fit::corners(&self.positions, &self.triangles, triangle)
+    }
 
-/// Moves the corners of simplified forms by the mean offset of the left-out corners from their planes; otherwise round shapes would
-/// shrink.
-fn settle(own: &[u32], left_out: &[[u32; 2]], triangles: &[[u32; 3]], planes: &[[f32; 4]], positions: &mut [Vec4]) {
-    let mut sums = vec![Vec4::ZERO; positions.len()];
-    for [corner, near] in left_out {
-        let plane = Vec4::from_array(planes[*near as usize]);
-        let away = plane.dot(positions[*corner as usize].truncate().extend(1.0));
-        for i in triangles[*near as usize] {
-            sums[i as usize] += (plane.truncate() * away).extend(1.0);
-        }
+    /// By how much rounding moves the corners of a shared mesh.
+    pub(crate) fn blur(&self) -> f32 {
+        self.blur.unwrap_or_default()
     }
-    for i in own {
-        let sum = sums[*i as usize];
-        positions[*i as usize] += (sum.truncate() * (SETTLE / sum.w.max(1.0))).extend(0.0);
-    }
-}
-
-/// Spheres around patches, and the root mean square of the distances of left-out corners from the planes next to them.
-fn fit_patches(
-    patches: &mut [Patch],
-    triangle_patches: &[u16],
-    left_out: &[[u32; 2]],
-    triangles: &[[u32; 3]],
-    positions: &[Vec4],
-    planes: &[[f32; 4]],
-) {
-    let mut bounds = vec![[Vec3::INFINITY, Vec3::NEG_INFINITY]; patches.len()];
-    for (corners, patch) in triangles.iter().zip(triangle_patches) {
-        if let Some([low, high]) = bounds.get_mut(usize::from(*patch)) {
-            for p in corners.map(|i| positions[i as usize].truncate()) {
-                (*low, *high) = (low.min(p), high.max(p));
-            }
-        }
-    }
-    let mut sums = vec![(0.0_f64, 0_u32); patches.len()];
-    for [corner, near] in left_out {
-        let p = positions[*corner as usize];
-        let away = f64::from(p.truncate().extend(1.0).dot(Vec4::from_array(planes[*near as usize])));
-        let (sum, count) = &mut sums[usize::from(triangle_patches[*near as usize])];
-        *sum += away * away;
-        *count += 1;
-    }
-    for ((patch, [low, high]), (sum, count)) in patches.iter_mut().zip(bounds).zip(sums) {
-        let detail = (sum / f64::from(count.max(1))).sqrt() as f32;
-        *patch = Patch { center: 0.5 * (low + high), radius: 0.5 * low.distance(high), detail };
-    }
-}
-
-/// 1 if a point is in front of a triangle's plane, −1 behind it, 0 in it.
-pub(crate) fn side(corners: [Vec3; 3], x: Vec3) -> f32 {
-    let along = normal(corners).dot(x.as_dvec3() - corners[0].as_dvec3());
-    if along > 0.0 {
-        1.0
-    } else if along < 0.0 {
-        -1.0
-    } else {
-        0.0
-    }
-}
-
-/// Whether two triangles lie in one plane and face the same way, so that no point is between their planes.
-pub(crate) fn is_flat(one: [Vec3; 3], other: [Vec3; 3]) -> bool {
-    let [m, n] = [normal(one), normal(other)];
-    m.dot(n) > 0.0 && m.cross(n) == glam::DVec3::ZERO && other.iter().all(|p| side(one, *p) == 0.0)
 }

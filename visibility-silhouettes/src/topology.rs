@@ -1,7 +1,7 @@
 //! Finds the triangles that share an edge.
 
 use glam::{DVec3, Vec3};
-use std::collections::HashMap;
+use rayon::prelude::*;
 
 /// No patch, or a patch without a simplified form.
 pub(crate) const WHOLE: u16 = u16::MAX;
@@ -73,18 +73,28 @@ pub(crate) fn normal([a, b, c]: [Vec3; 3]) -> DVec3 {
 
 /// Gives equal positions one number. Returns the positions, and for each original one its number.
 pub(crate) fn weld(positions: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
-    let mut numbers = HashMap::with_capacity(positions.len());
-    let mut welded = Vec::new();
-    let number = |p: &Vec3| {
-        // Adding zero makes −0 equal to 0.
-        let key = (*p + Vec3::ZERO).to_array().map(f32::to_bits);
-        *numbers.entry(key).or_insert_with(|| {
-            welded.push(*p);
-            welded.len() as u32 - 1
-        })
+    // Equal ones become neighbours, the first in front. Adding zero makes −0 equal to 0.
+    let key = |(p, number): (&Vec3, u32)| {
+        let [x, y, z] = (*p + Vec3::ZERO).to_array().map(|x| u128::from(x.to_bits()));
+        x << 96 | y << 64 | z << 32 | u128::from(number)
     };
-    let all = positions.iter().map(number).collect();
-    (welded, all)
+    let mut keys: Vec<u128> = positions.iter().zip(0..).map(key).collect();
+    keys.par_sort_unstable();
+    let mut numbers = vec![0; positions.len()];
+    for group in keys.chunk_by(|a, b| a >> 32 == b >> 32) {
+        group.iter().for_each(|key| numbers[*key as u32 as usize] = group[0] as u32);
+    }
+    // From the first of each group to a number in their order.
+    let mut welded = Vec::new();
+    for place in 0..positions.len() {
+        numbers[place] = if numbers[place] == place as u32 {
+            welded.push(positions[place]);
+            welded.len() as u32 - 1
+        } else {
+            numbers[numbers[place] as usize]
+        };
+    }
+    (welded, numbers)
 }
 
 /// New numbers for `count` items, in the order of their first use; unused items come last.

@@ -70,8 +70,8 @@ impl Reach {
     }
 }
 
-/// An edge for the tree: its ends, and the normals on both sides.
-pub(crate) type Shape = ([Vec3; 2], Vec3, Option<Vec3>);
+/// An edge for the tree: its ends, the normals on both sides, and the sine of an angle by which these may be turned.
+pub(crate) type Shape = ([Vec3; 2], Vec3, Option<Vec3>, f32);
 
 impl Tree {
     /// A tree over boxes (low, high), and the order in which its leaves hold them: from `first` on. Bounds are there after
@@ -286,16 +286,26 @@ fn sine(axis: Vec3, cos: f32) -> f32 {
     if axis == Vec3::ZERO || cos < 0.1 { WIDEST } else { (1.0 - cos * cos).max(0.0).sqrt() + 1e-3 }
 }
 
+/// The cosine of an angle that is enlarged by another one, whose sine is given.
+fn turned(cos: f32, turn: f32) -> f32 {
+    if turn == 0.0 {
+        return cos;
+    }
+    let (cos, sin) = (cos.clamp(-1.0, 1.0), (1.0 - cos * cos).max(0.0).sqrt());
+    // Angles beyond a right one have no cone.
+    if cos <= 0.0 || turn >= 1.0 { -1.0 } else { cos * (1.0 - turn * turn).sqrt() - sin * turn }
+}
+
 fn around(edges: impl Iterator<Item = Shape> + Clone) -> EdgeBounds {
     let (mut bounds, mut axis) = (NOTHING, Vec3::ZERO);
-    for ([a, b], one, other) in edges.clone() {
+    for ([a, b], one, other, _) in edges.clone() {
         bounds.low = bounds.low.min(a).min(b);
         bounds.high = bounds.high.max(a).max(b);
         axis += one + other.unwrap_or(Vec3::ZERO);
     }
     let axis = axis.normalize_or_zero();
-    let cos = |(_, one, other): Shape| match other {
-        Some(other) => one.dot(axis).min(other.dot(axis)),
+    let cos = |(_, one, other, turn): Shape| match other {
+        Some(other) => turned(one.dot(axis).min(other.dot(axis)), turn),
         // A border is a silhouette from everywhere.
         None => -1.0,
     };

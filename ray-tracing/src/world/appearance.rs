@@ -4,24 +4,25 @@ use super::World;
 use super::packet::SPHERE;
 use brdf::Material;
 use core::f32::consts::{FRAC_1_PI, PI};
-use glam::{DVec3, Mat2, Vec2, Vec3};
+use glam::{DVec3, Mat2, Mat4, Vec2, Vec3};
 use lobe_core::{Receiver, Sphere};
 use scene::{Mesh, Scene, Shape, Surface, TexturePlace};
 
 /// For each object whether its points have a look of their own; `None` if no object has such points.
 pub(crate) fn varied(scene: &Scene) -> Option<Vec<bool>> {
-    let has_colors = |shape: &Shape| matches!(shape, Shape::Mesh(mesh) if !mesh.colors.is_empty());
+    let has_colors = |shape: &Shape| shape.vertices().is_some_and(|mesh| !mesh.colors.is_empty());
     let differs = |o: &scene::Object| scene.surface(o.material).is_some() || has_colors(&o.shape);
     let varied: Vec<bool> = scene.objects.iter().map(differs).collect();
     varied.contains(&true).then_some(varied)
 }
 
 /// For each object the tangents of its vertices along the growing u of its normal map, of length 1 and less where triangles do not agree;
-/// none for objects without such a map or without smooth normals, and nothing at all where no object has any.
+/// none for objects without such a map or without smooth normals, and nothing at all where no object has any. Those of instances are of the
+/// shared mesh, in its own coordinates.
 pub(super) fn tangents(scene: &Scene) -> Vec<Vec<Vec3>> {
     let of = |o: &scene::Object| {
         let (map, _) = scene.surface(o.material)?.normal.as_ref()?;
-        let Shape::Mesh(mesh) = &o.shape else { return None };
+        let mesh = o.shape.vertices()?;
         let uvs = mesh.uv_sets.get(map.uv_set)?;
         (!mesh.normals.is_empty()).then(|| vertex_tangents(mesh, uvs, map.transform.matrix2))
     };
@@ -63,6 +64,8 @@ pub(crate) struct Appearance {
 /// A point of a triangle or sphere, with the data for looking up its textures.
 struct Patch<'a> {
     mesh: Option<&'a Mesh>,
+    /// From the mesh's coordinates to the world, if these differ.
+    matrix: Option<&'a Mat4>,
     /// The triangle's vertices.
     vertices: [u32; 3],
     /// The barycentric weights of the second and third vertex; of a sphere its coordinates in turns and half turns.
@@ -94,7 +97,8 @@ impl World<'_> {
             let (m, [x, y]) = (map.transform.matrix2, [u, v]);
             let gradients = [x * m.x_axis.x + y * m.y_axis.x, x * m.x_axis.y + y * m.y_axis.y];
             let tangents = self.hierarchy.tangents.get(at.object as usize).map_or(&[][..], Vec::as_slice);
-            at.normal = turned(at, gradients, patch.mix(tangents), local);
+            let tangent = patch.mix(tangents).map(|tangent| patch.in_world(tangent));
+            at.normal = turned(at, gradients, tangent, local);
         }
         let material = (color.is_some() || surface.varies()).then(|| {
             let mut factors = surface.factors(&place);
@@ -111,14 +115,18 @@ impl World<'_> {
         if found & SPHERE != 0 {
             let ball = self.hierarchy.spheres.primitives[(found & !SPHERE) as usize].sphere;
             let (weights, gradients) = on_sphere(ball, at.position);
-            return Patch { mesh: None, vertices: [0; 3], weights, gradients, sides };
+            return Patch { mesh: None, matrix: None, vertices: [0; 3], weights, gradients, sides };
         }
-        let corners = &self.hierarchy.triangles.primitives[found as usize];
-        let Shape::Mesh(mesh) = &self.scene.objects[corners.object as usize].shape else {
-            unreachable!("triangles come from meshes")
+        let (object, index) = self.triangle_name(found);
+        let (mesh, matrix, vertices) = match &self.scene.objects[object as usize].shape {
+            Shape::Mesh(mesh) => (mesh, None, mesh.triangles[index as usize]),
+            Shape::Instances(instances) => {
+                let (matrix, vertices) = instances.triangle(index as usize);
+                (&**instances.mesh(), Some(matrix), vertices)
+            }
+            Shape::Spheres(_) => unreachable!("triangles come from meshes"),
         };
-        let vertices = mesh.triangles[corners.index as usize];
-        let [a, b, c] = vertices.map(|i| mesh.positions[i as usize].as_dvec3());
+        let [a, b, c] = self.corners((object, index)).unwrap_or_default().map(Vec3::as_dvec3);
         let (e1, e2, p) = (b - a, c - a, at.position.as_dvec3() - a);
         let n = e1.cross(e2);
         let inverse = 1.0 / n.length_squared();
@@ -128,6 +136,7 @@ impl World<'_> {
         let v = v.min(1.0 - u);
         Patch {
             mesh: Some(mesh),
+            matrix,
             vertices,
             weights: [u as f32, v as f32],
             gradients: gradients.map(|g| g.as_vec3()),
@@ -137,6 +146,11 @@ impl World<'_> {
 }
 
 impl Patch<'_> {
+    /// A vector of the mesh, turned to the world; its length stays.
+    fn in_world(&self, vector: Vec3) -> Vec3 {
+        self.matrix.map_or(vector, |matrix| matrix.transform_vector3(vector).normalize_or_zero() * vector.length())
+    }
+
     /// Coordinates of the three vertices in a set.
     fn corners(&self, set: usize) -> Option<[Vec2; 3]> {
         let uvs = self.mesh?.uv_sets.get(set)?;

@@ -3,10 +3,12 @@
 use super::World;
 use super::camera_rays::{Rays, Row, SIDE};
 use super::primitive::{EDGE, SceneSphere};
+use super::stands::{Boxes, Walk};
 use super::tree::Tree;
 use super::triangle_packet::{FAR_LARGER, TrianglePacket, inside};
 use fearless_simd::dispatch;
 use glam::{Vec2, Vec3};
+use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::node::CwBvhNode;
 
 /// No primitive.
@@ -83,30 +85,23 @@ impl<'r> RayPacket<'r> {
     /// For the boxes of a node's children, in the hierarchy's units around the eye: how near, infinite for those that no
     /// ray meets.
     fn child_distances(&self, node: &CwBvhNode, eye: Vec3) -> Row {
-        dispatch!(self.rays.level, _simd => self.child_distances_simd(node, eye))
+        dispatch!(self.rays.level, _simd => self.distances(&own_boxes(node, eye)))
+    }
+
+    /// The same for a place of a shared mesh, in world units.
+    fn stand_distances(&self, walk: &Walk<'_>, node: &CwBvhNode) -> Row {
+        dispatch!(self.rays.level, _simd => self.distances(&walk.boxes(node, self.rays.eye)))
     }
 
     #[inline(always)]
-    fn child_distances_simd(&self, node: &CwBvhNode, eye: Vec3) -> Row {
-        let step = node.e.map(|e| f32::from_bits(u32::from(e) << 23));
-        let p = node.p - eye;
+    fn distances(&self, Boxes { centers, halves }: &Boxes) -> Row {
         let mut near = [0.0f32; SIDE];
         let mut slack = [0.0f32; SIDE];
-        let mut centers = [[0.0f32; SIDE]; 3];
-        let mut halves = [[0.0f32; SIDE]; 3];
-        let bounds = [
-            (&node.child_min_x, &node.child_max_x, p.x, step[0]),
-            (&node.child_min_y, &node.child_max_y, p.y, step[1]),
-            (&node.child_min_z, &node.child_max_z, p.z, step[2]),
-        ];
-        for (axis, (low, high, p, step)) in bounds.into_iter().enumerate() {
+        for (c, h) in centers.iter().zip(halves) {
             for l in 0..SIDE {
-                let (low, high) = (f32::from(low[l]), f32::from(high[l]));
-                let (c, h) = (p + (low + high) * (0.5 * step), (high - low) * (0.5 * step));
-                let beside = (c.abs() - h).max(0.0);
+                let beside = (c[l].abs() - h[l]).max(0.0);
                 near[l] += beside * beside;
-                slack[l] += c.abs() + h;
-                (centers[axis][l], halves[axis][l]) = (c, h);
+                slack[l] += c[l].abs() + h[l];
             }
         }
         for l in 0..SIDE {
@@ -134,10 +129,9 @@ impl<'r> RayPacket<'r> {
 
     #[inline(always)]
     fn meet_triangles_simd(&mut self, numbers: &[u32], world: &World<'_>) {
-        let all = &world.hierarchy.triangles.primitives[..];
         let mut t = TrianglePacket::default();
         for (l, number) in numbers.iter().enumerate().take(SIDE) {
-            let c = &all[*number as usize];
+            let c = world.triangle(*number);
             let (s, e1, e2) = (self.rays.eye - Vec3::from(c.v0), Vec3::from(c.e1), Vec3::from(c.e2));
             for k in 0..3 {
                 (t.s[k][l], t.e1[k][l], t.e2[k][l]) = (s[k], e1[k], e2[k]);
@@ -189,7 +183,7 @@ impl<'r> RayPacket<'r> {
         if !(0..SIDE).any(|i| t.giant[l] > FAR_LARGER * along(i).abs()) {
             return false;
         }
-        let exact = world.exact(&world.hierarchy.triangles.primitives[number as usize]);
+        let exact = world.exact(&world.triangle(number));
         let eye = self.rays.eye.as_dvec3();
         for i in 0..SIDE {
             let Some(along) = exact.meet(eye, at(i).as_dvec3()) else { continue };
@@ -253,64 +247,106 @@ impl<'r> RayPacket<'r> {
     }
 }
 
+/// The boxes of a node's children around the eye, in the hierarchy's units.
+#[inline(always)]
+fn own_boxes(node: &CwBvhNode, eye: Vec3) -> Boxes {
+    let step = node.e.map(|e| f32::from_bits(u32::from(e) << 23));
+    let p = node.p - eye;
+    let bounds = [
+        (&node.child_min_x, &node.child_max_x, p.x, step[0]),
+        (&node.child_min_y, &node.child_max_y, p.y, step[1]),
+        (&node.child_min_z, &node.child_max_z, p.z, step[2]),
+    ];
+    let mut boxes = Boxes { centers: [[0.0; SIDE]; 3], halves: [[0.0; SIDE]; 3] };
+    for (axis, (low, high, p, step)) in bounds.into_iter().enumerate() {
+        for l in 0..SIDE {
+            let (low, high) = (f32::from(low[l]), f32::from(high[l]));
+            boxes.centers[axis][l] = p + (low + high) * (0.5 * step);
+            boxes.halves[axis][l] = (high - low) * (0.5 * step);
+        }
+    }
+    boxes
+}
+
+/// Calls `found` with the numbers of primitives in boxes that rays of the packet may meet, near ones first where that is cheap.
+/// `distances` are those of a node's children; `scale` is the number of their units a world unit.
+#[inline(always)]
+fn walk_packet(
+    bvh: &CwBvh,
+    scale: f32,
+    packet: &mut RayPacket<'_>,
+    distances: impl Fn(&RayPacket<'_>, &CwBvhNode) -> Row,
+    found: &mut impl FnMut(&mut RayPacket<'_>, u32),
+) {
+    // Seven siblings wait on each level; the hierarchy is never deeper than 32.
+    let mut stack = [(0u32, 0.0f32); 7 * 32 + 1];
+    let mut count = 1;
+    while count > 0 {
+        count -= 1;
+        let (number, near) = stack[count];
+        if near > packet.far * scale {
+            continue;
+        }
+        let node = &bvh.nodes[number as usize];
+        let near = distances(packet, node);
+        let bottom = count;
+        for (child, near) in near.iter().enumerate() {
+            if node.is_child_empty(child) || *near > packet.far * scale || *near == f32::INFINITY {
+                continue;
+            }
+            if node.is_leaf(child) {
+                let (first, n) = node.child_primitives(child);
+                for i in first..first + n {
+                    found(packet, i);
+                }
+            } else {
+                // The nearest on top.
+                let mut place = count;
+                while place > bottom && stack[place - 1].1 < *near {
+                    stack[place] = stack[place - 1];
+                    place -= 1;
+                }
+                stack[place] = (node.child_node_index(child), *near);
+                count += 1;
+            }
+        }
+    }
+}
+
 impl<T> Tree<T> {
-    /// Calls `found` with the numbers of primitives in boxes that rays of the packet may meet, near ones first where that is
-    /// cheap.
+    /// Calls `found` with the numbers of primitives in boxes that rays of the packet may meet.
     fn visit_packet(&self, packet: &mut RayPacket<'_>, mut found: impl FnMut(&mut RayPacket<'_>, u32)) {
         let Some(bvh) = &self.bvh else { return };
         let scale = self.scale();
         let eye = packet.rays.eye * scale;
-        // Seven siblings wait on each level; the hierarchy is never deeper than 32.
-        let mut stack = [(0u32, 0.0f32); 7 * 32 + 1];
-        let mut count = 1;
-        while count > 0 {
-            count -= 1;
-            let (number, near) = stack[count];
-            if near > packet.far * scale {
-                continue;
-            }
-            let node = &bvh.nodes[number as usize];
-            let near = packet.child_distances(node, eye);
-            let bottom = count;
-            for (child, near) in near.iter().enumerate() {
-                if node.is_child_empty(child) || *near > packet.far * scale || *near == f32::INFINITY {
-                    continue;
-                }
-                if node.is_leaf(child) {
-                    let (first, n) = node.child_primitives(child);
-                    for i in first..first + n {
-                        found(packet, i);
-                    }
-                } else {
-                    // The nearest on top.
-                    let mut place = count;
-                    while place > bottom && stack[place - 1].1 < *near {
-                        stack[place] = stack[place - 1];
-                        place -= 1;
-                    }
-                    stack[place] = (node.child_node_index(child), *near);
-                    count += 1;
-                }
-            }
-        }
+        walk_packet(bvh, scale, packet, |packet, node| packet.child_distances(node, eye), &mut found);
     }
 }
 
 impl World<'_> {
     /// Finds the nearest visible surface on each ray of the packet.
     pub(crate) fn trace(&self, packet: &mut RayPacket<'_>) {
-        let all = &self.hierarchy.triangles.primitives[..];
+        let own = &self.hierarchy.triangles.primitives[..];
         let (mut waiting, mut count) = ([0u32; SIDE], 0);
-        self.hierarchy.triangles.visit_packet(packet, |packet, number| {
-            if !all[number as usize].visible {
-                return;
-            }
+        let mut wait = |packet: &mut RayPacket<'_>, number| {
             waiting[count] = number;
             count += 1;
             if count == SIDE {
                 packet.meet_triangles(&waiting, self);
                 count = 0;
             }
+        };
+        self.hierarchy.triangles.visit_packet(packet, |packet, number| {
+            if own[number as usize].visible {
+                wait(packet, number);
+            }
+        });
+        let stands = &self.hierarchy.stands;
+        stands.top().visit_packet(packet, |packet, number| {
+            let Some(walk) = stands.walk(number) else { return };
+            let first = own.len() as u32 + walk.first;
+            let distances = |packet: &RayPacket<'_>, node: &CwBvhNode| packet.stand_distances(&walk, node);
+            walk_packet(walk.bvh, 1.0, packet, distances, &mut |packet, i| wait(packet, first + i));
         });
         if count > 0 {
             packet.meet_triangles(&waiting[..count], self);

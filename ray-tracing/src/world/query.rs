@@ -159,7 +159,7 @@ impl<T> Tree<T> {
     }
 
     /// Calls `found` for primitives in boxes that are not `outside`, until it says true. Returns whether it did.
-    fn visit(&self, outside: &impl Fn(&Aabb) -> bool, found: &mut impl FnMut(u32, &T) -> bool) -> bool {
+    pub(super) fn visit(&self, outside: &impl Fn(&Aabb) -> bool, found: &mut impl FnMut(u32, &T) -> bool) -> bool {
         let Some(bvh) = &self.bvh else { return false };
         // Seven siblings wait on each level; the hierarchy is never deeper than 32.
         let mut stack = [0u32; 7 * 32 + 1];
@@ -221,19 +221,27 @@ impl World<'_> {
         mut found: impl FnMut(u32, &Corners),
     ) -> bool {
         let mut count = 0;
-        !self.hierarchy.triangles.in_shaft(shaft, &mut |i, c| {
+        let mut each = |i: u32, c: &Corners| {
             if of(c.object) {
                 found(i, c);
                 count += 1;
             }
             count > limit
-        })
+        };
+        if self.hierarchy.triangles.in_shaft(shaft, &mut each) {
+            return false;
+        }
+        if self.hierarchy.stands.is_empty() {
+            return true;
+        }
+        let (hull, own) = (ShaftHull::new(shaft), self.hierarchy.triangles.primitives.len() as u32);
+        !self.hierarchy.stands.visit(&|b| hull.misses(b), &mut |i, c| each(own + i, c))
     }
 
     /// Object and number of primitives.
     pub fn names(&self, primitives: &[Primitive]) -> impl Iterator<Item = (u32, u32)> {
         primitives.iter().map(|p| match p {
-            Primitive::Triangle(i) => self.hierarchy.triangles.primitives[*i as usize].name(),
+            Primitive::Triangle(i) => self.triangle_name(*i),
             Primitive::Sphere(i) => self.hierarchy.spheres.primitives[*i as usize].name(),
         })
     }
@@ -249,13 +257,15 @@ impl World<'_> {
         last: &mut Option<u32>,
     ) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
-        if last.is_some_and(|i| self.is_met(&self.hierarchy.triangles.primitives[i as usize], &ray)) {
+        if last.is_some_and(|i| self.is_met(&self.triangle(i), &ray)) {
             return true;
         }
         let meet = |c: &Corners, r: &Ray| {
             if of(c.object) { c.meet(r, |_| self.exact_distance(c, &ray)) } else { f32::INFINITY }
         };
+        let own = self.hierarchy.triangles.primitives.len() as u32;
         *last = self.hierarchy.triangles.any_number(ray, meet);
+        *last = last.or_else(|| self.hierarchy.stands.any(&ray, meet).map(|i| own + i));
         last.is_some()
     }
 
@@ -267,7 +277,7 @@ impl World<'_> {
     #[must_use]
     pub fn meets_any(&self, region: &Region, primitives: &[Primitive]) -> bool {
         primitives.iter().any(|p| match p {
-            Primitive::Triangle(i) => !region.misses_triangle(&self.hierarchy.triangles.primitives[*i as usize]),
+            Primitive::Triangle(i) => !region.misses_triangle(&self.triangle(*i)),
             Primitive::Sphere(i) => !region.misses_sphere(&self.hierarchy.spheres.primitives[*i as usize]),
         })
     }
@@ -277,6 +287,7 @@ impl World<'_> {
     pub fn meets(&self, region: &Region, of: impl Fn(u32) -> bool) -> bool {
         let outside = |b: &Aabb| region.misses_box(b);
         self.hierarchy.triangles.visit(&outside, &mut |_, c| of(c.object) && !region.misses_triangle(c))
+            || self.hierarchy.stands.visit(&outside, &mut |_, c| of(c.object) && !region.misses_triangle(c))
             || self.hierarchy.spheres.visit(&outside, &mut |_, b| b.blocks && of(b.object) && !region.misses_sphere(b))
     }
 }

@@ -39,6 +39,7 @@ fn bend(scene: &mut Scene, by: f32) {
         let bend = |p: Vec3| Quat::from_rotation_y(by * p.y) * p + Vec3::X * by;
         match &mut object.shape {
             Shape::Mesh(mesh) => mesh.positions.iter_mut().for_each(|p| *p = bend(*p)),
+            Shape::Instances(_) => {}
             Shape::Spheres(spheres) => spheres.iter_mut().for_each(|b| b.center = bend(b.center)),
         }
     }

@@ -65,18 +65,31 @@ impl World<'_> {
             if number & SPHERE != 0 {
                 continue;
             }
-            let corners = &self.hierarchy.triangles.primitives[*number as usize];
-            objects[l] = corners.object;
-            let Shape::Mesh(mesh) = &self.scene.objects[corners.object as usize].shape else {
-                unreachable!("triangles come from meshes")
-            };
-            let vertices = mesh.triangles[corners.index as usize];
-            smooth[l] = !mesh.normals.is_empty();
-            for (k, i) in vertices.into_iter().enumerate() {
-                set(&mut corner[k], l, mesh.positions[i as usize].as_dvec3().to_array());
-                if smooth[l] {
-                    set(&mut normals[k], l, mesh.normals[i as usize].as_dvec3().to_array());
+            let (object, index) = self.triangle_name(*number);
+            objects[l] = object;
+            match &self.scene.objects[object as usize].shape {
+                Shape::Mesh(mesh) => {
+                    let vertices = mesh.triangles[index as usize];
+                    smooth[l] = !mesh.normals.is_empty();
+                    for (k, i) in vertices.into_iter().enumerate() {
+                        set(&mut corner[k], l, mesh.positions[i as usize].as_dvec3().to_array());
+                        if smooth[l] {
+                            set(&mut normals[k], l, mesh.normals[i as usize].as_dvec3().to_array());
+                        }
+                    }
                 }
+                Shape::Instances(instances) => {
+                    let (matrix, vertices) = instances.triangle(index as usize);
+                    let positions = instances.corners(index as usize);
+                    smooth[l] = !instances.mesh().normals.is_empty();
+                    for k in 0..3 {
+                        set(&mut corner[k], l, positions[k].as_dvec3().to_array());
+                        if smooth[l] {
+                            set(&mut normals[k], l, instances.normal(matrix, vertices[k]).as_dvec3().to_array());
+                        }
+                    }
+                }
+                Shape::Spheres(_) => unreachable!("triangles come from meshes"),
             }
         }
         let (mut position, mut normal, mut face) = ([[0.0f32; SIDE]; 3], [[0.0f32; SIDE]; 3], [[0.0f32; SIDE]; 3]);

@@ -47,7 +47,7 @@ impl TriangleList {
         if let Some((_, exact)) = self.exact.iter().find(|(other, _)| *other == place) {
             return *exact;
         }
-        let exact = world.exact(&world.hierarchy.triangles.primitives[place as usize]);
+        let exact = world.exact(&world.triangle(place));
         self.exact.push((place, exact));
         exact
     }

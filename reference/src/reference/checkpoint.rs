@@ -88,6 +88,12 @@ impl ReferenceJob<'_> {
                         mesh.positions.iter().flat_map(|p| p.to_array()).for_each(|x| word(x.to_bits()));
                         mesh.triangles.iter().flatten().for_each(|i| word(*i));
                     }
+                    scene::Shape::Instances(instances) => {
+                        let mesh = instances.mesh();
+                        mesh.positions.iter().flat_map(|p| p.to_array()).for_each(|x| word(x.to_bits()));
+                        mesh.triangles.iter().flatten().for_each(|i| word(*i));
+                        instances.places().iter().flat_map(|m| m.to_cols_array()).for_each(|x| word(x.to_bits()));
+                    }
                     scene::Shape::Spheres(spheres) => spheres.iter().for_each(|s| {
                         s.center.to_array().iter().for_each(|x| word(x.to_bits()));
                         word(s.radius.to_bits());

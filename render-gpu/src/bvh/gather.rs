@@ -60,7 +60,10 @@ fn add(all: &mut Gathered, duplicates: &mut Duplicates, number: u32, scene: &Sce
     let material = object.material as u32;
     let seen = if object.visible { VISIBLE } else { 0 };
     match &object.shape {
-        Shape::Mesh(mesh) if duplicates.is_first_mesh(&scene.objects, number as usize) => {
+        // Instances are copied: a GPU has one hierarchy.
+        shape @ (Shape::Mesh(_) | Shape::Instances(_)) => {
+            let is_first = duplicates.is_first_mesh(&scene.objects, number as usize);
+            let Some(mesh) = shape.mesh().filter(|_| is_first) else { return };
             for (index, corners) in mesh.triangles.iter().enumerate() {
                 let [a, b, c] = corners.map(|i| mesh.positions[i as usize]);
                 if (b - a).cross(c - a) == Vec3::ZERO {
@@ -82,7 +85,6 @@ fn add(all: &mut Gathered, duplicates: &mut Duplicates, number: u32, scene: &Sce
                 });
             }
         }
-        Shape::Mesh(_) => {}
         Shape::Spheres(spheres) => {
             for (index, sphere) in spheres.iter().enumerate().filter(|(_, sphere)| sphere.radius > 0.0) {
                 if !duplicates.is_first(object, sphere) {

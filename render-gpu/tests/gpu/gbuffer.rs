@@ -92,6 +92,7 @@ pub(crate) fn placed(mut scene: Scene, scale: f32, shift: Vec3) -> Scene {
     for object in &mut scene.objects {
         match &mut object.shape {
             Shape::Mesh(mesh) => mesh.transform(&place),
+            Shape::Instances(instances) => *instances = instances.moved(&place).expect("a place"),
             Shape::Spheres(spheres) => spheres.iter_mut().for_each(|b| *b = moved(b)),
         }
     }

@@ -1,0 +1,107 @@
+//! Meshes that several nodes or instances show: read once.
+
+use crate::context::Context;
+use crate::gltf_buffers::Buffers;
+use crate::gltf_mesh::read_primitive;
+use crate::instances::is_place;
+use crate::look::Look;
+use crate::normals::turn_strays;
+use crate::part::{Part, Repaired};
+use crate::{Instances, Mesh, Normals};
+use glam::Mat4;
+use gltf::json::Root;
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Smaller meshes are copied: a hierarchy of their own would cost more than they do.
+const SMALLEST: usize = 64;
+/// A mesh is shared where its copies would have so many triangles more than itself.
+const WORTH: usize = 100_000;
+/// Bytes of a place: its matrices and its parts of hierarchies.
+const PLACE: u64 = 600;
+
+/// Primitives that are shared, by mesh and number; none for those that cannot be.
+#[derive(Default)]
+pub(crate) struct SharedMeshes {
+    known: HashMap<(usize, usize), Option<Arc<Mesh>>>,
+    /// Normals without direction so far.
+    pub(crate) broken: usize,
+}
+
+/// A primitive, and what shows it.
+pub(crate) struct Shown<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) name: &'a str,
+    pub(crate) mesh: usize,
+    pub(crate) primitive: usize,
+    /// The number of its places in the whole document.
+    pub(crate) copies: usize,
+    /// Those of one node.
+    pub(crate) places: Vec<Mat4>,
+    pub(crate) material: Option<&'a (usize, Look)>,
+}
+
+impl SharedMeshes {
+    /// The part of a node that stands still, if the primitive is large enough to be shared; `None` for all others.
+    pub(crate) fn part(
+        &mut self,
+        root: &Root,
+        buffers: &Buffers<'_>,
+        shown: Shown<'_>,
+        context: &mut Context,
+    ) -> Result<Option<Part>, String> {
+        if shown.copies < 2 || context.document.is_some() || context.normals != Normals::File {
+            return Ok(None);
+        }
+        let Some(primitive) = root.meshes.get(shown.mesh).and_then(|mesh| mesh.primitives.get(shown.primitive)) else {
+            return Ok(None);
+        };
+        let accessor = primitive.indices.or_else(|| primitive.attributes.values().next().copied());
+        let corners = accessor.and_then(|index| root.accessors.get(index.value())).map_or(0, |a| a.count.0 as usize);
+        let is_small = corners / 3 < SMALLEST || (corners / 3).saturating_mul(shown.copies - 1) < WORTH;
+        if is_small || primitive.targets.is_some() || !shown.places.iter().all(is_place) {
+            return Ok(None);
+        }
+        let key = (shown.mesh, shown.primitive);
+        let (mesh, repaired) = match self.known.get(&key) {
+            Some(known) => (known.clone(), Repaired::default()),
+            None => {
+                let (mesh, repaired) = self.read(buffers, primitive, &shown, context)?;
+                self.known.insert(key, mesh.clone());
+                (mesh, repaired)
+            }
+        };
+        let Some(mesh) = mesh else { return Ok(None) };
+        let is_bare = mesh.normals.is_empty();
+        context.files.budget.take(PLACE.saturating_mul(shown.places.len() as u64), 0, shown.name)?;
+        let instances = Instances::of_valid(mesh, shown.places).map_err(|e| e.to_string())?;
+        let part = Part::fixed(shown.name.to_owned(), Mesh::default(), shown.material.cloned());
+        Ok(Some(Part { instances: Some(instances), is_bare, repaired, ..part }))
+    }
+
+    fn read(
+        &mut self,
+        buffers: &Buffers<'_>,
+        primitive: &gltf::json::mesh::Primitive,
+        shown: &Shown<'_>,
+        context: &mut Context,
+    ) -> Result<(Option<Arc<Mesh>>, Repaired), String> {
+        let Some(shapes) = read_primitive(buffers, primitive)? else { return Ok((None, Repaired::default())) };
+        let mut part = Part::fixed(String::new(), shapes.mesh, None);
+        // The reader of single meshes says what is wrong.
+        if part.mesh.validate().is_err() {
+            return Ok((None, Repaired::default()));
+        }
+        context.files.budget.take_mesh(&part.mesh, 1, shown.name)?;
+        self.broken += shapes.broken;
+        if let Some(cut_out) = shown.material.and_then(|(_, look)| look.cut_out.as_ref()) {
+            context.cut_out(shown.path, shown.name, cut_out, (&mut part.mesh, &shapes.alphas), false);
+        }
+        let dropped = part.clean();
+        let [turned, mixed] = turn_strays(&mut part.mesh);
+        let repaired = Repaired { dropped, turned, mixed };
+        let is_empty = part.mesh.triangles.is_empty();
+        Ok(((!is_empty).then(|| Arc::new(part.mesh)), repaired))
+    }
+}

@@ -1,0 +1,249 @@
+//! The lines of an OBJ file, read on all threads: runs of lines, each with lists of its own.
+
+use glam::{DVec3, Vec2, Vec3};
+use rayon::prelude::*;
+use std::borrow::Cow;
+
+/// Bytes of a run of lines.
+const RUN: usize = 1 << 18;
+/// No number is written there.
+pub(crate) const ABSENT: i32 = i32::MIN;
+
+/// Some lines of a file.
+#[derive(Default)]
+pub(crate) struct Run<'t> {
+    pub(crate) positions: Vec<Vec3>,
+    /// Of the first positions, until one has none.
+    pub(crate) colors: Vec<Vec3>,
+    pub(crate) normals: Vec<Vec3>,
+    pub(crate) uvs: Vec<Vec2>,
+    /// Of all faces: the numbers of position, texture coordinates and normal as written.
+    pub(crate) corners: Vec<[i32; 3]>,
+    pub(crate) faces: Vec<FaceLine>,
+    pub(crate) others: Vec<Statement<'t>>,
+    /// Lines, which are counted in the file.
+    pub(crate) lines: usize,
+    /// The first line that cannot be read, after which nothing is: its number in the run, and why.
+    pub(crate) fault: Option<(usize, String)>,
+}
+
+/// A face.
+pub(crate) struct FaceLine {
+    /// The end of its corners in the list of all.
+    pub(crate) end: usize,
+    /// How many positions, texture coordinates and normals the run has before it.
+    pub(crate) before: [u32; 3],
+    /// Number of the line in the run, from 1.
+    pub(crate) line: u32,
+}
+
+/// A line of another kind.
+pub(crate) struct Statement<'t> {
+    /// Faces of the run before it.
+    pub(crate) faces: usize,
+    pub(crate) text: Cow<'t, str>,
+}
+
+/// Reads all lines of a text without carriage returns. Positions are relative to an origin.
+pub(crate) fn read(text: &str, origin: DVec3) -> Vec<Run<'_>> {
+    runs(text).into_par_iter().map(|text| Run::read(text, origin)).collect()
+}
+
+/// Whether the text continues in the next line.
+fn continues(line: &str) -> bool {
+    line.trim_end().ends_with('\\')
+}
+
+/// A text in parts that end with lines.
+fn runs(text: &str) -> Vec<&str> {
+    let mut parts = Vec::with_capacity(text.len() / RUN + 1);
+    let mut rest = text;
+    while rest.len() > RUN {
+        // A byte of a newline is never inside of another character.
+        let bytes = rest.as_bytes();
+        let mut end = RUN;
+        loop {
+            let Some(next) = bytes[end..].iter().position(|b| *b == b'\n') else {
+                end = rest.len();
+                break;
+            };
+            let line = bytes[..end + next].iter().rposition(|b| *b == b'\n').map_or(0, |place| place + 1);
+            end += next + 1;
+            if !continues(&rest[line..end - 1]) {
+                break;
+            }
+        }
+        let (part, after) = rest.split_at(end);
+        parts.push(part);
+        rest = after;
+    }
+    parts.push(rest);
+    parts
+}
+
+impl<'t> Run<'t> {
+    fn read(text: &'t str, origin: DVec3) -> Self {
+        let mut run = Self::default();
+        let mut lines = text.split('\n');
+        // A run ends with a newline, after which there is no further line.
+        let count = text.split('\n').count() - usize::from(text.ends_with('\n'));
+        while run.lines < count {
+            let Some(line) = lines.next() else { break };
+            run.lines += 1;
+            let first = run.lines;
+            let mut line = Cow::Borrowed(line);
+            while let Some(head) = line.trim_end().strip_suffix('\\') {
+                line = Cow::Owned(format!("{head} {}", lines.next().unwrap_or("")));
+                run.lines += 1;
+            }
+            if let Err(fault) = run.statement(line, first, origin) {
+                run.fault = Some((first, fault));
+                break;
+            }
+        }
+        run
+    }
+
+    /// Reads a line. One that was written as several is not kept in the text.
+    fn statement(&mut self, line: Cow<'t, str>, number: usize, origin: DVec3) -> Result<(), String> {
+        let content = line.split('#').next().unwrap_or("").trim_start();
+        let end = content.find(char::is_whitespace).unwrap_or(content.len());
+        let (word, rest) = content.split_at(end);
+        match word {
+            "v" | "vn" | "vt" => self.list(word, rest, origin)?,
+            "f" => {
+                rest.split_whitespace().try_for_each(|word| self.corner(word))?;
+                let before = [self.positions.len(), self.uvs.len(), self.normals.len()].map(|count| count as u32);
+                self.faces.push(FaceLine { end: self.corners.len(), before, line: number as u32 });
+            }
+            "usemtl" | "s" | "mtllib" => self.others.push(Statement { faces: self.faces.len(), text: line }),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn list(&mut self, word: &str, rest: &str, origin: DVec3) -> Result<(), String> {
+        let mut words = rest.split_whitespace();
+        match word {
+            "v" => {
+                let (position, color) = vertex(words, origin)?;
+                self.colors.extend(color.filter(|_| self.colors.len() == self.positions.len()));
+                self.positions.push(position);
+            }
+            "vn" => self.normals.push(Vec3::from_array(numbers(&mut words)?)),
+            _ => self.uvs.push(texture_coordinates(words)?),
+        }
+        Ok(())
+    }
+
+    /// Reads `p`, `p/t`, `p//n` or `p/t/n`.
+    fn corner(&mut self, word: &str) -> Result<(), String> {
+        let unreadable = || format!("cannot read face corner '{word}'");
+        // Numbers that no list has stay such numbers.
+        let number = |field: &str| -> Result<i32, String> {
+            let number: i64 = field.parse().map_err(|_| unreadable())?;
+            Ok(number.clamp(-i64::from(i32::MAX), i64::from(i32::MAX)) as i32)
+        };
+        let mut fields = word.split('/');
+        let p = number(fields.next().unwrap_or(""))?;
+        let t = match fields.next() {
+            None | Some("") => ABSENT,
+            // Files that name coordinates that they do not have are drawn without.
+            Some(field) => number(field).unwrap_or(ABSENT),
+        };
+        let n = match fields.next() {
+            None | Some("") => ABSENT,
+            Some(field) => number(field)?,
+        };
+        if fields.next().is_some_and(|f| !f.is_empty()) {
+            return Err(unreadable());
+        }
+        self.corners.push([p, t, n]);
+        Ok(())
+    }
+}
+
+pub(crate) fn number(word: &str) -> Result<f32, String> {
+    word.parse().map_err(|_| format!("cannot read number '{word}'"))
+}
+
+fn numbers<'w>(words: &mut impl Iterator<Item = &'w str>) -> Result<[f32; 3], String> {
+    let mut out = [0.0; 3];
+    for slot in &mut out {
+        *slot = number(words.next().ok_or("expected three numbers")?)?;
+    }
+    Ok(out)
+}
+
+/// `u`, `u v` or `u v w`; v counts from the lower edge of the image.
+fn texture_coordinates<'w>(mut words: impl Iterator<Item = &'w str>) -> Result<Vec2, String> {
+    let u = number(words.next().ok_or("expected a number")?)?;
+    let v = words.next().map_or(Ok(0.0), number)?;
+    Ok(Vec2::new(u, 1.0 - v))
+}
+
+/// `x y z`, `x y z w` (homogeneous) or `x y z r g b`, perhaps with alpha, which means nothing: a position, relative to an origin, and an
+/// sRGB colour of any range.
+fn vertex<'w>(words: impl Iterator<Item = &'w str> + Clone, origin: DVec3) -> Result<(Vec3, Option<Vec3>), String> {
+    let mut more = words.clone().skip(3);
+    let color = match [more.next(), more.next(), more.next()] {
+        [Some(r), Some(g), Some(b)] => Some(Vec3::new(number(r)?, number(g)?, number(b)?)),
+        _ => None,
+    };
+    Ok((position(words, origin)?, color))
+}
+
+fn position<'w>(mut words: impl Iterator<Item = &'w str> + Clone, origin: DVec3) -> Result<Vec3, String> {
+    let fine = words.clone();
+    let p = Vec3::from_array(numbers(&mut words)?);
+    let (weight, mut is_one) = (words.next().map(number).transpose()?, true);
+    for word in words {
+        number(word)?;
+        is_one = false;
+    }
+    if origin != DVec3::ZERO {
+        let fine: Vec<f64> = fine.filter_map(|word| word.parse().ok()).collect();
+        let w = if let [_, _, _, w] = fine[..] { w } else { 1.0 };
+        return Ok((DVec3::from_slice(&fine) / w - origin).as_vec3());
+    }
+    match weight.filter(|_| is_one) {
+        Some(w) if w != 0.0 => Ok(p / w),
+        Some(_) => Err("vertex weight is 0".to_owned()),
+        None => Ok(p),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_end_with_lines_that_do_not_continue() {
+        let lines: Vec<String> = (0..60_000)
+            .map(|k| match k % 5 {
+                0 => format!("v {k} 1 2 \\"),
+                1 => "3".to_owned(),
+                2 => format!("# ä {k}"),
+                _ => format!("f 1 {k} 2"),
+            })
+            .collect();
+        let text = lines.join("\n");
+        let parts = runs(&text);
+        assert!(parts.len() > 3 && parts.concat() == text);
+        for part in &parts[..parts.len() - 1] {
+            let last = part.trim_end_matches('\n').rsplit('\n').next().unwrap_or_default();
+            assert!(part.ends_with('\n') && !continues(last), "{last}");
+        }
+        let read = read(&text, DVec3::ZERO);
+        assert_eq!(read.iter().map(|run| run.lines).sum::<usize>(), lines.len());
+        assert_eq!(read.iter().map(|run| run.positions.len()).sum::<usize>(), 12_000);
+        assert_eq!(read.iter().map(|run| run.faces.len()).sum::<usize>(), 24_000);
+    }
+
+    #[test]
+    fn the_first_fault_ends_a_run() {
+        let run = Run::read("v 1 2 3\nf 1 2 3\nv 1 x 3\nf 1 y\n", DVec3::ZERO);
+        assert_eq!(run.fault, Some((3, "cannot read number 'x'".to_owned())));
+        assert_eq!((run.faces.len(), run.positions.len()), (1, 1));
+    }
+}

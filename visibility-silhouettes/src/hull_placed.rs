@@ -1,0 +1,156 @@
+//! Searches for edges of shared meshes at their places.
+
+use crate::edge_list::{Block, CLOSED, COARSE, COLUMNS, EdgeList};
+use crate::hull::{Forms, Hull, Leaf, Memory, Region};
+use crate::placed::{Place, Placed, SilhouetteInstances};
+use fearless_simd::{Simd, mask32x8, prelude::*};
+use glam::{DMat3, DVec3, Vec3};
+
+/// More than the rounding of planes and corners that are mapped to a mesh's own coordinates, over the numbers that are added up.
+const ROUNDING: f64 = 1e-6;
+
+impl Hull {
+    /// The same in the own coordinates of a mesh whose corners rounding moves by `blur`: no edge outside of it matters.
+    fn at(&self, place: &Place, blur: f32) -> Self {
+        let linear = DMat3::from_mat4(place.matrix().as_dmat4());
+        let shift = place.matrix().w_axis.truncate().as_dvec3();
+        let transposed = linear.transpose();
+        let center = place.to_own(self.center);
+        // Half the sides of a box around the mapped box.
+        let inverse = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| place.direction_to_own(axis).abs());
+        let [x, y, z] = inverse;
+        let half = self.half.as_dvec3();
+        let half = (x * half.x + y * half.y + z * half.z).as_vec3() * 1.000_001 + blur;
+        let far = center.abs().element_sum() + half.element_sum() as f64;
+        let half = half + (ROUNDING * far) as f32;
+        let plane = |(n, offset): (Vec3, f32), margin: f64| {
+            let n = n.as_dvec3();
+            let (own, offset) = (transposed * n, f64::from(offset) - n.dot(shift));
+            let rounding = ROUNDING * (n.abs().dot(shift.abs()) + f64::from(self.reach) + offset.abs());
+            let blur = f64::from(blur) * own.abs().element_sum();
+            (own.as_vec3(), (offset + margin * (rounding + blur)) as f32)
+        };
+        let region = match &self.region {
+            Region::Shaft(planes) => Region::Shaft(planes.map(|p| plane(p, 1.0))),
+            Region::Horizons(planes) => Region::Horizons(planes.iter().map(|p| plane(*p, -1.0)).collect()),
+        };
+        let radius = (self.radius * place.shrink()).min(half.length()) * 1.000_01 + blur;
+        let center = center.as_vec3();
+        Self {
+            region,
+            center,
+            half,
+            radius,
+            reach: (center.abs() + half).element_sum(),
+            scales: self.scales.filter(|_| place.is_even()),
+        }
+    }
+
+    /// Appends the edges of instances that may be silhouettes inside the hull, as [`find`](Self::find) does for a mesh.
+    #[inline(always)]
+    pub(crate) fn find_instances<S: Simd>(
+        &self,
+        simd: S,
+        instances: &SilhouetteInstances,
+        base: u32,
+        memory: &mut Memory,
+        most: &mut usize,
+        out: &mut EdgeList,
+    ) -> bool {
+        let mut places = core::mem::take(&mut memory.places);
+        places.clear();
+        // Places are no leaves of edges: any number of them.
+        let mut all = usize::MAX;
+        self.leaves(simd, instances.top(), None, &mut memory.stack, &mut all, &mut places);
+        let all = places.iter().flat_map(|leaf| (leaf.first..).take(usize::from(leaf.count)));
+        let mut is_whole = true;
+        for place in all {
+            let (placed, first) = instances.at(place as usize);
+            if !self.find_placed(simd, placed, base + first, memory, most, out) {
+                is_whole = false;
+                break;
+            }
+        }
+        memory.places = places;
+        is_whole
+    }
+
+    #[inline(always)]
+    fn find_placed<S: Simd>(
+        &self,
+        simd: S,
+        placed: Placed<'_>,
+        base: u32,
+        memory: &mut Memory,
+        most: &mut usize,
+        out: &mut EdgeList,
+    ) -> bool {
+        let own = self.at(placed.place, placed.mesh.blur());
+        let Memory { forms, stack, leaves, .. } = memory;
+        leaves.clear();
+        forms.clear();
+        let [fine, coarse] = placed.mesh.trees();
+        if let Some(scales) = own.scales {
+            let patches = placed.mesh.patches().iter();
+            forms.extend(patches.map(|patch| patch.is_coarse_from(own.center, own.radius, scales)));
+        }
+        if forms.iter().all(|form| *form == Some(false)) {
+            let found = own.leaves(simd, fine, None, stack, most, leaves);
+            if found {
+                self.edges_placed(simd, placed, base, None, leaves, out);
+            }
+            return found;
+        }
+        let mut forms = Forms { forms, is_coarse: false, radius: own.radius, scales: own.scales.unwrap_or_default() };
+        if !own.leaves(simd, fine, Some(&forms), stack, most, leaves) {
+            return false;
+        }
+        let fine_leaves = leaves.len();
+        forms.is_coarse = true;
+        if !own.leaves(simd, coarse, Some(&forms), stack, most, leaves) {
+            return false;
+        }
+        let (of_fine, of_coarse) = leaves.split_at(fine_leaves);
+        forms.is_coarse = false;
+        self.edges_placed(simd, placed, base, Some(&forms), of_fine, out);
+        forms.is_coarse = true;
+        self.edges_placed(simd, placed, base, Some(&forms), of_coarse, out);
+        true
+    }
+
+    /// Appends the edges of leaves, with corners and planes of the world.
+    #[inline(always)]
+    fn edges_placed<S: Simd>(
+        &self,
+        simd: S,
+        placed: Placed<'_>,
+        base: u32,
+        forms: Option<&Forms<'_>>,
+        leaves: &[Leaf],
+        out: &mut EdgeList,
+    ) {
+        let mark = if forms.is_some_and(|forms| forms.is_coarse) { COARSE } else { 0 };
+        let mark = if placed.mesh.is_closed() { mark | CLOSED } else { mark };
+        let mut block: Block<COLUMNS> = [[0.0; 8]; COLUMNS];
+        for leaf in leaves {
+            let first = leaf.first as usize;
+            let (mut keep, mut sometimes) = ((1_u32 << leaf.count) - 1, 0);
+            if let Some(forms) = forms {
+                (keep, sometimes) = forms.drawn(placed.mesh, first, keep);
+            }
+            if keep == 0 {
+                continue;
+            }
+            placed.fetch_ends(simd, first, keep, [sometimes, mark], base, &mut block);
+            // Planes cost most: only those of edges inside.
+            keep &= self.meets_edges(simd, &block).to_bitmask() as u32;
+            if keep == 0 {
+                continue;
+            }
+            placed.fetch_planes(simd, first, keep, &mut block);
+            let keep = mask32x8::from_bitmask(simd, u64::from(keep)) & !self.cancel(simd, &block);
+            out.reserve(8);
+            self.sift(simd, &block, keep, out);
+        }
+    }
+}
