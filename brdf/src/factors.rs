@@ -24,12 +24,24 @@ pub struct Factors {
     pub metallic: f32,
     /// Of roughness.
     pub roughness: f32,
+    /// Of a clear coat's weight.
+    pub clearcoat: f32,
+    /// Of its roughness.
+    pub clearcoat_roughness: f32,
 }
 
 impl Factors {
     /// Nothing changes.
-    pub const ONE: Self =
-        Self { color: Vec3::ONE, specular: Vec3::ONE, coat: 1.0, exponent: 1.0, metallic: 1.0, roughness: 1.0 };
+    pub const ONE: Self = Self {
+        color: Vec3::ONE,
+        specular: Vec3::ONE,
+        coat: 1.0,
+        exponent: 1.0,
+        metallic: 1.0,
+        roughness: 1.0,
+        clearcoat: 1.0,
+        clearcoat_roughness: 1.0,
+    };
 
     /// The same within [0, 1]; 0 for NaN.
     pub(crate) fn clamped(self) -> Self {
@@ -42,6 +54,8 @@ impl Factors {
             exponent: unit(self.exponent),
             metallic: unit(self.metallic),
             roughness: unit(self.roughness),
+            clearcoat: unit(self.clearcoat),
+            clearcoat_roughness: unit(self.clearcoat_roughness),
         }
     }
 }

@@ -9,14 +9,14 @@ use lobe_core::{BrdfLobe, BrdfLobes, Receiver};
 const ROUGHNESSES: [f32; 8] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 0.85, 1.0];
 
 /// The view at an angle to the normal z, toward −x.
-fn receiver(degrees: f64) -> Receiver {
+pub(crate) fn receiver(degrees: f64) -> Receiver {
     let (s, c) = degrees.to_radians().sin_cos();
     let view = DVec3::new(-s, 0.0, c).as_vec3();
     Receiver::on_surface(Vec3::ZERO, Vec3::Z, view)
 }
 
 /// `f̃` as glTF 2.0 prints it (appendix B.3), times the cosine.
-fn printed(base: f64, metallic: f64, roughness: f64, view: DVec3, l: DVec3) -> f64 {
+pub(crate) fn printed(base: f64, metallic: f64, roughness: f64, view: DVec3, l: DVec3) -> f64 {
     let (nl, nv) = (l.z, view.z);
     if nl <= 0.0 {
         return 0.0;

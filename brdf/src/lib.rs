@@ -7,7 +7,7 @@
 //! | [`Phong`], as the paper prints it (Eq. 23) | `kd·(n·v) + ks·max(r·v, 0)^e` | ≤ 2 |
 //! | [`ModifiedPhong`], normalised | `(kd/π + ks·(e+2)/2π·max(r·v, 0)^e)·(n·v)` | ≤ 2 |
 //! | [`Lafortune`] (Eqs. 27–29) | `(ρ/π + Σ k·max(v·Mω_o, 0)^e)·(n·v)` | ≤ 1 + number of lobes |
-//! | [`MetallicRoughness`] (GGX) | diffuse + `F·D·W` | 3, or ≤ 9 cosine lobes |
+//! | [`MetallicRoughness`] (GGX) | diffuse + `F·D·W` | 3, or ≤ 9 cosine lobes; with a clear coat 5, or ≤ 17 |
 //! | [`HalfVector`] | `diffuse/π·(n·v) + Σ F·D·W` | ≤ 1 + 2 a lobe, or 1 + 8 cosine lobes |
 //! | [`Neumann`], metals | `(kd/π + ks·(e+2)/2π·max(r·v, 0)^e/max(n·v, n·ω_o))·(n·v)` | ≤ 4 |
 //!
@@ -39,6 +39,9 @@
 //! # Scope
 //! Out of scope here: where textures come from ([`Factors`] are what they do), transmission, emission, interreflection.
 
+mod clearcoat;
+#[cfg(test)]
+mod clearcoat_tests;
 mod coat;
 #[cfg(feature = "oracle")]
 pub mod conformance;

@@ -101,6 +101,18 @@ impl Material {
         self.model().scaled(&by.clamped()).unwrap_or_else(|| self.clone())
     }
 
+    /// The material with a clear coat of this normal, where a normal map turns the base alone; none without such a coat.
+    #[must_use]
+    pub fn with_clearcoat_normal(&self, normal: Vec3) -> Option<Self> {
+        self.model().with_clearcoat_normal(normal)
+    }
+
+    /// The part of its emission that reaches the eye: what a clear coat above does not reflect.
+    #[must_use]
+    pub fn lets_out(&self, at: &Receiver) -> f32 {
+        self.model().lets_out(at)
+    }
+
     /// Whether textures can scale its parameters.
     #[must_use]
     pub fn takes_textures(&self) -> bool {

@@ -1,3 +1,4 @@
+use crate::clearcoat::{self, Clearcoat};
 use crate::coat::{self, Coat, MIN_ALPHA};
 use crate::error::check_fraction;
 use crate::rows::{self, RowTable, Rows};
@@ -20,8 +21,11 @@ use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Microfacets, Receiver};
 /// `eval` and `sample` are this formula, but for the base: `1 − F_d` is its mean over the light's directions, so that coat and base
 /// together give back no more than they get.
 ///
+/// [`with_clearcoat`](Self::with_clearcoat) adds a layer above all of that, as KHR_materials_clearcoat has it:
+/// `f̃·(1 − c·F_c) + c·F_c·D_c·W_c` with `F_c = 0.04 + 0.96(1 − n·ω_o)⁵`.
+///
 /// # Lobes
-/// - By default [`Microfacets`]: `F·D·W` itself, with its long tails and its length at grazing views; two lobes, and one for a diffuse base.
+/// - By default [`Microfacets`]: `F·D·W` itself, with its long tails and its length at grazing views; two lobes, and one for a diffuse base; two for a clear coat.
 /// - [Cosine lobes](BrdfLobes::cosine_lobes) for the paper's method and visibility as lobes: `D` is split into three or (α < 0.3) four parts, each of which
 ///   becomes a lobe with the same flux, mean direction and width across the plane of incidence, the two narrow ones up to three lobes
 ///   where the highlight is longer than wide (from about 30°): one to eight lobes, and one for a diffuse base.
@@ -53,21 +57,22 @@ pub struct MetallicRoughness {
     /// Of the coat, at normal and grazing incidence.
     coat: [Vec3; 2],
     rows: RowTable,
+    clearcoat: Option<Clearcoat>,
 }
 
 /// glTF's: a white, rough metal.
 impl Default for MetallicRoughness {
     fn default() -> Self {
         let coat = [Vec3::splat(DIELECTRIC), Vec3::ONE];
-        Self { base: Vec3::ONE, metallic: 1.0, roughness: 1.0, coat, rows: RowTable::own() }
+        Self { base: Vec3::ONE, metallic: 1.0, roughness: 1.0, coat, rows: RowTable::own(), clearcoat: None }
     }
 }
 
 impl PartialEq for MetallicRoughness {
     fn eq(&self, other: &Self) -> bool {
         // The rows follow from these.
-        (self.base, self.metallic, self.roughness, self.coat)
-            == (other.base, other.metallic, other.roughness, other.coat)
+        (self.base, self.metallic, self.roughness, self.coat, self.clearcoat)
+            == (other.base, other.metallic, other.roughness, other.coat, other.clearcoat)
     }
 }
 
@@ -98,12 +103,46 @@ impl MetallicRoughness {
         Ok(Self { coat: [f0, Vec3::splat(f90)], rows: RowTable::own(), ..self })
     }
 
-    /// The same coat on another base: colour, metalness and roughness, all in [0, 1].
+    /// With a clear coat above all: its weight `c` and its roughness, both in [0, 1]. It reflects by its own microfacets, of a refractive index of
+    /// 1.5, and what is below gets the rest of the light. Without one where the weight is 0.
+    ///
+    /// Conserves energy, as the weight has the eye's angle for both. It is for that not reciprocal.
+    ///
+    /// # Errors
+    /// [`MaterialError::Fraction`] for what lies outside.
+    ///
+    /// ```
+    /// use brdf::{Brdf, MetallicRoughness};
+    /// use glam::Vec3;
+    /// let paint = MetallicRoughness::new(Vec3::new(0.6, 0.02, 0.02), 0.0, 0.6)?;
+    /// let varnished = paint.clone().with_clearcoat(1.0, 0.1)?;
+    /// let at = lobe_core::Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z);
+    /// // Straight back a highlight is added, of 0.04·D/4; beside it 4 % of the light is missing.
+    /// let added = varnished.eval(&at, Vec3::Z).x - 0.96 * paint.eval(&at, Vec3::Z).x;
+    /// assert!((added - 0.01 / (core::f32::consts::PI * 1e-4)).abs() < 0.01);
+    /// let beside = Vec3::new(0.8, 0.0, 0.6);
+    /// assert!((varnished.eval(&at, beside).x / paint.eval(&at, beside).x - 0.96).abs() < 1e-3);
+    /// # Ok::<(), brdf::MaterialError>(())
+    /// ```
+    pub fn with_clearcoat(self, weight: f32, roughness: f32) -> Result<Self, MaterialError> {
+        check_fraction("clearcoat", weight)?;
+        check_fraction("clearcoat roughness", roughness)?;
+        let clearcoat = (weight > 0.0).then_some(Clearcoat { weight, roughness, normal: None });
+        Ok(Self { clearcoat, ..self })
+    }
+
+    /// Weight and roughness of the clear coat, if there is one.
+    #[must_use]
+    pub fn clearcoat(&self) -> Option<(f32, f32)> {
+        self.clearcoat.map(|coat| (coat.weight, coat.roughness))
+    }
+
+    /// The same coats on another base: colour, metalness and roughness, all in [0, 1].
     ///
     /// # Errors
     /// As [`new`](Self::new).
     pub fn with_base(self, base: Vec3, metallic: f32, roughness: f32) -> Result<Self, MaterialError> {
-        Ok(Self { coat: self.coat, ..Self::new(base, metallic, roughness)? })
+        Ok(Self { coat: self.coat, clearcoat: self.clearcoat, ..Self::new(base, metallic, roughness)? })
     }
 
     /// Base colour, metalness and roughness.
@@ -138,12 +177,24 @@ impl MetallicRoughness {
     /// A diffuse lobe and two of microfacets.
     const LOBES: usize = 3;
 
+    /// The part of its light that a clear coat above leaves to all the rest.
+    fn below(&self, at: &Receiver) -> f32 {
+        self.clearcoat.map_or(1.0, |coat| 1.0 - coat.reflects(at))
+    }
+
     /// The diffuse base, if there is one, and both parts of the coat or metal.
-    pub(crate) fn lobes(&self, at: &Receiver) -> impl Iterator<Item = BrdfLobe> + Clone + use<> {
-        let diffuse = self.base * (1.0 - self.metallic) * self.diffuse(at);
+    fn lobes_below(&self, at: &Receiver) -> impl Iterator<Item = BrdfLobe> + Clone + use<> {
+        let below = self.below(at);
+        let diffuse = self.base * (1.0 - self.metallic) * self.diffuse(at) * below;
         let diffuse = (diffuse != Vec3::ZERO).then(|| Lobe::with_flux(at.normal, 1.0, diffuse).into());
-        let facets = Microfacets::new(at.view, self.alpha(), self.reflectances());
+        let facets = Microfacets::new(at.view, self.alpha(), self.reflectances().map(|f| f * below));
         diffuse.into_iter().chain(facets.map(BrdfLobe::Microfacets))
+    }
+
+    /// The same, and both parts of a clear coat.
+    pub(crate) fn lobes(&self, at: &Receiver) -> impl Iterator<Item = BrdfLobe> + Clone + use<> {
+        let coat = self.clearcoat.map(|coat| coat.facets(at).map(BrdfLobe::Microfacets));
+        self.lobes_below(at).chain(coat.into_iter().flatten())
     }
 
     pub(crate) fn alpha(&self) -> f32 {
@@ -158,9 +209,12 @@ impl MetallicRoughness {
     }
 
     pub(crate) fn cosines(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
-        let diffuse = self.base * ((1.0 - self.metallic) * self.diffuse(at));
+        let below = self.below(at);
+        let diffuse = self.base * ((1.0 - self.metallic) * self.diffuse(at)) * below;
         let diffuse = (diffuse != Vec3::ZERO).then(|| Lobe::with_flux(at.normal, 1.0, diffuse));
-        diffuse.into_iter().chain(rows::lobes(self.rows(), self.reflectances(), at))
+        let highlights = rows::lobes(self.rows(), self.reflectances().map(|f| f * below), at);
+        let coat = self.clearcoat.map(|coat| coat.cosines(at));
+        diffuse.into_iter().chain(highlights).chain(coat.into_iter().flatten())
     }
 }
 
@@ -182,17 +236,21 @@ impl Brdf for MetallicRoughness {
         if at.normal.dot(v) <= 0.0 {
             return Vec3::ZERO;
         }
-        self.lobes(at).map(|lobe| lobe.eval_at(at.normal, v)).sum()
+        let below: Vec3 = self.lobes_below(at).map(|lobe| lobe.eval_at(at.normal, v)).sum();
+        // About its own normal, where its lobes are about the receiver's.
+        self.clearcoat.map_or(below, |coat| below + coat.eval(at, v))
     }
 
-    /// Of the base in proportion to the cosine, of the coat by the normals that the eye sees (E. Heitz, *Sampling the GGX
+    /// Of the base in proportion to the cosine, of coats by the normals that the eye sees (E. Heitz, *Sampling the GGX
     /// Distribution of Visible Normals*, 2018).
     fn sample(&self, at: &Receiver, u: [f32; 3]) -> Option<BrdfSample> {
-        let chance = self.chance_of_base(at);
-        let direction = if u[0] < chance {
-            cosine_power_direction(at.normal, 1.0, u[1], u[2])
-        } else {
-            self.visible(at).draw([u[1], u[2]])
+        let of_clearcoat = self.chance_of_clearcoat(at);
+        let direction = match self.clearcoat {
+            Some(coat) if u[0] < of_clearcoat => coat.visible(at).draw([u[1], u[2]]),
+            _ if (u[0] - of_clearcoat) < self.chance_of_base(at) * (1.0 - of_clearcoat) => {
+                cosine_power_direction(at.normal, 1.0, u[1], u[2])
+            }
+            _ => self.visible(at).draw([u[1], u[2]]),
         };
         let pdf = self.pdf(at, direction);
         (pdf > 0.0).then_some(BrdfSample { direction, pdf })
@@ -204,18 +262,34 @@ impl Brdf for MetallicRoughness {
             return 0.0;
         }
         let chance = self.chance_of_base(at);
-        chance * cos * FRAC_1_PI + (1.0 - chance) * self.visible(at).density(v)
+        let below = chance * cos * FRAC_1_PI + (1.0 - chance) * self.visible(at).density(v);
+        self.clearcoat.map_or(below, |coat| {
+            let of_clearcoat = self.chance_of_clearcoat(at);
+            below + of_clearcoat * (coat.visible(at).density(v) - below)
+        })
     }
 }
 
 impl MetallicRoughness {
     /// How often the diffuse base is chosen: as much of it as there is, but never all or nothing of two.
     fn chance_of_base(&self, at: &Receiver) -> f32 {
+        let [base, coat] = self.brightness(at);
+        if base > 0.0 { (base / (base + coat)).clamp(0.1, 0.9) } else { 0.0 }
+    }
+
+    /// The same of a clear coat among all.
+    fn chance_of_clearcoat(&self, at: &Receiver) -> f32 {
+        let part = self.clearcoat.map_or(0.0, |coat| coat.reflects(at));
+        let [base, coat] = self.brightness(at);
+        if part > 0.0 { (part / (part + (1.0 - part) * (base + coat))).clamp(0.1, 0.9) } else { 0.0 }
+    }
+
+    /// Of the diffuse base, and of the coat or metal.
+    fn brightness(&self, at: &Receiver) -> [f32; 2] {
         let base = luminance(self.base) * (1.0 - self.metallic) * self.diffuse(at);
         let cos = at.normal.dot(at.view).clamp(0.0, 1.0);
         let [f0, f90] = self.reflectances().map(luminance);
-        let coat = f0 + (f90 - f0) * (1.0 - cos).powi(5);
-        if base > 0.0 { (base / (base + coat)).clamp(0.1, 0.9) } else { 0.0 }
+        [base, f0 + (f90 - f0) * (1.0 - cos).powi(5)]
     }
 
     fn visible(&self, at: &Receiver) -> VisibleNormals {
@@ -230,11 +304,11 @@ impl Model for MetallicRoughness {
     }
 
     fn lobe_count(&self) -> usize {
-        Self::LOBES
+        Self::LOBES + if self.clearcoat.is_some() { 2 } else { 0 }
     }
 
     fn cosine_lobe_count(&self) -> usize {
-        1 + rows::LOBES
+        1 + rows::LOBES * if self.clearcoat.is_some() { 2 } else { 1 }
     }
 
     /// One of many, a point's own.
@@ -246,35 +320,62 @@ impl Model for MetallicRoughness {
             roughness: self.roughness * by.roughness,
             coat: [f0 * by.specular * by.coat, f90 * by.coat],
             rows: RowTable::Shared,
+            clearcoat: self.clearcoat.map(|coat| coat.scaled(by)),
         };
         Some(scaled.into())
     }
 
+    fn with_clearcoat_normal(&self, normal: Vec3) -> Option<Material> {
+        let clearcoat = Clearcoat { normal: Some(normal), ..self.clearcoat? };
+        Some(Self { clearcoat: Some(clearcoat), ..self.clone() }.into())
+    }
+
+    fn lets_out(&self, at: &Receiver) -> f32 {
+        self.below(at)
+    }
+
     fn wgsl(&self) -> Option<ModelWgsl> {
-        let own = ModelWgsl::new("metallic-microfacets", [&coat::WGSL, include_str!("metallic_microfacets.wgsl")]);
+        let below = [&coat::WGSL, include_str!("metallic_microfacets.wgsl")];
+        let own = match self.clearcoat {
+            None => ModelWgsl::new("metallic-microfacets", below),
+            Some(_) => clearcoat::wgsl("clearcoat-microfacets", &below, include_str!("clearcoat_microfacets.wgsl")),
+        };
         Some(own.with_microfacets())
     }
 
     fn cosine_wgsl(&self) -> Option<ModelWgsl> {
-        let pieces = [&coat::WGSL, TURN, &rows::WGSL, include_str!("metallic_roughness.wgsl")];
-        Some(ModelWgsl::new("metallic-roughness", pieces))
+        let below = [&coat::WGSL, TURN, &rows::WGSL, include_str!("metallic_roughness.wgsl")];
+        Some(match self.clearcoat {
+            None => ModelWgsl::new("metallic-roughness", below),
+            Some(_) => clearcoat::wgsl("clearcoat-directions", &below, include_str!("clearcoat_directions.wgsl")),
+        })
     }
 
     fn pack(&self, out: &mut Packer) -> u32 {
         let coat = coat::pack(out);
         let has_base = self.pack_numbers(coat, out);
         out.push_word(has_base);
-        has_base + 2
+        let below = has_base + 2;
+        self.clearcoat.map_or(below, |coat| {
+            coat.pack(out);
+            below + 2
+        })
     }
 
     fn cosine_pack(&self, out: &mut Packer) -> u32 {
         let coat = coat::pack(out);
         let rows = rows::pack(self.rows(), out);
+        let clearcoat = self.clearcoat.map(|coat| (coat, coat.pack_rows(out)));
         let has_base = self.pack_numbers(coat, out);
         out.push_word(rows);
         let (slots, lobes) = rows::slots(self.rows(), has_base);
         slots.into_iter().for_each(|slot| out.push_word(slot));
-        lobes
+        let Some((coat, (rows, slots, above))) = clearcoat else { return lobes };
+        out.push_word(lobes);
+        coat.pack(out);
+        out.push_word(rows);
+        slots.into_iter().for_each(|slot| out.push_word(slot));
+        lobes + above
     }
 }
 

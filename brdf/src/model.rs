@@ -118,6 +118,18 @@ pub trait Model: Brdf + Debug + Send + Sync {
         None
     }
 
+    /// The material with a clear coat of this normal, where a normal map turns the base alone. Provided: `None`, a model without a clear coat.
+    fn with_clearcoat_normal(&self, normal: Vec3) -> Option<Material> {
+        let _ = normal;
+        None
+    }
+
+    /// The part of the surface's emission that reaches the eye. Provided: all.
+    fn lets_out(&self, at: &Receiver) -> f32 {
+        let _ = at;
+        1.0
+    }
+
     /// The WGSL of its lobes. Provided: `None`, a model that GPUs cannot shade.
     fn wgsl(&self) -> Option<ModelWgsl> {
         None

@@ -36,13 +36,16 @@ impl RowTable {
     pub(crate) fn get(&self, roughness: f32, f0: f32) -> &Rows {
         match self {
             Self::Own(rows) => rows.get_or_init(|| make(roughness, f0)),
-            Self::Shared => {
-                let (level, steps) = ((LEVELS - 1) as f32, (REFLECTANCES - 1) as f32);
-                let [r, f] = [(roughness * level).round(), (f0 * steps).round()];
-                // The least is that of a dielectric.
-                SHARED[f as usize][r as usize].get_or_init(|| make(r / level, (f / steps).max(0.04)))
-            }
+            Self::Shared => Self::shared(roughness, f0),
         }
+    }
+
+    /// The nearest of those that many materials share.
+    pub(crate) fn shared(roughness: f32, f0: f32) -> &'static Rows {
+        let (level, steps) = ((LEVELS - 1) as f32, (REFLECTANCES - 1) as f32);
+        let [r, f] = [(roughness * level).round(), (f0 * steps).round()];
+        // The least is that of a dielectric.
+        SHARED[f as usize][r as usize].get_or_init(|| make(r / level, (f / steps).max(0.04)))
     }
 }
 

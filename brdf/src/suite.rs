@@ -319,7 +319,8 @@ fn drawn_directions_follow_the_density() {
     let (rows, columns, sub, n) = (8, 16, 20, 100_000);
     let phong = ModifiedPhong { kd: Vec3::splat(0.3), ks: Vec3::splat(0.5), exponent: 20.0 };
     let metal = |metallic, roughness| MetallicRoughness::new(Vec3::new(0.9, 0.6, 0.3), metallic, roughness).unwrap();
-    let metals = [metal(1.0, 0.7), metal(0.0, 0.5), metal(0.4, 1.0)].map(Material::from);
+    let varnished = metal(0.0, 0.8).with_clearcoat(1.0, 0.5).unwrap();
+    let metals = [metal(1.0, 0.7), metal(0.0, 0.5), metal(0.4, 1.0), varnished].map(Material::from);
     let stretched = Neumann { kd: Vec3::splat(0.2), ks: Vec3::splat(0.7), exponent: 12.0 };
     let others =
         [Material::lambert(Vec3::ONE), phong.into(), lafortune().into(), stretched.into(), half_vector().into()];
@@ -458,6 +459,7 @@ fn lobes_of_tiles_are_the_single_ones_on_every_machine() {
     let mut random = Random::new(6);
     let glossy = MetallicRoughness::new(Vec3::new(0.9, 0.6, 0.3), 0.5, 0.3).unwrap();
     let mut materials = materials();
+    materials.push(glossy.clone().with_clearcoat(0.8, 0.1).unwrap().into());
     let stretched = Neumann { kd: Vec3::ZERO, ks: Vec3::new(0.9, 0.6, 0.3), exponent: 70.0 };
     materials.extend([glossy.into(), stretched.into(), half_vector().into(), Material::lambert(Vec3::ZERO)]);
     let receivers: Vec<Receiver> =

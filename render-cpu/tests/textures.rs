@@ -267,6 +267,37 @@ fn anisotropic_lobes_follow_the_texture() {
     }
 }
 
+/// A clear coat keeps the mesh's normal below a normal map, unless it has a map of its own; and emission is below it.
+#[test]
+fn clear_coats_have_normals_of_their_own() {
+    let tilted = || Some((flat([200, 128, 220, 255], Encoding::Linear), 1.0));
+    let varnish = MetallicRoughness::new(Vec3::splat(0.5), 0.0, 0.5).and_then(|m| m.with_clearcoat(1.0, 0.3));
+    let varnish = Material::from(varnish.expect("in range"));
+    let look = |material: &Material, surface: Surface| {
+        let scene = floor(material.clone(), surface);
+        let g = GBuffer::new(&World::new(&scene), 96, 64, 1);
+        let i = g.len() / 2;
+        let number = g.points.materials[i] as usize;
+        (g.points.receivers[i], g.materials[number].clone(), g.emission.get(i).copied())
+    };
+    let bent = look(&varnish, Surface { normal: tilted(), ..Surface::default() });
+    assert!(bent.0.normal.distance(Vec3::Y) > 0.2, "{}", bent.0.normal);
+    assert_eq!(Some(bent.1), varnish.with_clearcoat_normal(Vec3::Y));
+    // The same map for both: as without a word.
+    let both = look(&varnish, Surface { normal: tilted(), clearcoat_normal: tilted(), ..Surface::default() });
+    assert_eq!(Some(both.1), varnish.with_clearcoat_normal(both.0.normal));
+    // A map of the coat alone.
+    let (at, alone, _) = look(&varnish, Surface { clearcoat_normal: tilted(), ..Surface::default() });
+    assert_eq!((at.normal, Some(alone)), (Vec3::Y, varnish.with_clearcoat_normal(bent.0.normal)));
+    // Materials without a coat are left alone.
+    let matte = Material::lambert(Vec3::ONE);
+    assert_eq!(look(&matte, Surface { normal: tilted(), ..Surface::default() }).1, matte);
+    let glow = || Surface { emission: Vec3::ONE, ..Surface::default() };
+    let (at, _, emission) = look(&varnish, glow());
+    assert_eq!(emission, Some(Vec3::splat(varnish.lets_out(&at))));
+    assert_eq!(look(&matte, glow()).2, Some(Vec3::ONE));
+}
+
 #[test]
 fn colours_of_vertices_are_factors() {
     let mut scene = floor(Material::lambert(Vec3::splat(0.5)), Surface::default());

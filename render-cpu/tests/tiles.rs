@@ -21,6 +21,7 @@ fn materials() -> Vec<Material> {
         ModifiedPhong { kd, ks, exponent: 400.0 }.into(),
         Lafortune { diffuse: kd, lobes: vec![lobe] }.into(),
         MetallicRoughness::new(kd, 0.5, 0.4).expect("a metal").into(),
+        MetallicRoughness::new(kd, 0.0, 0.6).and_then(|m| m.with_clearcoat(0.9, 0.15)).expect("a varnish").into(),
     ]
 }
 

@@ -6,9 +6,10 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Extensions that are read, or whose unread parts are named in a warning.
-const READ: [&str; 9] = [
+const READ: [&str; 10] = [
     "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_specular",
@@ -61,14 +62,17 @@ pub(crate) struct Extensions {
     hidden: Vec<bool>,
     /// For each node that has them: the accessors of its instances by name.
     instances: Vec<Option<Value>>,
+    /// For each material that has one: its clear coat.
+    clearcoats: Vec<Option<Value>>,
 }
 
 impl Extensions {
     /// Those of a document, whose text is parsed again where there are any.
     pub(crate) fn read(root: &Root, json: &[u8]) -> Self {
-        let n = root.nodes.len();
+        let (n, m) = (root.nodes.len(), root.materials.len());
         let listed = root.extensions_used.iter().chain(&root.extensions_required).cloned();
-        let mut own = Self { names: listed.collect(), hidden: vec![false; n], instances: vec![None; n] };
+        let (names, hidden) = (listed.collect(), vec![false; n]);
+        let mut own = Self { names, hidden, instances: vec![None; n], clearcoats: vec![None; m] };
         if !has(json, b"\"extensions\"") {
             return own;
         }
@@ -79,6 +83,10 @@ impl Extensions {
             let visible = node.pointer("/extensions/KHR_node_visibility/visible").and_then(Value::as_bool);
             own.hidden[i] = visible == Some(false);
             own.instances[i] = node.pointer("/extensions/EXT_mesh_gpu_instancing/attributes").cloned();
+        }
+        let materials = value.get("materials").and_then(Value::as_array);
+        for (own, material) in own.clearcoats.iter_mut().zip(materials.into_iter().flatten()) {
+            *own = material.pointer("/extensions/KHR_materials_clearcoat").cloned();
         }
         own
     }
@@ -121,6 +129,11 @@ impl Extensions {
     /// The attributes of a node's instances, if it has them.
     pub(crate) fn instances(&self, node: usize) -> Option<&Value> {
         self.instances[node].as_ref()
+    }
+
+    /// The clear coat of a material, if it has one.
+    pub(crate) fn clearcoat(&self, material: usize) -> Option<&Value> {
+        self.clearcoats.get(material)?.as_ref()
     }
 }
 

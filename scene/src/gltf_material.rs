@@ -2,25 +2,34 @@
 
 use crate::cut_out::CutOut;
 use crate::gltf_buffers::Buffers;
+use crate::gltf_clearcoat;
 use crate::gltf_texture::{Images, Reference};
 use crate::look::Look;
 use crate::texture::unit;
 use crate::{Channel, Encoding, Surface};
 use brdf::{Material, MetallicRoughness};
 use glam::Vec3;
-use gltf::json::Root;
 use gltf::json::material::{AlphaMode, Material as Document};
 use gltf::json::validation::Checked;
+use gltf::json::{Root, Value};
 
 /// Reads a material; numbers out of range are taken as the nearest that are not.
 pub(crate) fn read_material(
     root: &Root,
     index: usize,
+    clearcoat: Option<&Value>,
     buffers: &Buffers<'_>,
     images: &mut Images<'_>,
 ) -> Result<Look, String> {
     let material = root.materials.get(index).ok_or_else(|| format!("there is no material {index}"))?;
-    look(material, buffers, images).map_err(|e| format!("material {index}: {e}"))
+    let mut of_material = || {
+        let look = look(material, buffers, images)?;
+        match (clearcoat, &look.material) {
+            (Some(clearcoat), Material::MetallicRoughness(_)) => gltf_clearcoat::add(clearcoat, look, buffers, images),
+            _ => Ok(look),
+        }
+    };
+    of_material().map_err(|e: String| format!("material {index}: {e}"))
 }
 
 fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> Result<Look, String> {

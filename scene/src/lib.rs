@@ -87,6 +87,8 @@ mod gltf_animation;
 #[cfg(feature = "files")]
 mod gltf_buffers;
 #[cfg(feature = "files")]
+mod gltf_clearcoat;
+#[cfg(feature = "files")]
 mod gltf_document;
 #[cfg(feature = "files")]
 mod gltf_extensions;

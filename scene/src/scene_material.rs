@@ -156,7 +156,7 @@ pub(crate) fn read_material(
                 let f0 = ((n - 1.0) / (n + 1.0)).powi(2);
                 metal = metal.with_coat(Vec3::splat(f0), 1.0).map_err(|e| ior.error(e))?;
             }
-            metal.into()
+            maps.clearcoat(&mut t, &mut surface, metal)?.into()
         }
         other => {
             return Err(model.error(format!(
@@ -245,6 +245,21 @@ impl Maps<'_> {
         surface.specular = self.read(t.get("specular_map"), Encoding::Srgb)?;
         surface.exponent = t.get("exponent_map").map(|v| self.channel(v)).transpose()?;
         Ok(())
+    }
+
+    /// A clear coat above a material, if there is one.
+    fn clearcoat(
+        &mut self,
+        t: &mut Table<'_>,
+        surface: &mut Surface,
+        metal: MetallicRoughness,
+    ) -> Result<MetallicRoughness, SceneError> {
+        let Some(weight) = t.get("clearcoat") else { return Ok(metal) };
+        let roughness = t.get("clearcoat_roughness").map_or(Ok(0.0), |v| v.number())?;
+        surface.clearcoat = t.get("clearcoat_map").map(|v| self.channel(v)).transpose()?;
+        surface.clearcoat_roughness = t.get("clearcoat_roughness_map").map(|v| self.channel(v)).transpose()?;
+        surface.clearcoat_normal = t.get("clearcoat_normal_map").map(|v| self.normal(v)).transpose()?;
+        metal.with_clearcoat(weight.number()?, roughness).map_err(|e| weight.error(e))
     }
 
     fn channel(&mut self, value: Value<'_>) -> Result<Channel, SceneError> {

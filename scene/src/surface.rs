@@ -44,8 +44,14 @@ pub struct Surface {
     pub metallic: Option<Channel>,
     /// Of [`Factors::roughness`].
     pub roughness: Option<Channel>,
+    /// Of [`Factors::clearcoat`].
+    pub clearcoat: Option<Channel>,
+    /// Of [`Factors::clearcoat_roughness`].
+    pub clearcoat_roughness: Option<Channel>,
     /// The normal map, and the scale of its x and y.
     pub normal: Option<(TextureMap, f32)>,
+    /// The same of a clear coat, which without one keeps the mesh's normal.
+    pub clearcoat_normal: Option<(TextureMap, f32)>,
     /// Radiance of its own.
     pub emission: Vec3,
     /// Its factor.
@@ -101,7 +107,8 @@ impl Surface {
     /// Whether the material differs from place to place.
     #[must_use]
     pub fn varies(&self) -> bool {
-        let channels = [&self.coat, &self.exponent, &self.metallic, &self.roughness];
+        let channels =
+            [&self.coat, &self.exponent, &self.metallic, &self.roughness, &self.clearcoat, &self.clearcoat_roughness];
         self.follows_u
             || self.color.is_some()
             || self.specular.is_some()
@@ -117,7 +124,8 @@ impl Surface {
     /// Whether any texture is looked up.
     #[must_use]
     pub fn has_textures(&self) -> bool {
-        self.varies() || self.normal.is_some() || self.emits() && self.emission_map.is_some()
+        let normals = self.normal.is_some() || self.clearcoat_normal.is_some();
+        self.varies() || normals || self.emits() && self.emission_map.is_some()
     }
 
     /// Its textures, each with the name of the field that it stands in.
@@ -128,11 +136,14 @@ impl Surface {
             ("exponent", &self.exponent),
             ("metallic", &self.metallic),
             ("roughness", &self.roughness),
+            ("clearcoat", &self.clearcoat),
+            ("clearcoat roughness", &self.clearcoat_roughness),
         ];
         let maps = maps.into_iter().filter_map(|(name, map)| Some((name, &map.as_ref()?.texture)));
         let channels = channels.into_iter().filter_map(|(name, c)| Some((name, &c.as_ref()?.map.texture)));
-        let normal = self.normal.iter().map(|(map, _)| ("normal", &map.texture));
-        maps.chain(channels).chain(normal)
+        let normals = [("normal", &self.normal), ("clearcoat normal", &self.clearcoat_normal)];
+        let normals = normals.into_iter().filter_map(|(name, map)| Some((name, &map.as_ref()?.0.texture)));
+        maps.chain(channels).chain(normals)
     }
 
     /// The factors of the material at a place; `place` gives the coordinates of a set.
@@ -155,6 +166,8 @@ impl Surface {
             exponent: number(&self.exponent),
             metallic,
             roughness,
+            clearcoat: number(&self.clearcoat),
+            clearcoat_roughness: number(&self.clearcoat_roughness),
         }
     }
 
@@ -167,8 +180,17 @@ impl Surface {
     /// The normal in tangent space at a place, of any length; none without a map.
     #[must_use]
     pub fn normal(&self, place: &dyn Fn(usize) -> TexturePlace) -> Option<Vec3> {
-        let (map, scale) = self.normal.as_ref()?;
-        let n = 2.0 * rgb(map.sample(place)) - Vec3::ONE;
-        Some(Vec3::new(n.x * scale, n.y * scale, n.z))
+        self.normal.as_ref().map(|map| local_normal(map, place))
     }
+
+    /// The same of a clear coat.
+    #[must_use]
+    pub fn clearcoat_normal(&self, place: &dyn Fn(usize) -> TexturePlace) -> Option<Vec3> {
+        self.clearcoat_normal.as_ref().map(|map| local_normal(map, place))
+    }
+}
+
+fn local_normal((map, scale): &(TextureMap, f32), place: &dyn Fn(usize) -> TexturePlace) -> Vec3 {
+    let n = 2.0 * rgb(map.sample(place)) - Vec3::ONE;
+    Vec3::new(n.x * scale, n.y * scale, n.z)
 }

@@ -59,6 +59,15 @@ fn a_scene_file_lays_images_on_materials() {
     assert_eq!(surface.emission, Vec3::new(1.0, 2.0, 3.0));
     assert!(surface.emission_map.is_some());
 
+    let text = "model = \"metallic-roughness\"\nbase = 0.5\nclearcoat = 0.75\nclearcoat_roughness = 0.5\n\
+         clearcoat_map = \"a.png\"\nclearcoat_roughness_map = { file = \"a.png\", channel = \"green\" }\n\
+         clearcoat_normal_map = { file = \"a.png\", strength = 0.5 }";
+    let (material, surface) = load_material(folder.path(), text).expect("a scene");
+    let want = MetallicRoughness::new(Vec3::splat(0.5), 1.0, 1.0).and_then(|m| m.with_clearcoat(0.75, 0.5));
+    assert_eq!(material, want.expect("in range").into());
+    assert_eq!([surface.clearcoat, surface.clearcoat_roughness].map(|c| c.expect("a map").index), [0, 1]);
+    assert_eq!(surface.clearcoat_normal.expect("a map").1, 0.5);
+
     let gloss =
         "model = \"phong\"\nkd = 0.2\nks = 0.5\nexponent = 90\nspecular_map = \"a.png\"\nexponent_map = \"a.png\"";
     let (_, surface) = load_material(folder.path(), gloss).expect("a scene");
@@ -104,6 +113,8 @@ fn what_is_wrong_with_an_image_is_said_at_its_line() {
         (lambert("{ file = \"a.png\", scale = [1, nan] }"), "finite"),
         ("model = \"lambert\"\nalbedo = 1\nmetallic_map = \"a.png\"".to_owned(), "unknown key \"metallic_map\""),
         ("model = \"metallic-roughness\"\nbase = 1\nior = 0.5".to_owned(), "at least 1"),
+        ("model = \"metallic-roughness\"\nbase = 1\nclearcoat = 1.5".to_owned(), "clearcoat is 1.5"),
+        ("model = \"metallic-roughness\"\nbase = 1\nclearcoat_roughness = 0.5".to_owned(), "\"clearcoat_roughness\""),
         (
             "model = \"metallic-roughness\"\nbase = 1\nmetallic_map = { file = \"a.png\", channel = \"x\" }".to_owned(),
             "\"red\", \"green\", \"blue\" or \"alpha\"",

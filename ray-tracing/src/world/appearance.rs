@@ -6,7 +6,7 @@ use brdf::Material;
 use core::f32::consts::{FRAC_1_PI, PI};
 use glam::{DVec3, Mat2, Mat4, Vec2, Vec3};
 use lobe_core::{Receiver, Sphere};
-use scene::{Mesh, Scene, Shape, Surface, TexturePlace};
+use scene::{Mesh, Scene, Shape, Surface, TextureMap, TexturePlace};
 
 /// For each object whether its points have a look of their own; `None` if no object has such points.
 pub(crate) fn varied(scene: &Scene) -> Option<Vec<bool>> {
@@ -21,7 +21,8 @@ pub(crate) fn varied(scene: &Scene) -> Option<Vec<bool>> {
 /// shared mesh, in its own coordinates.
 pub(super) fn tangents(scene: &Scene) -> Vec<Vec<Vec3>> {
     let of = |o: &scene::Object| {
-        let (map, _) = scene.surface(o.material)?.normal.as_ref()?;
+        let surface = scene.surface(o.material)?;
+        let (map, _) = surface.normal.as_ref().or(surface.clearcoat_normal.as_ref())?;
         let mesh = o.shape.vertices()?;
         let uvs = mesh.uv_sets.get(map.uv_set)?;
         (!mesh.normals.is_empty()).then(|| vertex_tangents(mesh, uvs, map.transform.matrix2))
@@ -88,25 +89,34 @@ impl World<'_> {
         let first = if surface.has_textures() { patch.place(0) } else { TexturePlace::default() };
         let place = |set: usize| if set == 0 { first } else { patch.place(set) };
         let color = patch.color();
+        let own = &self.scene.materials[object.material];
         let mut emission = if surface.emits() { surface.emission(&place) } else { Vec3::ZERO };
         if surface.is_unlit {
             emission *= color.unwrap_or(Vec3::ONE);
         }
+        let tangents = self.hierarchy.tangents.get(at.object as usize).map_or(&[][..], Vec::as_slice);
+        // A clear coat has a map of its own, or none.
+        let has_normals = surface.normal.is_some() || surface.clearcoat_normal.is_some();
+        let of_clearcoat = match (surface.clearcoat_normal(&place), &surface.clearcoat_normal) {
+            (Some(local), Some((map, _))) => patch.turned(at, map, tangents, local),
+            _ => at.normal,
+        };
         if let (Some(local), Some((map, _))) = (surface.normal(&place), &surface.normal) {
-            let [u, v] = patch.changes(map.uv_set);
-            let (m, [x, y]) = (map.transform.matrix2, [u, v]);
-            let gradients = [x * m.x_axis.x + y * m.y_axis.x, x * m.x_axis.y + y * m.y_axis.y];
-            let tangents = self.hierarchy.tangents.get(at.object as usize).map_or(&[][..], Vec::as_slice);
-            let tangent = patch.mix(tangents).map(|tangent| patch.in_world(tangent));
-            at.normal = turned(at, gradients, tangent, local);
+            at.normal = patch.turned(at, map, tangents, local);
         }
         let material = (color.is_some() || surface.varies()).then(|| {
             let mut factors = surface.factors(&place);
             factors.color *= color.unwrap_or(Vec3::ONE);
-            let material = self.scene.materials[object.material].scaled(&factors);
+            let material = own.scaled(&factors);
             let along = surface.follows_u.then(|| along_u(at, patch.changes(0)));
             along.and_then(|along| material.turned(at.normal, along)).unwrap_or(material)
         });
+        let coated =
+            has_normals.then(|| material.as_ref().unwrap_or(own).with_clearcoat_normal(of_clearcoat)).flatten();
+        let material = coated.or(material);
+        if emission != Vec3::ZERO {
+            emission *= material.as_ref().unwrap_or(own).lets_out(at);
+        }
         Appearance { material, emission }
     }
 
@@ -179,6 +189,13 @@ impl Patch<'_> {
         };
         let [u, v] = self.changes(set);
         TexturePlace { uv, footprint: self.sides.map(|side| Vec2::new(u.dot(side), v.dot(side))) }
+    }
+
+    /// The receiver's normal turned to one of a map.
+    fn turned(&self, at: &Receiver, map: &TextureMap, tangents: &[Vec3], local: Vec3) -> Vec3 {
+        let ([x, y], m) = (self.changes(map.uv_set), map.transform.matrix2);
+        let gradients = [x * m.x_axis.x + y * m.y_axis.x, x * m.x_axis.y + y * m.y_axis.y];
+        turned(at, gradients, self.mix(tangents).map(|tangent| self.in_world(tangent)), local)
     }
 
     fn color(&self) -> Option<Vec3> {

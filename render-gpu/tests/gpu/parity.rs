@@ -222,7 +222,8 @@ fn of_materials(gpu: &Gpu) {
     let shiny = LafortuneLobe::diagonal(Vec3::new(-0.9, -0.8, 0.95), 30.0, Vec3::splat(0.3));
     let retro = LafortuneLobe::diagonal(Vec3::new(0.7, 0.7, 0.6), 6.0, Vec3::new(0.2, 0.1, 0.1));
     let [fine, broad] = [0.25, 0.6].map(|roughness| HalfVectorLobe::new(roughness, 0.4 * kd, Vec3::splat(0.4)));
-    let models: [(&str, Material); 10] = [
+    let varnish = MetallicRoughness::new(kd, 0.0, 0.6).and_then(|below| below.with_clearcoat(1.0, 0.2));
+    let models: [(&str, Material); 11] = [
         ("lambert", Lambert { albedo: kd }.into()),
         ("phong 40", Phong { kd, ks: Vec3::splat(0.3), exponent: 40.0 }.into()),
         ("modified phong 10", ModifiedPhong { kd, ks: Vec3::splat(0.4), exponent: 10.0 }.into()),
@@ -233,6 +234,7 @@ fn of_materials(gpu: &Gpu) {
         ("lafortune", Lafortune { diffuse: kd, lobes: vec![shiny, retro] }.into()),
         ("rough metal", MetallicRoughness::new(kd, 1.0, 0.4).expect("in range").into()),
         ("smooth plastic", MetallicRoughness::new(kd, 0.0, 0.15).expect("in range").into()),
+        ("varnish", varnish.expect("in range").into()),
     ];
     let mut view = builtin();
     for (name, material) in models {

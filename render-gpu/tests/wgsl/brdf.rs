@@ -1,17 +1,18 @@
 //! The WGSL of the materials without a GPU: every choice of models validates, and contains no code of other models.
 
 use crate::validated::with_info;
-use brdf::Material;
 use brdf::wgsl::{ModelWgsl, compose};
+use brdf::{Material, MetallicRoughness};
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use naga::valid::Capabilities;
 
-/// The built-in models by cosine lobes and, where that is another text, by microfacets.
+/// The built-in models, one of them with a clear coat, by cosine lobes and, where that is another text, by microfacets.
 fn models() -> Vec<ModelWgsl> {
     let of = |material: &Material| {
         [material.model().cosine_wgsl(), material.model().wgsl()].map(|text| text.expect("a built-in model"))
     };
-    let mut all: Vec<ModelWgsl> = Material::built_in().iter().flat_map(of).collect();
+    let varnished = MetallicRoughness::default().with_clearcoat(1.0, 0.1).expect("in range");
+    let mut all: Vec<ModelWgsl> = Material::built_in().iter().chain([&varnished.into()]).flat_map(of).collect();
     all.dedup();
     all
 }
@@ -43,18 +44,26 @@ fn every_choice_of_models_validates() {
 #[test]
 fn there_is_no_code_of_absent_models() {
     let all = models();
-    assert_eq!(all.len(), 9);
+    assert_eq!(all.len(), 11);
     for models in choices() {
         let (text, there) = (compose(&models), names(&models));
         for name in names(&all) {
             let function = format!("fn {}_lobe(", name.replace('-', "_"));
-            assert_eq!(text.contains(&function), there.contains(&name), "{there:?} {name}");
+            // A clear coat has the material below with it.
+            let above = match name {
+                "metallic-microfacets" => "clearcoat-microfacets",
+                "metallic-roughness" => "clearcoat-directions",
+                _ => name,
+            };
+            let is_there = there.contains(&name) || there.contains(&above);
+            assert_eq!(text.contains(&function), is_there, "{there:?} {name}");
         }
         let any = |of: &[&str]| of.iter().any(|name| there.contains(name));
         assert_eq!(text.contains("fn mirrored_view("), any(&["phong", "modified-phong"]), "{there:?}");
         assert_eq!(text.contains("fn lafortune_excess("), any(&["lafortune"]), "{there:?}");
-        assert_eq!(text.contains("fn row_value("), any(&["metallic-roughness", "half-vector"]), "{there:?}");
-        assert_eq!(text.contains("fn unit_or("), any(&["metallic-roughness", "neumann", "half-vector"]), "{there:?}");
+        let by_rows = ["metallic-roughness", "clearcoat-directions", "half-vector"];
+        assert_eq!(text.contains("fn row_value("), any(&by_rows), "{there:?}");
+        assert_eq!(text.contains("fn unit_or("), any(&by_rows) || any(&["neumann"]), "{there:?}");
         assert_eq!(text.contains("switch"), models.len() > 1, "{there:?}");
     }
 }
