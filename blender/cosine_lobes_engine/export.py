@@ -70,14 +70,14 @@ class Exporter:
         self._images = images
         self._parts = {}
         self._pictures = {}
-        self._alpha = {}
+        # Of the present snapshot: looks and their numbers, and parts that were used and read.
+        self._numbers, self._seen, self._read_now = {}, set(), set()
 
     def snapshot(self, depsgraph, touched=Touched(), viewport=None):
         """The scene of an evaluated depsgraph. `viewport` is a 3D viewport whose local view and hidden objects count."""
         notes = Notes()
         if touched.everything or touched.images:
             self._pictures = {k: v for k, v in self._pictures.items() if not (touched.everything or k[1] in touched.images)}
-            self._alpha.clear()
         snapshot = Snapshot(notes=notes, image_of=self._image_of(notes), touched_images=touched.images)
         self._numbers, self._seen, self._read_now = {}, set(), set()
         for instance in depsgraph.object_instances:
