@@ -176,7 +176,8 @@ class Exporter:
         # Modifiers make one mesh of their own for each object.
         key = (object.name_full, data, wanted)
         self._seen.add(key)
-        is_touched = touched.everything or object.name_full in touched.meshes or data in touched.meshes
+        cut_by_touched = any(look.alpha_image and look.alpha_image.image in touched.images for look in looks)
+        is_touched = touched.everything or cut_by_touched or not touched.meshes.isdisjoint((object.name_full, data))
         if key in self._parts and (not is_touched or key in self._read_now):
             return self._parts[key]
         self._read_now.add(key)
