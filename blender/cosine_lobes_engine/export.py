@@ -70,14 +70,14 @@ class Exporter:
         self._images = images
         self._parts = {}
         self._pictures = {}
-        self._alpha = {}
+        # Of the present snapshot: looks and their numbers, and parts that were used and read.
+        self._numbers, self._seen, self._read_now = {}, set(), set()
 
     def snapshot(self, depsgraph, touched=Touched(), viewport=None):
         """The scene of an evaluated depsgraph. `viewport` is a 3D viewport whose local view and hidden objects count."""
         notes = Notes()
         if touched.everything or touched.images:
             self._pictures = {k: v for k, v in self._pictures.items() if not (touched.everything or k[1] in touched.images)}
-            self._alpha.clear()
         snapshot = Snapshot(notes=notes, image_of=self._image_of(notes), touched_images=touched.images)
         self._numbers, self._seen, self._read_now = {}, set(), set()
         for instance in depsgraph.object_instances:
@@ -176,7 +176,8 @@ class Exporter:
         # Modifiers make one mesh of their own for each object.
         key = (object.name_full, data, wanted)
         self._seen.add(key)
-        is_touched = touched.everything or object.name_full in touched.meshes or data in touched.meshes
+        cut_by_touched = any(look.alpha_image and look.alpha_image.image in touched.images for look in looks)
+        is_touched = touched.everything or cut_by_touched or not touched.meshes.isdisjoint((object.name_full, data))
         if key in self._parts and (not is_touched or key in self._read_now):
             return self._parts[key]
         self._read_now.add(key)

@@ -1,5 +1,7 @@
 """A renderer that follows snapshots: each change becomes the smallest edit, so that nothing is built again that stays the same."""
 
+import warnings
+
 import numpy as np
 
 from . import lights, materials, world
@@ -29,6 +31,14 @@ class Live:
             raise Refused("the scene has no light: add a light, or a world with a colour and strength")
         if not snapshot.things:
             raise Refused("the scene has no surface that can be rendered")
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", self._cl.LobesWarning)
+            self._apply(snapshot, lamps, view, settings)
+        for warning in caught:
+            self.notes.add("Engine", str(warning.message))
+        self._snapshot, self._settings = snapshot, settings
+
+    def _apply(self, snapshot, lamps, view, settings):
         try:
             if self._renderer is None or settings != self._settings or not self._follows(snapshot):
                 self._build(snapshot, lamps, view, settings)
@@ -38,7 +48,6 @@ class Live:
             # Half of the edits may be done.
             self._renderer = None
             raise
-        self._snapshot, self._settings = snapshot, settings
 
     def look(self, view):
         """Moves the camera alone."""

@@ -58,7 +58,7 @@ def parts(mesh, uv_layer_of):
         corners = loops[slots == slot].ravel()
         layer = _layer(mesh, uv_layer_of(int(slot)))
         uvs = None if layer is None else _read(layer.uv, "vector", np.float32, 2)
-        made.append(_part(int(slot), corners, vertex_of, positions, normals, uvs, domain == "CORNER"))
+        made.append(_part(int(slot), corners, vertex_of, (positions, normals, uvs), domain == "CORNER"))
     return made
 
 
@@ -70,7 +70,8 @@ def _layer(mesh, name):
     return next((layer for layer in mesh.uv_layers if layer.active_render), mesh.uv_layers[0])
 
 
-def _part(slot, corners, vertex_of, positions, normals, uvs, has_creases):
+def _part(slot, corners, vertex_of, arrays, has_creases):
+    positions, normals, uvs = arrays
     vertices = vertex_of[corners]
     ids = vertices.astype(np.int64)
     if has_creases:

@@ -78,12 +78,19 @@ class Worker:
                 self._live.look(smaller)
                 made = picture.render(self._live, smaller, is_transparent=is_transparent, progress=progress)
                 self._shown = made
-                self._engine.tag_redraw()
+                self._redraw()
         except _Stopped:
             pass
         except Exception as error:
             self.message = _line(error)
+            self._redraw()
+
+    def _redraw(self):
+        try:
             self._engine.tag_redraw()
+        except ReferenceError:
+            # The viewport is closed.
+            self._stop.set()
 
 
 def _line(error):

@@ -98,6 +98,39 @@ def test_a_world_that_shows_a_picture():
     assert np.abs(made[:10, :, :3] - reference[:10, :, :3]).mean() < 0.01 * reference[:10, :, :3].mean()
 
 
+def image(name, pixels, is_color=True):
+    """An image of three channels."""
+    made = bpy.data.images.new(name, pixels.shape[1], pixels.shape[0])
+    if not is_color:
+        made.colorspace_settings.name = "Non-Color"
+    made.pixels.foreach_set(np.concatenate([pixels, np.ones((*pixels.shape[:2], 1))], axis=2).astype(np.float32).ravel())
+    made.update()
+    return made
+
+
+def test_roughness_and_metalness_of_one_image_and_a_normal_map():
+    stage.reset(64, 48, samples=256)
+    stage.camera((0.5, -2.5, 2.2), (0, 0, 0))
+    look = stage.material("maps", Specular_IOR_Level=0.5, Base_Color=(0.8, 0.7, 0.5))
+    stage.plane(3, look).data.uv_layers.new(name="uv").uv.foreach_set("vector", [0, 0, 1, 0, 1, 1, 0, 1])
+    n = 64
+    v, u = (np.mgrid[0:n, 0:n] + 0.5) / n
+    x, y = 0.4 * np.sin(4 * np.pi * u), 0.3 * np.sin(6 * np.pi * v)
+    nodes, links = look.node_tree.nodes, look.node_tree.links
+    inputs = nodes["Principled BSDF"].inputs
+    packed, bent = nodes.new("ShaderNodeTexImage"), nodes.new("ShaderNodeTexImage")
+    packed.image = image("packed", np.stack([np.ones_like(u), 0.4 + 0.5 * u, v], axis=-1), False)
+    bent.image = image("bent", 0.5 + 0.5 * np.stack([x, y, np.sqrt(1 - x * x - y * y)], axis=-1), False)
+    parts, tangent = nodes.new("ShaderNodeSeparateColor"), nodes.new("ShaderNodeNormalMap")
+    links.new(packed.outputs["Color"], parts.inputs[0])
+    links.new(parts.outputs[1], inputs["Roughness"])
+    links.new(parts.outputs[2], inputs["Metallic"])
+    links.new(bent.outputs["Color"], tangent.inputs["Color"])
+    links.new(tangent.outputs[0], inputs["Normal"])
+    stage.lamp("AREA", (-1, -1, 2.5), energy=150, size=1)
+    assert compared("roughness, metalness and normals from images") < MOST
+
+
 def textured():
     """A floor that shows an image of four colours, cut out where alpha is 0, with roughness from another."""
     n = 64

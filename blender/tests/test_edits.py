@@ -107,6 +107,31 @@ def test_what_stays_is_not_built_again():
     assert session.live.renderer is renderer
 
 
+def test_images_that_are_painted_show():
+    stage.reset(48, 36)
+    stage.camera((0.5, -2.5, 2.2), (0, 0, 0))
+    stage.lamp("AREA", (-1, -1, 2.5), energy=150, size=1)
+    look = stage.material("painted")
+    stage.plane(3, look).data.uv_layers.new(name="uv").uv.foreach_set("vector", [0, 0, 1, 0, 1, 1, 0, 1])
+    image = bpy.data.images.new("paint", 16, 16, alpha=True)
+    node = look.node_tree.nodes.new("ShaderNodeTexImage")
+    node.image = image
+    inputs = look.node_tree.nodes["Principled BSDF"].inputs
+    look.node_tree.links.new(node.outputs["Color"], inputs["Base Color"])
+    look.node_tree.links.new(node.outputs["Alpha"], inputs["Alpha"])
+    pixels = np.ones((16, 16, 4), np.float32)
+    image.pixels.foreach_set(pixels.ravel())
+    session = Session()
+    first = session.follow()
+    # A red half, of which a part is cut away.
+    pixels[:8, :, 1:3], pixels[:4, :8, 3] = 0.1, 0
+    image.pixels.foreach_set(pixels.ravel())
+    second = session.follow(Touched(everything=False, images=frozenset({"paint"})))
+    new, view = stage.live()
+    assert np.array_equal(second, new.renderer.render(window=view.window)) and not np.array_equal(first, second)
+    assert (second[..., 0] > 2 * second[..., 1]).any() and ((second == 0).all(axis=2) & (first > 0).all(axis=2)).any()
+
+
 def test_an_animation_keeps_its_renderer(tmp_path):
     first, *_ = scene_of_edits()
     scene = bpy.context.scene

@@ -106,6 +106,12 @@ def test_what_is_not_supported_is_said():
         assert line in said, f"{line!r} in {said}"
 
 
+def test_warnings_of_the_engine_are_said():
+    simple()
+    stage.mesh("sliver", [(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 1, 0)], [(0, 1, 2), (0, 1, 3)])
+    assert "1 triangles without an area are left out" in notes()
+
+
 def failed(capfd):
     with pytest.raises(RuntimeError) as error:
         stage.render()
