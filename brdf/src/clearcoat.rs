@@ -7,7 +7,7 @@ use crate::visible_normals::VisibleNormals;
 use crate::wgsl::ModelWgsl;
 use crate::{Factors, Packer};
 use glam::Vec3;
-use lobe_core::{Lobe, Microfacets, Receiver};
+use lobe_core::{Facets, Lobe, Microfacets, Receiver};
 
 /// Reflectance at normal incidence, of a refractive index of 1.5.
 const F0: f32 = 0.04;

@@ -167,12 +167,9 @@ fn errors(roughness: f32, tilt: f64) -> [f64; 2] {
 
 #[test]
 fn coats_with_a_normal_of_their_own_are_near_the_formula() {
-    for (roughness, tilt, limits) in [
-        (0.1, 0.0, [0.001, 0.003]),
-        (0.1, 10.0, [0.01, 0.03]),
-        (0.1, 25.0, [0.04, 0.2]),
-        (0.3, 10.0, [0.06, 0.4]),
-    ] {
+    for (roughness, tilt, limits) in
+        [(0.1, 0.0, [0.001, 0.003]), (0.1, 10.0, [0.01, 0.03]), (0.1, 25.0, [0.04, 0.2]), (0.3, 10.0, [0.06, 0.4])]
+    {
         let got = errors(roughness, f64::to_radians(tilt));
         println!("roughness {roughness}, {tilt}° apart: mean {:.4}, worst {:.4}", got[0], got[1]);
         assert!(got[0] < limits[0] && got[1] < limits[1], "{roughness} {tilt}: {got:?}");

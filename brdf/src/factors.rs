@@ -24,6 +24,8 @@ pub struct Factors {
     pub metallic: f32,
     /// Of roughness.
     pub roughness: f32,
+    /// Of the strength of anisotropy.
+    pub anisotropy: f32,
     /// Of a clear coat's weight.
     pub clearcoat: f32,
     /// Of its roughness.
@@ -39,6 +41,7 @@ impl Factors {
         exponent: 1.0,
         metallic: 1.0,
         roughness: 1.0,
+        anisotropy: 1.0,
         clearcoat: 1.0,
         clearcoat_roughness: 1.0,
     };
@@ -54,6 +57,7 @@ impl Factors {
             exponent: unit(self.exponent),
             metallic: unit(self.metallic),
             roughness: unit(self.roughness),
+            anisotropy: unit(self.anisotropy),
             clearcoat: unit(self.clearcoat),
             clearcoat_roughness: unit(self.clearcoat_roughness),
         }

@@ -39,6 +39,9 @@
 //! # Scope
 //! Out of scope here: where textures come from ([`Factors`] are what they do), transmission, emission, interreflection.
 
+mod anisotropy;
+#[cfg(test)]
+mod anisotropy_tests;
 mod clearcoat;
 #[cfg(test)]
 mod clearcoat_tests;

@@ -104,9 +104,13 @@ impl PackedMaterials {
         pack: impl Fn(&dyn Model, &mut Packer) -> u32,
     ) -> Result<Self, String> {
         let mut of = Vec::with_capacity(materials.len());
-        for model in materials.iter().map(Material::model) {
-            let name = model.name();
-            of.push(wgsl(model).ok_or_else(|| format!("a GPU cannot shade the material `{name}`: it has no WGSL"))?);
+        for material in materials {
+            let (model, name) = (material.model(), material.name());
+            let why = match material {
+                Material::MetallicRoughness(_) => "anisotropy is for CPUs",
+                _ => "it has no WGSL",
+            };
+            of.push(wgsl(model).ok_or_else(|| format!("a GPU cannot shade the material `{name}`: {why}"))?);
         }
         let mut models = of.clone();
         models.sort_by_key(|model| model.name);

@@ -460,6 +460,7 @@ fn lobes_of_tiles_are_the_single_ones_on_every_machine() {
     let glossy = MetallicRoughness::new(Vec3::new(0.9, 0.6, 0.3), 0.5, 0.3).unwrap();
     let mut materials = materials();
     materials.push(glossy.clone().with_clearcoat(0.8, 0.1).unwrap().into());
+    materials.push(glossy.clone().with_anisotropy(0.7).unwrap().into());
     let stretched = Neumann { kd: Vec3::ZERO, ks: Vec3::new(0.9, 0.6, 0.3), exponent: 70.0 };
     materials.extend([glossy.into(), stretched.into(), half_vector().into(), Material::lambert(Vec3::ZERO)]);
     let receivers: Vec<Receiver> =

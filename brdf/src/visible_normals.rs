@@ -10,19 +10,27 @@ pub(crate) struct VisibleNormals {
     frame: [Vec3; 3],
     /// The eye in that frame, above the horizon.
     view: Vec3,
-    alpha: f32,
+    /// Along both tangents.
+    alphas: [f32; 2],
 }
 
 impl VisibleNormals {
     pub(crate) fn new(normal: Vec3, view: Vec3, alpha: f32) -> Self {
         let (t, b) = orthonormal_basis(normal);
+        Self::in_frame([t, b, normal], view, [alpha; 2])
+    }
+
+    /// The same with an `α` for each of both tangents.
+    pub(crate) fn in_frame(frame: [Vec3; 3], view: Vec3, alphas: [f32; 2]) -> Self {
+        let [t, b, normal] = frame;
         let local = Vec3::new(t.dot(view), b.dot(view), normal.dot(view).max(Microfacets::GRAZING)).normalize();
-        Self { frame: [t, b, normal], view: local, alpha }
+        Self { frame, view: local, alphas }
     }
 
     /// The mirrored eye about a microfacet; it may be below the horizon.
     pub(crate) fn draw(&self, [u, azimuth]: [f32; 2]) -> Vec3 {
-        let stretched = Vec3::new(self.alpha * self.view.x, self.alpha * self.view.y, self.view.z).normalize();
+        let [along, across] = self.alphas;
+        let stretched = Vec3::new(along * self.view.x, across * self.view.y, self.view.z).normalize();
         // A point of the disc, of which the half that is turned away is foreshortened.
         let radius = u.sqrt();
         let (sin, cos) = (TAU * azimuth).sin_cos();
@@ -32,8 +40,7 @@ impl VisibleNormals {
         // Its second axis points up, toward the normal.
         let (x_axis, y_axis) = up(stretched);
         let microfacet = x_axis * x + y_axis * y + stretched * (1.0 - x * x - y * y).max(0.0).sqrt();
-        let microfacet =
-            Vec3::new(self.alpha * microfacet.x, self.alpha * microfacet.y, microfacet.z.max(1e-7)).normalize();
+        let microfacet = Vec3::new(along * microfacet.x, across * microfacet.y, microfacet.z.max(1e-7)).normalize();
         let mirrored = 2.0 * self.view.dot(microfacet) * microfacet - self.view;
         (self.frame[0] * mirrored.x + self.frame[1] * mirrored.y + self.frame[2] * mirrored.z).normalize()
     }
@@ -42,11 +49,11 @@ impl VisibleNormals {
     pub(crate) fn density(&self, v: Vec3) -> f32 {
         let local = Vec3::new(self.frame[0].dot(v), self.frame[1].dot(v), self.frame[2].dot(v));
         let h = self.view + local;
-        let a2 = self.alpha * self.alpha;
-        let spread = (a2 * h.z * h.z + h.x * h.x + h.y * h.y).max(1e-30);
-        let d = a2 * FRAC_1_PI * (h.length_squared() / spread).powi(2);
-        let z = self.view.z;
-        let masking = 2.0 / (z + (a2 + (1.0 - a2) * z * z).sqrt());
+        let [along, across] = self.alphas;
+        let spread = (h.z * h.z + (h.x / along).powi(2) + (h.y / across).powi(2)).max(1e-30);
+        let d = FRAC_1_PI / (along * across) * (h.length_squared() / spread).powi(2);
+        let Vec3 { x, y, z } = self.view;
+        let masking = 2.0 / (z + ((along * x).powi(2) + (across * y).powi(2) + z * z).sqrt());
         0.25 * d * masking
     }
 }

@@ -3,6 +3,7 @@
 use crate::args::{self, RenderArgs};
 use crate::console::note;
 use crate::failure::Failure;
+use cosine_lobes::brdf::PackedMaterials;
 use cosine_lobes::render_gpu::{CompiledKernel, GpuError, KernelLog};
 use cosine_lobes::renderer::{Backend, Device, RenderError, Renderer, Settings};
 use cosine_lobes::scene::{Animation, Scene};
@@ -22,7 +23,9 @@ pub(crate) fn renderer(
             settings.check_device(Device::Gpu).and_then(|()| Backend::open(Device::Gpu)).map_err(explain)?
         }
         args::Device::Auto => {
-            let gpu = hardware(settings.check_device(Device::Gpu).and_then(|()| Backend::open(Device::Gpu)));
+            let knows = PackedMaterials::new(&scene.materials).map(|_| ());
+            let open = || hardware(settings.check_device(Device::Gpu).and_then(|()| Backend::open(Device::Gpu)));
+            let gpu = knows.and_then(|()| open());
             if !quiet {
                 match &gpu {
                     Ok(gpu) => note(format_args!("lobes: note: --device auto: {}", gpu.name())),

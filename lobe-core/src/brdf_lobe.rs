@@ -33,7 +33,7 @@ impl BrdfLobe {
     pub fn eval_at(&self, normal: Vec3, v: Vec3) -> Vec3 {
         match self {
             Self::Cosine(lobe) => lobe.eval_at(normal, v),
-            Self::Microfacets(facets) => facets.flux * facets.at(normal).value(v),
+            Self::Microfacets(facets) => facets.flux * facets.value(normal, v),
         }
     }
 

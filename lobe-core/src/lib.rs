@@ -40,6 +40,9 @@ pub mod gpu;
 mod gpu_pages;
 mod integrator;
 // For the workspace alone: its signatures are another crate's.
+mod grain;
+#[cfg(test)]
+mod grain_tests;
 #[doc(hidden)]
 pub mod lanes;
 mod light_lobes;
@@ -77,6 +80,7 @@ pub use crate::dyn_visibility::{DynScratch, DynVisibility};
 pub use crate::geometry::{
     Cone, LightExtent, LightId, NO_OBJECT, Receiver, SelfShadow, Shaft, Sphere, orthonormal_basis,
 };
+pub use crate::grain::{BrushedAt, Facets, Grain};
 pub use crate::integrator::{
     Contribution, FractionIntegrator, Integrator, Interaction, LobeIntegrator, Observer, Stage,
 };

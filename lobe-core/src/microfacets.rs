@@ -1,5 +1,6 @@
 //! Microfacets: half of their reflectance as a lobe, and its values at a receiver.
 
+use crate::grain::{BrushedAt, Facets, Grain};
 use crate::vec3x8::Vec3x8;
 use crate::{Lobe, orthonormal_basis};
 use core::f32::consts::FRAC_1_PI;
@@ -25,6 +26,8 @@ pub struct Microfacets {
     pub flux: Vec3,
     /// Which of them.
     pub part: Schlick,
+    /// The direction along which they are rougher, if they are.
+    pub grain: Option<Grain>,
 }
 
 /// The two parts of Schlick's reflectance `F = f0·(1 − s) + f90·s`.
@@ -44,10 +47,32 @@ impl Microfacets {
     #[must_use]
     pub fn new(view: Vec3, alpha: f32, [f0, f90]: [Vec3; 2]) -> [Self; 2] {
         let exponent = 2.0 / (alpha * alpha) - 2.0;
-        [(f0, Schlick::F0), (f90, Schlick::F90)].map(|(flux, part)| Self { view, exponent, flux, part })
+        [(f0, Schlick::F0), (f90, Schlick::F90)].map(|(flux, part)| Self { view, exponent, flux, part, grain: None })
     }
 
-    /// Ready to be evaluated at a receiver of this normal.
+    /// The same, rougher along a direction: `α` is that across it.
+    #[must_use]
+    pub fn with_grain(self, grain: Option<Grain>) -> Self {
+        Self { grain, ..self }
+    }
+
+    /// The number `D·W·(1 − s)` or `D·W·s` of its part in a direction of unit length, at a receiver of this normal.
+    #[must_use]
+    pub fn value(&self, normal: Vec3, v: Vec3) -> f32 {
+        self.part.of(match self.grain {
+            None => self.at(normal).both(v),
+            Some(grain) => BrushedAt::new(self, grain, normal).both(v),
+        })
+    }
+
+    /// The mirrored direction of the eye, and the largest `α`, at a receiver of this normal.
+    #[must_use]
+    pub fn highlight(&self, normal: Vec3) -> (Vec3, f32) {
+        let (mirror, alpha) = self.at(normal).highlight();
+        (mirror, self.grain.map_or(alpha, |grain| grain.alpha(alpha)))
+    }
+
+    /// Ready to be evaluated at a receiver of this normal, as if there were no grain ([`BrushedAt`] has it).
     #[must_use]
     pub fn at(&self, normal: Vec3) -> MicrofacetsAt {
         let (cos, sin, forward) = seen_from(normal, self.view);
@@ -83,11 +108,9 @@ pub struct MicrofacetsAt {
     part: Schlick,
 }
 
-impl MicrofacetsAt {
-    /// Both numbers `D·W·(1 − s)` and `D·W·s` in a direction `v` of unit length; 0 below the horizon.
+impl Facets for MicrofacetsAt {
     #[inline(always)]
-    #[must_use]
-    pub fn both(&self, v: Vec3) -> [f32; 2] {
+    fn both(&self, v: Vec3) -> [f32; 2] {
         let h = self.view + v;
         let (along, across, square) = (self.normal.dot(h), self.normal.cross(h).length_squared(), h.length_squared());
         // α²(n·h)² + |n×h|² has no cancellation.
@@ -100,10 +123,8 @@ impl MicrofacetsAt {
         [value * (1.0 - fifth), value * fifth]
     }
 
-    /// The same in eight directions, to the bit.
-    #[doc(hidden)]
     #[inline(always)]
-    pub fn both_of_eight<S: Simd>(&self, simd: S, v: Vec3x8<S>) -> [f32x8<S>; 2] {
+    fn both_of_eight<S: Simd>(&self, simd: S, v: Vec3x8<S>) -> [f32x8<S>; 2] {
         let [zero, one] = [0.0, 1.0].map(|x| f32x8::splat(simd, x));
         let h = v.plus(self.view);
         let (along, across) = (h.dot_one(self.normal), h.cross(Vec3x8::splat(simd, self.normal)).length_squared());
@@ -118,7 +139,9 @@ impl MicrofacetsAt {
         let value = d * masking;
         [value * (one - fifth), value * fifth]
     }
+}
 
+impl MicrofacetsAt {
     /// The one of them that belongs to the part.
     #[inline(always)]
     #[must_use]
@@ -189,6 +212,7 @@ pub(crate) fn seen_from(normal: Vec3, view: Vec3) -> (f32, f32, Vec3) {
 #[cfg(test)]
 mod tests {
     use super::Microfacets;
+    use crate::Facets;
     use crate::oracle::{CapMicrofacets, Random};
     use crate::vec3x8::Vec3x8;
     use crate::{Cone, Receiver, cap_integral};

@@ -1,3 +1,4 @@
+use crate::grain::Grain;
 use crate::{BrdfLobe, Lobe, Microfacets, Schlick};
 use glam::Vec3;
 
@@ -38,7 +39,12 @@ kinds! {
     MICROFACETS_F0 = 2.0;
     /// The part that `f90` multiplies.
     MICROFACETS_F90 = 3.0;
+    /// This number and above: microfacets with a [grain](crate::Grain), whose bits are those behind; from 6 on those of `f90`.
+    MICROFACETS_GRAIN = 4.0;
 }
+
+/// The lowest bit of the second half of numbers from [`PackedLobe::MICROFACETS_GRAIN`] on.
+const HALF: u32 = 1 << 22;
 
 impl PackedLobe {
     /// Whether it is of [`Microfacets`].
@@ -48,10 +54,24 @@ impl PackedLobe {
         self.kind >= Self::MICROFACETS_F0
     }
 
+    /// Whether it is the part of microfacets that `f90` multiplies.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_edge(&self) -> bool {
+        self.kind == Self::MICROFACETS_F90 || self.kind >= 1.5 * Self::MICROFACETS_GRAIN
+    }
+
+    /// The grain of microfacets of this kind.
+    #[inline(always)]
+    pub(crate) fn grain(kind: f32) -> Option<Grain> {
+        (kind >= Self::MICROFACETS_GRAIN).then(|| Grain::from_bits(kind.to_bits() % HALF))
+    }
+
     /// Whether `f90` is the other half of microfacets that begin with this lobe.
     #[inline(always)]
     pub(crate) fn is_followed_by(&self, f90: &Self) -> bool {
-        let is_pair = self.kind == Self::MICROFACETS_F0 && f90.kind == Self::MICROFACETS_F90;
+        let is_brushed = self.kind >= Self::MICROFACETS_GRAIN && self.kind.to_bits() + HALF == f90.kind.to_bits();
+        let is_pair = self.kind == Self::MICROFACETS_F0 && f90.kind == Self::MICROFACETS_F90 || is_brushed;
         let reflects = self.flux != Vec3::ZERO && f90.flux != Vec3::ZERO;
         is_pair && reflects && self.exponent == f90.exponent && self.axis == f90.axis
     }
@@ -66,10 +86,14 @@ impl From<Lobe> for PackedLobe {
 
 impl From<Microfacets> for PackedLobe {
     #[inline(always)]
-    fn from(Microfacets { view, exponent, flux, part }: Microfacets) -> Self {
-        let kind = match part {
-            Schlick::F0 => Self::MICROFACETS_F0,
-            Schlick::F90 => Self::MICROFACETS_F90,
+    fn from(Microfacets { view, exponent, flux, part, grain }: Microfacets) -> Self {
+        let kind = match (part, grain) {
+            (Schlick::F0, None) => Self::MICROFACETS_F0,
+            (Schlick::F90, None) => Self::MICROFACETS_F90,
+            (part, Some(grain)) => {
+                let half = if part == Schlick::F90 { HALF } else { 0 };
+                f32::from_bits(Self::MICROFACETS_GRAIN.to_bits() + half + grain.bits())
+            }
         };
         Self { axis: view, exponent, flux, kind }
     }
@@ -87,10 +111,11 @@ impl From<BrdfLobe> for PackedLobe {
 
 impl From<PackedLobe> for BrdfLobe {
     #[inline(always)]
-    fn from(PackedLobe { axis, exponent, flux, kind }: PackedLobe) -> Self {
-        if kind >= PackedLobe::MICROFACETS_F0 {
-            let part = if kind == PackedLobe::MICROFACETS_F90 { Schlick::F90 } else { Schlick::F0 };
-            Self::Microfacets(Microfacets { view: axis, exponent, flux, part })
+    fn from(lobe: PackedLobe) -> Self {
+        let PackedLobe { axis, exponent, flux, kind } = lobe;
+        if lobe.is_microfacets() {
+            let part = if lobe.is_edge() { Schlick::F90 } else { Schlick::F0 };
+            Self::Microfacets(Microfacets { view: axis, exponent, flux, part, grain: PackedLobe::grain(kind) })
         } else {
             Self::Cosine(Lobe { axis, exponent, flux, has_cosine: kind == PackedLobe::COSINE })
         }

@@ -267,6 +267,36 @@ fn anisotropic_lobes_follow_the_texture() {
     }
 }
 
+/// Brushed metal turns with its coordinates, by its own turn, and by its map.
+#[test]
+fn grain_follows_the_texture() {
+    let metal = MetallicRoughness::new(Vec3::ONE, 1.0, 0.3).and_then(|m| m.with_anisotropy(0.8));
+    let metal = Material::from(metal.expect("in range"));
+    let look = |surface: Surface| {
+        let scene = floor(metal.clone(), surface);
+        let g = GBuffer::new(&World::new(&scene), 96, 64, 1);
+        let i = g.len() / 2;
+        (g.points.receivers[i], g.materials[g.points.materials[i] as usize].clone())
+    };
+    // The floor's u grows along x, its v along z: against growing v is −z.
+    let map = || Some(flat([128, 255, 255, 255], Encoding::Linear));
+    let plain = || Surface { follows_u: true, ..Surface::default() };
+    for (surface, along) in [
+        (plain(), Vec3::X),
+        (Surface { anisotropy_turn: 0.5, ..plain() }, Vec3::new(0.5_f32.cos(), 0.0, -0.5_f32.sin())),
+        // A byte has no 0 in its middle.
+        (Surface { anisotropy: map(), ..plain() }, Vec3::new(1.0 / 255.0, 0.0, -1.0)),
+    ] {
+        let (at, got) = look(surface);
+        let want = metal.turned(at.normal, along).expect("a grain");
+        for v in [Vec3::new(0.1, 0.9, -0.4), Vec3::new(0.5, 0.6, -0.3), Vec3::new(-0.4, 0.7, -0.5)] {
+            let v = v.normalize();
+            let (a, b) = (got.eval(&at, v).x, want.eval(&at, v).x);
+            assert!((a - b).abs() < 0.05 * b.max(0.01), "{along}: {a} {b}");
+        }
+    }
+}
+
 /// A clear coat keeps the mesh's normal below a normal map, unless it has a map of its own; and emission is below it.
 #[test]
 fn clear_coats_have_normals_of_their_own() {

@@ -22,6 +22,7 @@ fn materials() -> Vec<Material> {
         Lafortune { diffuse: kd, lobes: vec![lobe] }.into(),
         MetallicRoughness::new(kd, 0.5, 0.4).expect("a metal").into(),
         MetallicRoughness::new(kd, 0.0, 0.6).and_then(|m| m.with_clearcoat(0.9, 0.15)).expect("a varnish").into(),
+        MetallicRoughness::new(kd, 1.0, 0.3).and_then(|m| m.with_anisotropy(0.6)).expect("brushed").into(),
     ]
 }
 

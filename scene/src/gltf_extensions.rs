@@ -6,9 +6,10 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Extensions that are read, or whose unread parts are named in a warning.
-const READ: [&str; 10] = [
+const READ: [&str; 11] = [
     "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -62,8 +63,8 @@ pub(crate) struct Extensions {
     hidden: Vec<bool>,
     /// For each node that has them: the accessors of its instances by name.
     instances: Vec<Option<Value>>,
-    /// For each material that has one: its clear coat.
-    clearcoats: Vec<Option<Value>>,
+    /// For each material that has some: its extensions.
+    materials: Vec<Option<Value>>,
 }
 
 impl Extensions {
@@ -72,7 +73,7 @@ impl Extensions {
         let (n, m) = (root.nodes.len(), root.materials.len());
         let listed = root.extensions_used.iter().chain(&root.extensions_required).cloned();
         let (names, hidden) = (listed.collect(), vec![false; n]);
-        let mut own = Self { names, hidden, instances: vec![None; n], clearcoats: vec![None; m] };
+        let mut own = Self { names, hidden, instances: vec![None; n], materials: vec![None; m] };
         if !has(json, b"\"extensions\"") {
             return own;
         }
@@ -85,8 +86,8 @@ impl Extensions {
             own.instances[i] = node.pointer("/extensions/EXT_mesh_gpu_instancing/attributes").cloned();
         }
         let materials = value.get("materials").and_then(Value::as_array);
-        for (own, material) in own.clearcoats.iter_mut().zip(materials.into_iter().flatten()) {
-            *own = material.pointer("/extensions/KHR_materials_clearcoat").cloned();
+        for (own, material) in own.materials.iter_mut().zip(materials.into_iter().flatten()) {
+            *own = material.get("extensions").cloned();
         }
         own
     }
@@ -131,9 +132,9 @@ impl Extensions {
         self.instances[node].as_ref()
     }
 
-    /// The clear coat of a material, if it has one.
-    pub(crate) fn clearcoat(&self, material: usize) -> Option<&Value> {
-        self.clearcoats.get(material)?.as_ref()
+    /// The extensions of a material, if it has some.
+    pub(crate) fn of_material(&self, material: usize) -> Option<&Value> {
+        self.materials.get(material)?.as_ref()
     }
 }
 

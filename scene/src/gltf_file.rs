@@ -399,7 +399,9 @@ impl Reader<'_> {
         let index = index.value();
         let known = match self.materials.get(&index) {
             Some(known) => known.clone(),
-            None => read_material(self.root, index, self.extensions.clearcoat(index), &self.buffers, &mut self.images)?,
+            None => {
+                read_material(self.root, index, self.extensions.of_material(index), &self.buffers, &mut self.images)?
+            }
         };
         self.materials.insert(index, known.clone());
         Ok(Some((index, known)))

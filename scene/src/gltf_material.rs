@@ -2,7 +2,7 @@
 
 use crate::cut_out::CutOut;
 use crate::gltf_buffers::Buffers;
-use crate::gltf_clearcoat;
+use crate::gltf_layers;
 use crate::gltf_texture::{Images, Reference};
 use crate::look::Look;
 use crate::texture::unit;
@@ -17,17 +17,18 @@ use gltf::json::{Root, Value};
 pub(crate) fn read_material(
     root: &Root,
     index: usize,
-    clearcoat: Option<&Value>,
+    extensions: Option<&Value>,
     buffers: &Buffers<'_>,
     images: &mut Images<'_>,
 ) -> Result<Look, String> {
     let material = root.materials.get(index).ok_or_else(|| format!("there is no material {index}"))?;
     let mut of_material = || {
         let look = look(material, buffers, images)?;
-        match (clearcoat, &look.material) {
-            (Some(clearcoat), Material::MetallicRoughness(_)) => gltf_clearcoat::add(clearcoat, look, buffers, images),
-            _ => Ok(look),
-        }
+        // Not of surfaces that are not lit.
+        let of = |name| extensions.filter(|_| !look.surface.is_unlit).and_then(|e| e.get(name));
+        let (anisotropy, clearcoat) = (of("KHR_materials_anisotropy"), of("KHR_materials_clearcoat"));
+        let look = anisotropy.map_or(Ok(look.clone()), |own| gltf_layers::brushed(own, look, buffers, images))?;
+        clearcoat.map_or(Ok(look.clone()), |own| gltf_layers::coated(own, look, buffers, images))
     };
     of_material().map_err(|e: String| format!("material {index}: {e}"))
 }

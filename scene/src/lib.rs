@@ -87,8 +87,6 @@ mod gltf_animation;
 #[cfg(feature = "files")]
 mod gltf_buffers;
 #[cfg(feature = "files")]
-mod gltf_clearcoat;
-#[cfg(feature = "files")]
 mod gltf_document;
 #[cfg(feature = "files")]
 mod gltf_extensions;
@@ -96,6 +94,11 @@ mod gltf_extensions;
 mod gltf_file;
 #[cfg(feature = "files")]
 mod gltf_instances;
+#[cfg(feature = "files")]
+mod gltf_layers;
+#[cfg(feature = "files")]
+#[cfg(test)]
+mod gltf_layers_tests;
 #[cfg(feature = "files")]
 mod gltf_light;
 #[cfg(feature = "files")]

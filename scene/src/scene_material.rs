@@ -156,6 +156,13 @@ pub(crate) fn read_material(
                 let f0 = ((n - 1.0) / (n + 1.0)).powi(2);
                 metal = metal.with_coat(Vec3::splat(f0), 1.0).map_err(|e| ior.error(e))?;
             }
+            if let Some(strength) = t.get("anisotropy") {
+                metal = metal.with_anisotropy(strength.number()?).map_err(|e| strength.error(e))?;
+                let degrees = t.get("anisotropy_rotation").map_or(Ok(0.0), |v| v.number())?;
+                surface.anisotropy_turn = degrees.to_radians();
+                surface.anisotropy = maps.read(t.get("anisotropy_map"), Encoding::Linear)?;
+                surface.follows_u = metal.anisotropy() > 0.0;
+            }
             maps.clearcoat(&mut t, &mut surface, metal)?.into()
         }
         other => {

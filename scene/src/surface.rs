@@ -44,6 +44,10 @@ pub struct Surface {
     pub metallic: Option<Channel>,
     /// Of [`Factors::roughness`].
     pub roughness: Option<Channel>,
+    /// Directions along which the surface is rougher, from the tangent in red and green, 0.5 as 0, and in blue [`Factors::anisotropy`].
+    pub anisotropy: Option<TextureMap>,
+    /// By how much these, or the tangent, are turned: radians from growing u, against growing v.
+    pub anisotropy_turn: f32,
     /// Of [`Factors::clearcoat`].
     pub clearcoat: Option<Channel>,
     /// Of [`Factors::clearcoat_roughness`].
@@ -110,6 +114,7 @@ impl Surface {
         let channels =
             [&self.coat, &self.exponent, &self.metallic, &self.roughness, &self.clearcoat, &self.clearcoat_roughness];
         self.follows_u
+            || self.anisotropy.is_some()
             || self.color.is_some()
             || self.specular.is_some()
             || channels.iter().any(|channel| channel.is_some())
@@ -130,7 +135,12 @@ impl Surface {
 
     /// Its textures, each with the name of the field that it stands in.
     pub fn textures(&self) -> impl Iterator<Item = (&'static str, &Texture)> {
-        let maps = [("color", &self.color), ("specular", &self.specular), ("emission", &self.emission_map)];
+        let maps = [
+            ("color", &self.color),
+            ("specular", &self.specular),
+            ("anisotropy", &self.anisotropy),
+            ("emission", &self.emission_map),
+        ];
         let channels = [
             ("coat", &self.coat),
             ("exponent", &self.exponent),
@@ -166,6 +176,7 @@ impl Surface {
             exponent: number(&self.exponent),
             metallic,
             roughness,
+            anisotropy: self.anisotropy.as_ref().map_or(1.0, |map| map.sample(place)[2]),
             clearcoat: number(&self.clearcoat),
             clearcoat_roughness: number(&self.clearcoat_roughness),
         }
@@ -181,6 +192,13 @@ impl Surface {
     #[must_use]
     pub fn normal(&self, place: &dyn Fn(usize) -> TexturePlace) -> Option<Vec3> {
         self.normal.as_ref().map(|map| local_normal(map, place))
+    }
+
+    /// The direction along which the surface is rougher, as parts along growing u and against growing v.
+    #[must_use]
+    pub fn grain(&self, place: &dyn Fn(usize) -> TexturePlace) -> Vec2 {
+        let own = self.anisotropy.as_ref().map_or(Vec2::X, |map| 2.0 * rgb(map.sample(place)).truncate() - Vec2::ONE);
+        Vec2::from_angle(self.anisotropy_turn).rotate(own)
     }
 
     /// The same of a clear coat.

@@ -68,6 +68,17 @@ fn a_scene_file_lays_images_on_materials() {
     assert_eq!([surface.clearcoat, surface.clearcoat_roughness].map(|c| c.expect("a map").index), [0, 1]);
     assert_eq!(surface.clearcoat_normal.expect("a map").1, 0.5);
 
+    let text = "model = \"metallic-roughness\"\nbase = 0.5\nroughness = 0.3\nanisotropy = 0.6\nanisotropy_rotation = 90\n\
+         anisotropy_map = \"a.png\"";
+    let (material, surface) = load_material(folder.path(), text).expect("a scene");
+    let want = MetallicRoughness::new(Vec3::splat(0.5), 1.0, 0.3).and_then(|m| m.with_anisotropy(0.6));
+    assert_eq!(material, want.expect("in range").into());
+    assert!(
+        surface.follows_u
+            && surface.anisotropy.is_some()
+            && (surface.anisotropy_turn - core::f32::consts::FRAC_PI_2).abs() < 1e-4
+    );
+
     let gloss =
         "model = \"phong\"\nkd = 0.2\nks = 0.5\nexponent = 90\nspecular_map = \"a.png\"\nexponent_map = \"a.png\"";
     let (_, surface) = load_material(folder.path(), gloss).expect("a scene");
@@ -113,6 +124,7 @@ fn what_is_wrong_with_an_image_is_said_at_its_line() {
         (lambert("{ file = \"a.png\", scale = [1, nan] }"), "finite"),
         ("model = \"lambert\"\nalbedo = 1\nmetallic_map = \"a.png\"".to_owned(), "unknown key \"metallic_map\""),
         ("model = \"metallic-roughness\"\nbase = 1\nior = 0.5".to_owned(), "at least 1"),
+        ("model = \"metallic-roughness\"\nbase = 1\nanisotropy = -1".to_owned(), "anisotropy is -1"),
         ("model = \"metallic-roughness\"\nbase = 1\nclearcoat = 1.5".to_owned(), "clearcoat is 1.5"),
         ("model = \"metallic-roughness\"\nbase = 1\nclearcoat_roughness = 0.5".to_owned(), "\"clearcoat_roughness\""),
         (

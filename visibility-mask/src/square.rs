@@ -1,6 +1,6 @@
 use crate::spread::Spread;
 use glam::{UVec2, Vec2, Vec3};
-use lobe_core::{Cone, Lobe, MicrofacetsAt, Outline, nearest_of, orthonormal_basis};
+use lobe_core::{Cone, Lobe, Outline, nearest_of, orthonormal_basis};
 
 /// Half-angles above this (85°) count as this one: the square faces one hemisphere.
 pub(crate) const WIDEST_TAN: f32 = 11.43;
@@ -174,13 +174,12 @@ impl UnitSquare {
     /// across and upward). `None` if it is most of the window.
     pub(crate) fn highlight(
         &self,
-        microfacets: &MicrofacetsAt,
+        (mirror, alpha): (Vec3, f32),
         normal: Vec3,
         cells: UVec2,
         tolerance: f32,
         bright: Option<&Outline>,
     ) -> Option<Self> {
-        let (mirror, alpha) = microfacets.highlight();
         let peak = self.peak(&Lobe::new(mirror, 1.0, Vec3::ONE), normal, bright);
         let along = self.axis.dot(mirror);
         let aside = Vec2::new(self.right.dot(mirror), self.up.dot(mirror));
@@ -201,11 +200,10 @@ impl UnitSquare {
     /// Where the highlight of microfacets is in the window, and how wide.
     pub(crate) fn highlight_spread(
         &self,
-        microfacets: &MicrofacetsAt,
+        (mirror, alpha): (Vec3, f32),
         normal: Vec3,
         bright: Option<&Outline>,
     ) -> Spread {
-        let (mirror, alpha) = microfacets.highlight();
         let peak = self.peak(&Lobe::new(mirror, 1.0, Vec3::ONE), normal, bright).point;
         let stretch = 1.0 + peak.length_squared();
         Spread { peak, scale: (2.0 * alpha * stretch).min(stretch.sqrt()) }

@@ -222,10 +222,10 @@ impl<B: Blockers> MaskVisibility<B> {
             return unit(fraction);
         }
         let [broad, narrow] = [self.broad(query), self.narrow(query)];
-        let microfacets = facets.at(query.at.normal);
+        let highlight = facets.highlight(query.at.normal);
         let whole = *scratch.full.window();
         if scratch.full.is_uneven() && shown(query).is_none() {
-            let spread = whole.highlight_spread(&microfacets, query.at.normal, query.outline);
+            let spread = whole.highlight_spread(highlight, query.at.normal, query.outline);
             scratch.own.set_spread(Some(spread));
             self.draw_narrow(&whole, query, scratch);
             scratch.own.set_spread(None);
@@ -236,9 +236,9 @@ impl<B: Blockers> MaskVisibility<B> {
             return unit(facets.part.of(both));
         }
         let cells = UVec2::from(broad.grid) * UVec2::new(broad.columns(), 1 << self.depth(query));
-        let near = whole.highlight(&microfacets, query.at.normal, cells, query.accuracy.tolerance, query.outline);
+        let near = whole.highlight(highlight, query.at.normal, cells, query.accuracy.tolerance, query.outline);
         let size = if query.outline.is_some() { whole.half.max_element() } else { whole.disc };
-        let finer = near.is_none() && broad != narrow && size > 2.0 * microfacets.highlight().1;
+        let finer = near.is_none() && broad != narrow && size > 2.0 * highlight.1;
         if let Some(square) = near.or(finer.then_some(whole)) {
             if !(finer && scratch.is_whole) {
                 self.draw_narrow(&square, query, scratch);

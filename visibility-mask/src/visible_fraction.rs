@@ -8,7 +8,7 @@ use core::ops::{Add, Mul};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{Vec2, Vec3};
 use lobe_core::special::{exp, ln_1p};
-use lobe_core::{BrdfLobe, LightImage, Lobe, Microfacets, Places, Receiver, is_lambert};
+use lobe_core::{BrdfLobe, BrushedAt, Facets, LightImage, Lobe, Microfacets, Places, Receiver, is_lambert};
 
 /// The largest neglected third and fourth order of a weight's logarithm.
 pub(crate) const LEFT_OUT: f32 = 0.004;
@@ -66,7 +66,15 @@ pub(crate) fn microfacet_sums(
     counts: &mut Counts,
 ) -> [Sums; 2] {
     let square = mask.square();
-    let microfacets = Microfacets { view: square.local(facets.view), ..*facets }.at(square.local(at.normal));
+    let (here, normal) = (Microfacets { view: square.local(facets.view), ..*facets }, square.local(at.normal));
+    match facets.grain {
+        None => facet_sums(mask, here.at(normal), skip, counts),
+        Some(grain) => facet_sums(mask, BrushedAt::new(&here, grain, normal), skip, counts),
+    }
+}
+
+#[inline(always)]
+fn facet_sums(mask: &Mask, microfacets: impl Facets, skip: Option<&UnitSquare>, counts: &mut Counts) -> [Sums; 2] {
     let outside = outside(skip);
     let weight = |x: f32, y: f32| {
         let inverse = 1.0 / (x * x + y * y + 1.0);
@@ -116,8 +124,18 @@ pub(crate) fn image_sums(
             })
         }
         BrdfLobe::Microfacets(facets) => {
-            let microfacets = Microfacets { view: square.local(facets.view), ..*facets }.at(normal);
-            shown_sums(mask, shown, skip, counts, |p, inverse| microfacets.value(p * inverse.sqrt()))
+            let here = Microfacets { view: square.local(facets.view), ..*facets };
+            match facets.grain {
+                None => {
+                    let microfacets = here.at(normal);
+                    shown_sums(mask, shown, skip, counts, |p, inverse| microfacets.value(p * inverse.sqrt()))
+                }
+                Some(grain) => {
+                    let brushed = BrushedAt::new(&here, grain, normal);
+                    let value = |p: Vec3, inverse: f32| facets.part.of(brushed.both(p * inverse.sqrt()));
+                    shown_sums(mask, shown, skip, counts, value)
+                }
+            }
         }
     };
     sums.map(|sums| sums * mask.sample_area())

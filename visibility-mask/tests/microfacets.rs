@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::{CapMicrofacets, Random};
 use lobe_core::{
-    Accuracy, BrdfLobe, Cone, Coverage, FractionIntegrator, Integrator, Interaction, LightId, LightVisibility,
+    Accuracy, BrdfLobe, Cone, Coverage, FractionIntegrator, Grain, Integrator, Interaction, LightId, LightVisibility,
     Microfacets, Receiver, SeenLight, Visibility, VisibilityQuery, orthonormal_basis,
 };
 use visibility_mask::{Blockers, Edges, Mask, MaskVisibility};
@@ -68,13 +68,19 @@ impl Case {
 
     /// The visible fraction of both lobes, from masks.
     fn seen(&self, tolerance: f32) -> f64 {
+        self.seen_with(tolerance, None)
+    }
+
+    /// The same of microfacets with a grain.
+    fn seen_with(&self, tolerance: f32, grain: Option<Grain>) -> f64 {
         let view = self.view.as_vec3();
         let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, view);
         let one_minus_cos = (2.0 * (0.5 * self.half_angle).sin().powi(2)) as f32;
         let cone = Cone { axis: self.axis.as_vec3().normalize(), one_minus_cos, distance: f32::INFINITY };
         let strategy = MaskVisibility::new(Edge { hidden: self.hidden.as_vec3() });
         let (accuracy, mut scratch) = (Accuracy::new(tolerance), strategy.scratch());
-        let both = Microfacets::new(view, self.alpha as f32, [Vec3::splat(0.8), Vec3::ONE]).map(BrdfLobe::Microfacets);
+        let both = Microfacets::new(view, self.alpha as f32, [Vec3::splat(0.8), Vec3::ONE]);
+        let both = both.map(|facets| BrdfLobe::Microfacets(facets.with_grain(grain)));
         let light = SeenLight::of_cone(cone, Vec3::ONE);
         let call = Interaction { at: &at, brdf: &both, light: &light, threshold: 0.0 };
         let mut visit = LightVisibility::alone(&strategy, LightId(0), accuracy, &mut scratch);
@@ -112,6 +118,54 @@ impl Case {
         }
         lit / all
     }
+
+    /// The same of microfacets that are rougher along a direction.
+    fn exact_along(&self, along: DVec3, rough: f64) -> f64 {
+        let (beside, mut lit, mut all) = (DVec3::Z.cross(along), 0.0, 0.0);
+        let smith =
+            |v: DVec3| ((rough * v.dot(along)).powi(2) + (self.alpha * v.dot(beside)).powi(2) + v.z * v.z).sqrt();
+        const SIDE: u32 = 1600;
+        for i in 0..SIDE {
+            let t = (f64::from(i) + 0.5) / f64::from(SIDE);
+            let slope = (t / (1.0 - t)).sqrt();
+            for j in 0..SIDE {
+                let (sin, cos) = ((f64::from(j) + 0.5) / f64::from(SIDE) * core::f64::consts::TAU).sin_cos();
+                let h = (along * (rough * slope * cos) + beside * (self.alpha * slope * sin) + DVec3::Z).normalize();
+                let vh = self.view.dot(h);
+                let v = 2.0 * vh * h - self.view;
+                if vh <= 0.0 || v.z <= 0.0 || v.dot(self.axis) < self.half_angle.cos() {
+                    continue;
+                }
+                let masking = 0.5 * v.z / (v.z * smith(self.view) + self.view.z * smith(v));
+                let s = (1.0 - vh).powi(5);
+                let weight = masking * (0.8 * (1.0 - s) + s) * vh / h.z;
+                all += weight;
+                if v.dot(self.hidden) < 0.0 {
+                    lit += weight;
+                }
+            }
+        }
+        lit / all
+    }
+}
+
+#[test]
+fn fractions_with_a_grain_are_those_of_quadrature() {
+    let mut random = Random::new(23);
+    let (mut sum, mut worst, count) = (0.0, 0.0_f64, 24);
+    for _ in 0..count {
+        let case = Case { alpha: random.log_uniform(0.05, 0.4), ..Case::random(&mut random) };
+        let tangent = DVec3::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0), 0.0).as_vec3();
+        let view = case.view.as_vec3();
+        let grain = Grain::new(Vec3::Z, view, tangent, random.between(0.2, 0.9) as f32);
+        let along = grain.direction(Vec3::Z, view).as_dvec3().normalize();
+        let want = case.exact_along(along, f64::from(grain.alpha(case.alpha as f32)));
+        let error = (case.seen_with(0.003, Some(grain)) - want).abs();
+        sum += error / f64::from(count);
+        worst = worst.max(error);
+    }
+    println!("with a grain: mean {sum:.1e}, worst {worst:.1e}");
+    assert!(sum < 0.003 && worst < 0.02, "{sum} {worst}");
 }
 
 #[test]

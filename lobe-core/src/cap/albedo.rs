@@ -16,6 +16,11 @@ pub(super) const TURNS: [(f32, f32); 8] = [
     (-0.980_785_3, 0.195_090_32),
 ];
 
+/// The same all around, for what is no mirror image.
+pub(super) fn all_turns() -> impl Iterator<Item = (f32, f32)> {
+    TURNS.into_iter().chain(TURNS.map(|(cos, sin)| (cos, -sin)))
+}
+
 /// Places and weights of the Gauss–Legendre rule on [0, 1].
 pub(super) const PLACES: [(f32, f32); 8] = [
     (0.019_855_072, 0.050_614_268),

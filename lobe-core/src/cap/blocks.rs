@@ -1,3 +1,4 @@
+use super::brushed::Brushed;
 use super::chord::{self, Chord, finish};
 use super::microfacets::{self, Ellipse};
 use super::pair::Pair;
@@ -24,6 +25,8 @@ pub(super) struct Blocks {
     microfacets: Facets,
     microfacets_cut: Facets,
     microfacets_all: Facets,
+    /// The three of microfacets with a grain.
+    brushed: [Facets; 3],
 }
 
 impl Blocks {
@@ -39,6 +42,7 @@ impl Blocks {
             microfacets: Facets::new(),
             microfacets_cut: Facets::new(),
             microfacets_all: Facets::new(),
+            brushed: [const { Facets::new() }; 3],
         }
     }
 
@@ -74,8 +78,11 @@ impl Blocks {
             self.microfacets.push(level, over_chords::<false>, pair, of, out);
         } else if form == form::MICROFACETS_CUT {
             self.microfacets_cut.push(level, over_chords::<true>, pair, of, out);
-        } else {
+        } else if form == form::MICROFACETS_ALL {
             self.microfacets_all.push(level, over_facets, pair, of, out);
+        } else {
+            let which = (form - form::BRUSHED - form::MICROFACETS) as usize;
+            self.brushed[which].push(level, BRUSHED[which], pair, of, out);
         }
     }
 
@@ -124,6 +131,7 @@ impl Blocks {
         self.microfacets.flush(level, over_chords::<false>, out);
         self.microfacets_cut.flush(level, over_chords::<true>, out);
         self.microfacets_all.flush(level, over_facets, out);
+        self.brushed.iter_mut().zip(BRUSHED).for_each(|(brushed, sum)| brushed.flush(level, sum, out));
     }
 
     fn crossed(&mut self, level: Level, out: &mut [f32]) {
@@ -266,7 +274,7 @@ fn facets(tile: &TileLobes, number: usize, j: usize, lobe: &PackedLobe) -> Optio
     let stride = tile.blocks_of_place();
     let other = |number: usize| bytemuck::cast::<_, PackedLobe>(row(tile.block(number), j));
     let k = (number * WIDTH + j) as u32;
-    if lobe.kind == PackedLobe::MICROFACETS_F90 {
+    if lobe.is_edge() {
         let is_paired = number >= stride && other(number - stride).is_followed_by(lobe);
         return Some([if is_paired { k - (stride * WIDTH) as u32 } else { NOWHERE }, k]);
     }
@@ -367,6 +375,46 @@ fn over_facets(level: Level, pairs: &Columns<12>) -> Columns<2> {
         }
         sums
     })
+}
+
+/// The sums of microfacets with a grain, by their forms.
+const BRUSHED: [SumOfPairs; 3] = [over_brushed::<false>, over_brushed::<true>, over_brushed_facets];
+
+/// [`over_chords`] of microfacets with a grain.
+#[inline(never)]
+fn over_brushed<const IS_CUT: bool>(level: Level, pairs: &Columns<12>) -> Columns<2> {
+    let mut all = [[0.0; WIDTH]; 13];
+    map(level, &ToBrushed::<IS_CUT>, pairs, &[], &mut all);
+    let sums = dispatch!(level, _simd => {
+        let mut sums = [[0.0; WIDTH]; 2];
+        for (cos, weight) in microfacets::nodes::<IS_CUT>() {
+            let [base, edge] = &mut sums;
+            for (j, (base, edge)) in base.iter_mut().zip(edge).enumerate() {
+                let node = bytemuck::cast::<_, Brushed>(row(&all, j)).node::<IS_CUT>(cos, weight);
+                *base += node[0];
+                *edge += node[1];
+            }
+        }
+        sums
+    });
+    let weights: [f32; WIDTH] = core::array::from_fn(|j| bytemuck::cast::<_, Brushed>(row(&all, j)).weight());
+    sums.map(|sums| core::array::from_fn(|j| finish(weights[j], sums[j])))
+}
+
+/// [`over_facets`] of microfacets with a grain: fewer, and so one by one.
+#[inline(never)]
+fn over_brushed_facets(level: Level, pairs: &Columns<12>) -> Columns<2> {
+    let all: [[f32; 2]; WIDTH] =
+        core::array::from_fn(|j| super::of_brushed_everywhere(level, &bytemuck::cast(row(pairs, j))));
+    [0, 1].map(|part| all.map(|both| both[part]))
+}
+
+struct ToBrushed<const IS_CUT: bool>;
+impl<const IS_CUT: bool> Lane<12, 0, 13> for ToBrushed<IS_CUT> {
+    #[inline(always)]
+    fn value(&self, pair: [f32; 12], []: [f32; 0]) -> [f32; 13] {
+        bytemuck::cast(Brushed::new::<IS_CUT>(&bytemuck::cast(pair)))
+    }
 }
 
 struct ToFacets;

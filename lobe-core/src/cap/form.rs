@@ -23,6 +23,8 @@ pub(super) const EDGE: f32 = 5.0;
 pub(super) const MICROFACETS: f32 = 6.0;
 pub(super) const MICROFACETS_CUT: f32 = 7.0;
 pub(super) const MICROFACETS_ALL: f32 = 8.0;
+/// Between these three and those of microfacets with a grain.
+pub(super) const BRUSHED: f32 = 3.0;
 
 /// The form, and the value where that is done.
 #[inline(always)]
@@ -41,6 +43,7 @@ pub(super) fn of(light: &Seen, lobe: &PackedLobe) -> [f32; 2] {
     let microfacets = if above { MICROFACETS } else { MICROFACETS_CUT };
     let everywhere = light.one_minus_cos >= 1.0 && light.axis == light.normal;
     let microfacets = if everywhere { MICROFACETS_ALL } else { microfacets };
+    let microfacets = if lobe.kind >= PackedLobe::MICROFACETS_GRAIN { microfacets + BRUSHED } else { microfacets };
     let glossy = if lobe.is_microfacets() { microfacets } else { glossy };
     let form = if lambert { diffuse } else { glossy };
 

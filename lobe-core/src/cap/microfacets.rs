@@ -1,5 +1,6 @@
 //! The integrals of lobes of microfacets over a light's cone: in the plane of half vectors a cosine lobe over an ellipse.
 
+use super::brushed::{masked, sheared};
 use super::pair::Pair;
 use crate::microfacets::{alpha_sq, masking, schlick, seen_from};
 use crate::special::atan2;
@@ -67,16 +68,22 @@ fn root_of(x: f32) -> f32 {
     if x > 0.0 { x.sqrt() } else { 0.0 }
 }
 
-/// Cosine and sine of the turn of the chords: they run along the principal axis of the ellipse's second moment about the origin.
+/// The ellipse's second moment about the origin, in slopes.
 #[inline(always)]
-fn principal_axis([sin, vz]: [f32; 2], [cx, cy, cz]: [f32; 3], omc: f32) -> (f32, f32) {
+pub(super) fn moments([vx, vy, vz]: [f32; 3], [cx, cy, cz]: [f32; 3], omc: f32) -> [f32; 3] {
     let near = above_zero(vz + cz);
-    let (sx, sy) = ((sin + cx) / near, cy / near);
+    let (sx, sy) = ((vx + cx) / near, (vy + cy) / near);
     let (qx, qy) = (cx - sx * cz, cy - sy * cz);
     let size = 0.25 * (omc * (2.0 - omc)) / (near * near);
     let xx = sx * sx + size * (1.0 + sx * sx - qx * qx);
     let yy = sy * sy + size * (1.0 + sy * sy - qy * qy);
     let xy = sx * sy + size * (sx * sy - qx * qy);
+    [xx, yy, xy]
+}
+
+/// Cosine and sine of the turn of the chords: they run along the principal axis of a second moment.
+#[inline(always)]
+pub(super) fn principal_axis([xx, yy, xy]: [f32; 3]) -> (f32, f32) {
     let (difference, twice) = (xx - yy, 2.0 * xy);
     let root = (difference * difference + twice * twice).sqrt();
     let double = if root > 1e-30 { difference / root } else { 1.0 };
@@ -159,11 +166,24 @@ impl Ellipse {
         let (cx, cy, cz) = (forward.dot(pair.light), aside.dot(pair.light), n.dot(pair.light));
         let alpha_sq = alpha_sq(pair.exponent);
         let omc = pair.one_minus_cos;
-        let (ex, ey) = principal_axis([sin, vz], [cx, cy, cz], omc);
+        let (ex, ey) = principal_axis(moments([sin, 0.0, vz], [cx, cy, cz], omc));
         let view = Vec3::new(sin * ex, -sin * ey, vz);
         let light = Vec3::new(cx * ex + cy * ey, cy * ex - cx * ey, cz);
+        let shadowing = (vz * vz * (1.0 - alpha_sq) + alpha_sq).sqrt();
+        Self::between::<IS_CUT>(view, light, omc, alpha_sq, (cx * cx + cy * cy, shadowing))
+    }
+
+    /// Seen along the chords; `flat` is the squared length of the light's direction along the surface.
+    #[inline(always)]
+    pub(super) fn between<const IS_CUT: bool>(
+        view: Vec3,
+        light: Vec3,
+        omc: f32,
+        alpha_sq: f32,
+        (flat, shadowing): (f32, f32),
+    ) -> Self {
         let ends = ends(view, light, omc);
-        let (low, high) = if IS_CUT { ends_above(view, light, omc, cx * cx + cy * cy, ends) } else { ends };
+        let (low, high) = if IS_CUT { ends_above(view, light, omc, flat, ends) } else { ends };
         let place = |y: f32| y / (alpha_sq + y * y).sqrt();
         let (low, high) = (place(low), place(high));
         let half = 0.5 * (high - low);
@@ -174,7 +194,7 @@ impl Ellipse {
             alpha_sq,
             middle: 0.5 * (low + high),
             half: if half > 0.0 { half } else { 0.0 },
-            shadowing: (vz * vz * (1.0 - alpha_sq) + alpha_sq).sqrt(),
+            shadowing,
         }
     }
 
@@ -187,6 +207,17 @@ impl Ellipse {
     /// One chord of both lobes of a pair, the one that is the same at all angles and the edge, times its weight.
     #[inline(always)]
     pub(super) fn node<const IS_CUT: bool>(&self, cos: f32, weight: f32) -> [f32; 2] {
+        self.node_of::<IS_CUT, false>(cos, weight, [self.alpha_sq.sqrt(), 0.0])
+    }
+
+    /// The same, with `α` along the chords and the shear of the stretched slopes along them.
+    #[inline(always)]
+    pub(super) fn node_of<const IS_CUT: bool, const IS_BRUSHED: bool>(
+        &self,
+        cos: f32,
+        weight: f32,
+        [along, shear]: [f32; 2],
+    ) -> [f32; 2] {
         let ([v1, v2, vz], [c1, c2, cz]) = (self.view.to_array(), self.light.to_array());
         let alpha = self.alpha_sq.sqrt();
         let t = self.middle + self.half * cos;
@@ -220,7 +251,8 @@ impl Ellipse {
         let (x, z) = (x * length, z * length);
 
         let b = (1.0 + y * y).sqrt();
-        let scale = root / (alpha * b);
+        let scale = root / (along * b);
+        let shift = if IS_BRUSHED { shear * y / b } else { 0.0 };
         let (below, above) = (z + x * tan, z - x * tan);
         let (start, end) = (x - tan * z, x + tan * z);
         let finite = |steep: f32, end: f32| {
@@ -228,15 +260,19 @@ impl Ellipse {
             if steep.abs() > 1e-5 { end / steep } else { sign * FAR }
         };
         let (p, q) = (scale * finite(below, start), scale * finite(above, end));
+        let (p, q) = if IS_BRUSHED { (p - shift, q - shift) } else { (p, q) };
         let (p, q) = if all { (-FAR * scale, FAR * scale) } else { (p, q) };
         let is_one = p < q;
         let length = scale * 2.0 * tan / (below * above);
         let length = if all || below * above < 1e-9 { q - p } else { length };
-        let part = |p: f32, q: f32, length: f32| self.part([alpha, b, slope], [p, q], if hits { length } else { 0.0 });
+        let part = |p: f32, q: f32, length: f32| {
+            self.part::<IS_BRUSHED>([along, b, slope, shear, shift], [p, q], if hits { length } else { 0.0 })
+        };
         if !IS_CUT {
             return part(p, q, if is_one { length } else { 0.0 }).map(|part| weight * part);
         }
-        let (least, most) = self.above(slope, 1.0 / (alpha * b));
+        let (least, most) = self.above(slope, 1.0 / (along * b));
+        let (least, most) = if IS_BRUSHED { (least - shift, most - shift) } else { (least, most) };
         // One range from p to q, or all but what is between q and p.
         let cut = least > p || most < q || !is_one;
         let high = if is_one && q < most { q } else { most };
@@ -259,7 +295,12 @@ impl Ellipse {
 
     /// A range of a chord: closed for the cosine lobe, and the rest of the reflectance at two points with the range's mean and variance.
     #[inline(always)]
-    fn part(&self, [alpha, b, slope]: [f32; 3], [p, q]: [f32; 2], length: f32) -> [f32; 2] {
+    fn part<const IS_BRUSHED: bool>(
+        &self,
+        [along, b, slope, shear, shift]: [f32; 5],
+        [p, q]: [f32; 2],
+        length: f32,
+    ) -> [f32; 2] {
         let [v1, v2, vz] = self.view.to_array();
         let counts = length > 0.0;
         let length = if counts { length } else { 0.0 };
@@ -283,14 +324,20 @@ impl Ellipse {
         let (first, last) = (if first > p { first } else { p }, if last < q { last } else { q });
 
         let rest = |x: f32| {
-            let slope_x = alpha * b * x;
+            let slope_x = along * b * if IS_BRUSHED { x + shift } else { x };
             let u = v1 * slope_x + v2 * slope + vz;
             let u = if u > 0.0 { u } else { 0.0 };
             let square = 1.0 + slope_x * slope_x + slope * slope;
             let vh = u / square.sqrt();
             let fifth = schlick(vh);
             // dω_l = 4 (ω_o·h) dω_h; the cosine lobe has taken n·h.
-            let rest = u * masking(2.0 * u / square - vz, vz, self.alpha_sq, self.shadowing);
+            let light = 2.0 * u / square - vz;
+            let rest = u * if IS_BRUSHED {
+                let aside = [2.0 * u * slope_x / square - v1, 2.0 * u * slope / square - v2];
+                masked(light, vz, self.shadowing, sheared(aside, [along, shear, self.alpha_sq.sqrt()]))
+            } else {
+                masking(light, vz, self.alpha_sq, self.shadowing)
+            };
             [rest * (1.0 - fifth), rest * fifth]
         };
         let (first, last) = (rest(first), rest(last));

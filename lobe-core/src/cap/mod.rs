@@ -2,6 +2,8 @@
 
 mod albedo;
 mod blocks;
+mod brushed;
+mod brushed_facets;
 mod chord;
 mod form;
 mod lambert;
@@ -12,6 +14,8 @@ mod slab;
 pub use self::lambert::sphere_light_irradiance;
 
 use self::blocks::Blocks;
+use self::brushed::Brushed;
+use self::brushed_facets::BrushedFacets;
 use self::chord::Chord;
 use self::microfacets::Ellipse;
 use self::pair::Pair;
@@ -38,6 +42,7 @@ use glam::Vec3;
 ///
 /// - microfacets: in the plane of half vectors the light is an ellipse and the distribution a cosine lobe, whose integral along a chord is
 ///   closed; the rest of the reflectance is smooth and taken at two points of each of 10 chords, of 32 through the horizon.
+/// - microfacets with a [grain](crate::Grain): the same, as lines and ellipses stay what they are where slopes are stretched;
 /// - microfacets inside the light: the mean over the facets that the eye sees, 64 of them above the horizon.
 ///
 /// # Domain
@@ -73,11 +78,17 @@ pub fn cap_integral(at: &Receiver, lobe: impl Into<BrdfLobe>, cone: &Cone) -> f3
     } else if form == form::PIECES {
         Chord::pieces(&pair).fold(0.0, |sum, chord| sum + over_nodes::<{ chord::PIECE }, true>(level, &chord))
     } else if form == form::MICROFACETS {
-        of_microfacets::<false>(level, &pair)[usize::from(lobe.kind == PackedLobe::MICROFACETS_F90)]
+        of_microfacets::<false>(level, &pair)[usize::from(lobe.is_edge())]
     } else if form == form::MICROFACETS_CUT {
-        of_microfacets::<true>(level, &pair)[usize::from(lobe.kind == PackedLobe::MICROFACETS_F90)]
+        of_microfacets::<true>(level, &pair)[usize::from(lobe.is_edge())]
     } else if form == form::MICROFACETS_ALL {
-        of_everywhere(level, &pair)[usize::from(lobe.kind == PackedLobe::MICROFACETS_F90)]
+        of_everywhere(level, &pair)[usize::from(lobe.is_edge())]
+    } else if form == form::MICROFACETS + form::BRUSHED {
+        of_brushed::<false>(level, &pair)[usize::from(lobe.is_edge())]
+    } else if form == form::MICROFACETS_CUT + form::BRUSHED {
+        of_brushed::<true>(level, &pair)[usize::from(lobe.is_edge())]
+    } else if form == form::MICROFACETS_ALL + form::BRUSHED {
+        of_brushed_everywhere(level, &pair)[usize::from(lobe.is_edge())]
     } else if form == form::EDGE {
         Chord::pieces(&pair).fold(0.0, |sum, chord| sum + over_nodes::<{ chord::EDGE }, true>(level, &chord))
     } else {
@@ -184,6 +195,34 @@ fn of_everywhere(level: Level, pair: &Pair) -> [f32; 2] {
         }
         sums
     })
+}
+
+/// The same of microfacets with a grain.
+fn of_brushed_everywhere(level: Level, pair: &Pair) -> [f32; 2] {
+    let facets = BrushedFacets::new(pair);
+    dispatch!(level, _simd => {
+        let mut sums = [0.0; 2];
+        for turn in albedo::all_turns() {
+            let range = (0..albedo::HALVINGS).fold(facets.cap(), |range, _| facets.halve(range, turn));
+            for place in albedo::PLACES {
+                let node = facets.node(range, turn, place);
+                sums = [sums[0] + node[0], sums[1] + node[1]];
+            }
+        }
+        sums
+    })
+}
+
+/// The chords of the ellipse of microfacets with a grain, for both lobes of a pair.
+fn of_brushed<const IS_CUT: bool>(level: Level, pair: &Pair) -> [f32; 2] {
+    let brushed = Brushed::new::<IS_CUT>(pair);
+    let sums = dispatch!(level, _simd => {
+        microfacets::nodes::<IS_CUT>().fold([0.0; 2], |[base, edge], (cos, weight)| {
+            let node = brushed.node::<IS_CUT>(cos, weight);
+            [base + node[0], edge + node[1]]
+        })
+    });
+    sums.map(|sum| chord::finish(brushed.weight(), sum))
 }
 
 /// The chords of an ellipse of half vectors, for both lobes of a pair.

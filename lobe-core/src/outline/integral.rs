@@ -3,7 +3,7 @@ use super::lambert::irradiance;
 use super::{LightImage, Outline, nearest_of};
 use crate::microfacets::seen_from;
 use crate::special::{atan2, exp, ln_of};
-use crate::{BrdfLobe, Cone, Lobe, Microfacets, MicrofacetsAt, Receiver, cap_integral, is_lambert};
+use crate::{BrdfLobe, BrushedAt, Cone, Facets, Lobe, Microfacets, Receiver, Schlick, cap_integral, is_lambert};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Vec2, Vec3};
 
@@ -152,6 +152,11 @@ fn microfacets(normal: Vec3, facets: &Microfacets, light: &Outline, image: Optio
     // Rows across the plane of incidence: highlights are longer along it.
     let (cos, sin, forward) = seen_from(normal, facets.view);
     let turn = normal * sin + forward * cos;
+    let widths = [2.0 * alpha, 2.0 * alpha * cos.max(alpha)];
+    let (turn, widths) = facets.grain.map_or((turn, widths), |grain| {
+        let (long, widths) = grain.highlight(alpha, cos);
+        (turn * long.x + normal.cross(forward) * long.y, widths)
+    });
     let toward = light.axis().dot(mirror);
     let across = if toward > 1e-3 { turn - mirror * (light.axis().dot(turn) / toward) } else { mirror };
     let frame = light.frame(across);
@@ -162,15 +167,20 @@ fn microfacets(normal: Vec3, facets: &Microfacets, light: &Outline, image: Optio
     let stretch = 1.0 + point.length_squared();
     // Their tails are powers of the distance.
     let beside = 0.5 * place.distance(point);
-    let width =
-        Vec2::new((2.0 * alpha * stretch).max(beside), (2.0 * alpha * cos.max(alpha) * stretch.sqrt()).max(beside));
-    let facets = Facets(Microfacets { view: local(facets.view), ..*facets }.at(local(normal)));
+    let width = Vec2::new((widths[0] * stretch).max(beside), (widths[1] * stretch.sqrt()).max(beside));
+    let here = Microfacets { view: local(facets.view), ..*facets };
     // Next to the receiver the light's own `1/r³` may matter more.
     let foot = nearest_of(light.on_plane(frame), Vec2::ZERO);
     let point = if width.min_element() > (1.0 + foot.length_squared()).sqrt() { foot } else { point };
     let width = width.min(Vec2::splat((1.0 + point.length_squared()).sqrt()));
     let peak = Peak { point, width, is_beside: beside > 2.0 * alpha * stretch };
-    cubature(normal, light, frame, peak, facets, image)
+    let (part, of_surface) = (facets.part, local(normal));
+    match facets.grain {
+        None => cubature(normal, light, frame, peak, Part(here.at(of_surface), part), image),
+        Some(grain) => {
+            cubature(normal, light, frame, peak, Part(BrushedAt::new(&here, grain, of_surface), part), image)
+        }
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -207,11 +217,11 @@ impl Value for Power {
 }
 
 #[derive(Clone, Copy)]
-struct Facets(MicrofacetsAt);
+struct Part<F>(F, Schlick);
 
-impl Value for Facets {
+impl<F: Facets> Value for Part<F> {
     #[inline(always)]
     fn at(&self, p: Vec3, inverse: f32) -> f32 {
-        self.0.value(p * inverse.sqrt())
+        self.1.of(self.0.both(p * inverse.sqrt()))
     }
 }

@@ -108,7 +108,7 @@ impl World<'_> {
             let mut factors = surface.factors(&place);
             factors.color *= color.unwrap_or(Vec3::ONE);
             let material = own.scaled(&factors);
-            let along = surface.follows_u.then(|| along_u(at, patch.changes(0)));
+            let along = surface.follows_u.then(|| along_grain(at, patch.changes(0), surface.grain(&place)));
             along.and_then(|along| material.turned(at.normal, along)).unwrap_or(material)
         });
         let coated =
@@ -233,6 +233,17 @@ fn on_sphere(ball: Sphere, position: Vec3) -> ([f32; 2], [Vec3; 2]) {
 /// The direction in the surface in which u grows and v does not; of any length.
 fn along_u(at: &Receiver, [u, v]: [Vec3; 2]) -> Vec3 {
     v.cross(at.face) * u.cross(v).dot(at.face).signum()
+}
+
+/// A direction by its parts along growing u and against growing v, of any length.
+fn along_grain(at: &Receiver, changes: [Vec3; 2], grain: Vec2) -> Vec3 {
+    let to_u = along_u(at, changes);
+    if grain == Vec2::X {
+        return to_u;
+    }
+    let [u, v] = changes;
+    let to_v = u.cross(at.face) * u.cross(v).dot(at.face).signum();
+    to_u.normalize_or_zero() * grain.x + to_v.normalize_or_zero() * grain.y
 }
 
 /// The normal of a point turned to one in the frame of texture coordinates, on the eye's side; by the tangent of its vertices where that is

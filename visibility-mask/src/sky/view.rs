@@ -7,7 +7,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::Vec3;
 use lobe_core::special::{exp, ln_1p};
 use lobe_core::vec3x8::{LANES, Vec3x8};
-use lobe_core::{BrdfLobe, Coverage, Lobe, MicrofacetsAt, Receiver, Schlick, is_lambert};
+use lobe_core::{BrdfLobe, BrushedAt, Coverage, Facets, Lobe, MicrofacetsAt, Receiver, Schlick, is_lambert};
 
 /// The widest step between samples that a lobe's sum is good for: this part of the lobe's standard deviation.
 const STEPS: f32 = 1.5;
@@ -140,8 +140,16 @@ impl SkyView {
                 {
                     return edge;
                 }
-                let value = facets.at(at.normal);
-                let [base, edge] = dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &blend, &value));
+                let [base, edge] = match facets.grain {
+                    None => {
+                        let value = facets.at(at.normal);
+                        dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &blend, &value))
+                    }
+                    Some(grain) => {
+                        let value = BrushedAt::new(facets, grain, at.normal);
+                        dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &blend, &value))
+                    }
+                };
                 match facets.part {
                     Schlick::F0 => {
                         self.edge = Some((facets.exponent, edge));
@@ -323,6 +331,13 @@ impl Values<1> for PowerLobe {
 }
 
 impl Values<2> for MicrofacetsAt {
+    #[inline(always)]
+    fn values<S: Simd>(&self, simd: S, cell: &Cell) -> Option<[[f32; LANES]; 2]> {
+        Some(self.both_of_eight(simd, cell.direction(simd)).map(Into::into))
+    }
+}
+
+impl Values<2> for BrushedAt {
     #[inline(always)]
     fn values<S: Simd>(&self, simd: S, cell: &Cell) -> Option<[[f32; LANES]; 2]> {
         Some(self.both_of_eight(simd, cell.direction(simd)).map(Into::into))

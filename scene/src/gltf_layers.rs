@@ -1,4 +1,4 @@
-//! Clear coats of glTF materials (KHR_materials_clearcoat), which the document reader does not know.
+//! Extensions of glTF materials that the document reader does not know: KHR_materials_anisotropy and KHR_materials_clearcoat.
 
 use crate::gltf_buffers::Buffers;
 use crate::gltf_texture::{Images, Reference};
@@ -12,7 +12,7 @@ use gltf::json::material::NormalTexture;
 use gltf::json::texture::Info;
 
 /// A look with the clear coat that an extension's object says; numbers out of range are taken as the nearest that are not.
-pub(crate) fn add(
+pub(crate) fn coated(
     clearcoat: &Value,
     look: Look,
     buffers: &Buffers<'_>,
@@ -20,7 +20,7 @@ pub(crate) fn add(
 ) -> Result<Look, String> {
     let fault = |e: String| format!("KHR_materials_clearcoat: {e}");
     let [weight, roughness] = [number(clearcoat, "clearcoatFactor"), number(clearcoat, "clearcoatRoughnessFactor")];
-    let (weight, roughness) = (weight.map_err(fault)?, roughness.map_err(fault)?);
+    let (weight, roughness) = (unit(weight.map_err(fault)?), unit(roughness.map_err(fault)?));
     let mut channel = |name: &str, index: usize| {
         let Some(info) = texture(clearcoat, name)? else { return Ok(None) };
         images.source(info.index.value())?;
@@ -52,11 +52,36 @@ pub(crate) fn add(
     Ok(Look { material: metal.into(), surface, ..look })
 }
 
-/// A factor within [0, 1]; 0 without one.
-fn number(clearcoat: &Value, name: &str) -> Result<f32, String> {
-    let Some(value) = clearcoat.get(name) else { return Ok(0.0) };
-    let number = value.as_f64().ok_or_else(|| format!("{name} is {value}: expected a number"))?;
-    Ok(unit(number as f32))
+/// A look with the anisotropy that an extension's object says, in the same way.
+pub(crate) fn brushed(
+    anisotropy: &Value,
+    look: Look,
+    buffers: &Buffers<'_>,
+    images: &mut Images<'_>,
+) -> Result<Look, String> {
+    let fault = |e: String| format!("KHR_materials_anisotropy: {e}");
+    let strength = unit(number(anisotropy, "anisotropyStrength").map_err(fault)?);
+    let turn = number(anisotropy, "anisotropyRotation").map_err(fault)?;
+    let info = texture(anisotropy, "anisotropyTexture").map_err(fault)?;
+    let map = info.as_ref().map(|info| {
+        images.source(info.index.value())?;
+        images.map(buffers, Some(Reference::from(info)), Encoding::Linear)
+    });
+    let map = map.transpose().map_err(fault)?.flatten();
+    let Material::MetallicRoughness(metal) = look.material else { return Ok(look) };
+    let metal = metal.with_anisotropy(strength).map_err(|e| fault(e.to_string()))?;
+    if metal.anisotropy() == 0.0 {
+        return Ok(Look { material: metal.into(), ..look });
+    }
+    let surface = Surface { anisotropy: map, anisotropy_turn: turn, follows_u: true, ..look.surface };
+    Ok(Look { material: metal.into(), surface, ..look })
+}
+
+/// A number; 0 without one.
+fn number(of: &Value, name: &str) -> Result<f32, String> {
+    let Some(value) = of.get(name) else { return Ok(0.0) };
+    let number = value.as_f64().ok_or_else(|| format!("{name} is {value}: expected a number"))? as f32;
+    if number.is_finite() { Ok(number) } else { Err(format!("{name} is {value}: expected a finite number")) }
 }
 
 fn texture(clearcoat: &Value, name: &str) -> Result<Option<Info>, String> {

@@ -1,0 +1,36 @@
+//! The grain of a metallic–roughness material (KHR_materials_anisotropy).
+
+use crate::visible_normals::VisibleNormals;
+use glam::Vec3;
+use lobe_core::{Grain, Receiver, orthonormal_basis};
+
+/// Rougher along a direction: `α_t = α + (1 − α) strength²` there, `α` across it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Anisotropy {
+    pub(crate) strength: f32,
+    /// The direction, of any length; one that follows from the normal without.
+    pub(crate) tangent: Option<Vec3>,
+}
+
+impl Anisotropy {
+    fn tangent(&self, normal: Vec3) -> Vec3 {
+        self.tangent.unwrap_or_else(|| orthonormal_basis(normal).0)
+    }
+
+    pub(crate) fn grain(&self, at: &Receiver) -> Option<Grain> {
+        (self.strength > 0.0).then(|| Grain::new(at.normal, at.view, self.tangent(at.normal), self.strength))
+    }
+
+    /// The roughness of an isotropic surface with as large a peak.
+    pub(crate) fn mean(&self, alpha: f32) -> f32 {
+        let along = alpha + (1.0 - alpha) * self.strength * self.strength;
+        (along * alpha).sqrt().sqrt()
+    }
+
+    pub(crate) fn visible(&self, at: &Receiver, alpha: f32) -> Option<VisibleNormals> {
+        let grain = self.grain(at)?;
+        let along = grain.direction(at.normal, at.view).normalize();
+        let frame = [along, at.normal.cross(along), at.normal];
+        Some(VisibleNormals::in_frame(frame, at.view, [grain.alpha(alpha), alpha]))
+    }
+}
