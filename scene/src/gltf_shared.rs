@@ -105,3 +105,62 @@ impl SharedMeshes {
         Ok(((!is_empty).then(|| Arc::new(part.mesh)), repaired))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Shape, load_from};
+    use std::collections::BTreeMap;
+    use std::path::PathBuf;
+
+    /// A document of so many nodes with a band of so many triangles.
+    fn document(nodes: usize, triangles: usize) -> Arc<BTreeMap<PathBuf, Vec<u8>>> {
+        let vertices = triangles + 2;
+        let mut bytes: Vec<u8> = Vec::new();
+        for k in 0..vertices {
+            let p = [k as f32, (k % 2) as f32, (k as f32 * 0.3).sin()];
+            bytes.extend(p.iter().flat_map(|x| x.to_le_bytes()));
+        }
+        let indices: Vec<u32> = (0..triangles as u32).flat_map(|k| [k, k + 1, k + 2]).collect();
+        bytes.extend(indices.iter().flat_map(|i| i.to_le_bytes()));
+        let node = |k: usize| format!(r#"{{"mesh": 0, "translation": [{}, 0, {}]}}"#, k % 40 * 99, k / 40 * 3);
+        let all: Vec<String> = (0..nodes).map(node).collect();
+        let [from, size, count] = [12 * vertices, bytes.len() - 12 * vertices, indices.len()];
+        let json = format!(
+            r#"{{"asset": {{"version": "2.0"}}, "buffers": [{{"uri": "a.bin", "byteLength": {}}}],
+            "bufferViews": [{{"buffer": 0, "byteLength": {from}}}, {{"buffer": 0, "byteOffset": {from}, "byteLength": {size}}}],
+            "accessors": [{{"bufferView": 0, "componentType": 5126, "count": {vertices}, "type": "VEC3",
+            "min": [0, 0, -1], "max": [{vertices}, 1, 1]}},
+            {{"bufferView": 1, "componentType": 5125, "count": {count}, "type": "SCALAR"}}],
+            "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "indices": 1}}]}}], "nodes": [{}]}}"#,
+            bytes.len(),
+            all.join(",")
+        );
+        Arc::new(BTreeMap::from([("a.gltf".into(), json.into_bytes()), ("a.bin".into(), bytes)]))
+    }
+
+    #[test]
+    fn meshes_at_many_places_are_stored_once() {
+        let (scene, _, warnings) = load_from(document(1500, 70), "a.gltf", None).expect("a scene");
+        assert!(warnings.is_empty(), "{warnings:?}");
+        let shared = scene.objects.iter().filter_map(|object| match &object.shape {
+            Shape::Instances(instances) => Some(instances),
+            _ => None,
+        });
+        let meshes: Vec<&Instances> = shared.collect();
+        assert_eq!((meshes.len(), scene.triangles()), (1500, 1500 * 70 + 2));
+        assert!(meshes.iter().all(|all| Arc::ptr_eq(all.mesh(), meshes[0].mesh())));
+        // A floor stands below them, as below copies.
+        let bounds = scene.bounds();
+        assert!(bounds.max.x > 40.0 * 99.0 && bounds.max.z > 100.0, "{bounds:?}");
+    }
+
+    #[test]
+    fn few_or_small_meshes_are_copied() {
+        for (nodes, triangles) in [(10, 70), (2000, 60)] {
+            let (scene, ..) = load_from(document(nodes, triangles), "a.gltf", None).expect("a scene");
+            assert!(scene.objects.iter().all(|object| matches!(object.shape, Shape::Mesh(_))), "{nodes}");
+            assert_eq!(scene.objects.len(), nodes + 1);
+        }
+    }
+}

@@ -72,7 +72,7 @@ mod tests {
         let hash = QuickHash;
         let grid = (0..64_u32 * 64 * 16).map(|k| [k % 64, k / 64 % 64, k / 4096].map(|x| (x as f32 * 0.25).to_bits()));
         let lows: HashSet<u64> = grid.map(|key| hash.hash_one(key) & 0xffff).collect();
-        // Of 65 536 balls in as many urns 63.2 % are not empty.
+        // Of 65 536 places 63.2 % are taken by as many random keys.
         assert!((39_000..44_000).contains(&lows.len()), "{}", lows.len());
         let highs: HashSet<u64> = (0..65_536_u32).map(|k| hash.hash_one([k, k + 1, k + 2]) >> 48).collect();
         assert!((39_000..44_000).contains(&highs.len()), "{}", highs.len());

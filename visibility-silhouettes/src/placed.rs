@@ -277,7 +277,7 @@ mod tests {
     use lobe_core::oracle::Random;
     use lobe_core::{Cone, LightId, Shaft, Sphere};
 
-    /// A bumpy ball of `n` rings, with a fin that makes it open and a box whose faces have two triangles each.
+    /// A bumpy sphere of `n` rings, with a fin that makes it open and a box whose faces have two triangles each.
     fn shape(n: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
         for ring in 0..=n {
