@@ -2,12 +2,12 @@ mod appearance;
 mod build;
 mod camera_rays;
 mod hierarchy;
+mod instance_tree;
 mod packet;
 mod primitive;
 mod query;
 #[cfg(test)]
 mod refit_tests;
-mod stands;
 mod surface;
 mod tree;
 mod triangle_list;
@@ -81,7 +81,7 @@ impl<'s> World<'s> {
     /// Number of triangles, those without area not counted.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
-        self.hierarchy.triangles.primitives.len() + self.hierarchy.stands.count() as usize
+        self.hierarchy.triangles.primitives.len() + self.hierarchy.instances.count() as usize
     }
 
     /// A triangle by its number: those of meshes first, in the order of their hierarchy, then those of instances.
@@ -90,7 +90,7 @@ impl<'s> World<'s> {
         let own = &self.hierarchy.triangles.primitives;
         match own.get(number as usize) {
             Some(corners) => *corners,
-            None => self.hierarchy.stands.triangle(number - own.len() as u32),
+            None => self.hierarchy.instances.triangle(number - own.len() as u32),
         }
     }
 
@@ -100,7 +100,7 @@ impl<'s> World<'s> {
         let own = &self.hierarchy.triangles.primitives;
         match own.get(number as usize) {
             Some(corners) => corners.name(),
-            None => self.hierarchy.stands.name(number - own.len() as u32),
+            None => self.hierarchy.instances.name(number - own.len() as u32),
         }
     }
 
@@ -138,7 +138,7 @@ impl<'s> World<'s> {
             if by(c.object) { c.meet(r, |_| self.exact_distance(c, &ray)) } else { f32::INFINITY }
         };
         self.hierarchy.triangles.any(ray, meet)
-            || self.hierarchy.stands.any(&ray, meet).is_some()
+            || self.hierarchy.instances.any(&ray, meet).is_some()
             || self.hierarchy.spheres.any(ray, |b, r| if b.blocks && by(b.object) { b.meet(r) } else { f32::INFINITY })
     }
 
@@ -163,7 +163,7 @@ impl<'s> World<'s> {
     fn nearest_triangle(&self, ray: Ray, meet: impl Fn(&Corners, &Ray) -> f32) -> Option<(Corners, f32)> {
         let own = self.hierarchy.triangles.nearest(ray, &meet).map(|(corners, t)| (*corners, t));
         let limit = Ray { tmax: own.map_or(ray.tmax, |(_, t)| t), ..ray };
-        self.hierarchy.stands.nearest(&limit, meet).or(own)
+        self.hierarchy.instances.nearest(&limit, meet).or(own)
     }
 
     /// Start of a shadow ray: `position` moved along the geometric normal by 5e-7 of its largest coordinate (4 to 8 units

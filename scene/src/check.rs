@@ -7,11 +7,21 @@ use lighting::Light;
 use lobe_core::Sphere;
 use std::fmt::Display;
 
+/// The most triangles of a scene, which are numbered: instances are many in little memory.
+const MOST_TRIANGLES: usize = 1 << 31;
+
 /// The largest image edge accepted, in pixels.
 pub(crate) const MAX_IMAGE: u32 = 16384;
 
 fn fault(thing: &dyn Display, error: &dyn Display) -> SceneError {
     SceneError::invalid(format!("{thing}: {error}"))
+}
+
+fn check_triangles(count: usize) -> Result<(), SceneError> {
+    if count <= MOST_TRIANGLES {
+        return Ok(());
+    }
+    Err(SceneError::invalid(format!("the scene has {count} triangles: expected 2^31 at most")))
 }
 
 fn is_color(color: Vec3) -> bool {
@@ -34,6 +44,7 @@ impl Scene {
             Self::check_material(i, material, self.surfaces.get(i).unwrap_or(&Surface::default()))?;
         }
         self.objects.iter().try_for_each(|object| self.check_object(object))?;
+        check_triangles(self.triangles())?;
         self.lights.iter().enumerate().try_for_each(|(i, light)| Self::check_light(i, light))
     }
 
@@ -173,4 +184,16 @@ const MAX_RADIUS_SEEN: f64 = 2e6;
 
 pub(crate) fn check_spheres(spheres: &[Sphere]) -> Result<(), SceneError> {
     spheres.iter().try_for_each(Sphere::validate).map_err(SceneError::invalid)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_can_be_numbered() {
+        assert!(check_triangles(MOST_TRIANGLES).is_ok());
+        let refused = check_triangles(MOST_TRIANGLES + 1).expect_err("too many").to_string();
+        assert!(refused.contains("2147483649 triangles: expected 2^31"), "{refused}");
+    }
 }

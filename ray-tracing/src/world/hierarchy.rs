@@ -2,8 +2,8 @@
 
 use super::appearance;
 use super::build::build;
+use super::instance_tree::InstanceTree;
 use super::primitive::{Corners, SceneSphere};
-use super::stands::Stands;
 use super::tree::{Tree, hierarchy_scale};
 use core::sync::atomic::{AtomicU64, Ordering};
 use glam::{Vec3, Vec3A};
@@ -29,7 +29,7 @@ pub struct Hierarchy {
     pub(super) triangles: Tree<Corners>,
     pub(super) spheres: Tree<SceneSphere>,
     /// Triangles of shared meshes.
-    pub(super) stands: Stands,
+    pub(super) instances: InstanceTree,
     /// Of vertices, by object, for normal maps; empty without.
     pub(super) tangents: Vec<Vec<Vec3>>,
     revision: u64,
@@ -62,7 +62,7 @@ impl Hierarchy {
         let scale = scale_of(&triangles, &spheres);
         let tangents = appearance::tangents(scene);
         let (triangles, spheres) = (triangle_tree(&triangles, scale), sphere_tree(&spheres, scale));
-        Self { triangles, spheres, stands: Stands::new(scene), tangents, revision: new_revision() }
+        Self { triangles, spheres, instances: InstanceTree::new(scene), tangents, revision: new_revision() }
     }
 
     /// Follows the scene: objects may have moved, come or gone. Boxes are refitted where primitives have moved, and a hierarchy is
@@ -82,7 +82,7 @@ impl Hierarchy {
             Update::Built
         });
         self.update_surfaces(scene);
-        let done = of_triangles.max(of_spheres).max(self.stands.update(scene));
+        let done = of_triangles.max(of_spheres).max(self.instances.update(scene));
         if done != Update::Kept {
             self.revision = new_revision();
         }

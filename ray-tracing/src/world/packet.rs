@@ -2,8 +2,8 @@
 
 use super::World;
 use super::camera_rays::{Rays, Row, SIDE};
+use super::instance_tree::{Boxes, Walk};
 use super::primitive::{EDGE, SceneSphere};
-use super::stands::{Boxes, Walk};
 use super::tree::Tree;
 use super::triangle_packet::{FAR_LARGER, TrianglePacket, inside};
 use fearless_simd::dispatch;
@@ -89,7 +89,7 @@ impl<'r> RayPacket<'r> {
     }
 
     /// The same for a place of a shared mesh, in world units.
-    fn stand_distances(&self, walk: &Walk<'_>, node: &CwBvhNode) -> Row {
+    fn instance_distances(&self, walk: &Walk<'_>, node: &CwBvhNode) -> Row {
         dispatch!(self.rays.level, _simd => self.distances(&walk.boxes(node, self.rays.eye)))
     }
 
@@ -341,11 +341,11 @@ impl World<'_> {
                 wait(packet, number);
             }
         });
-        let stands = &self.hierarchy.stands;
-        stands.top().visit_packet(packet, |packet, number| {
-            let Some(walk) = stands.walk(number) else { return };
+        let instances = &self.hierarchy.instances;
+        instances.top().visit_packet(packet, |packet, number| {
+            let Some(walk) = instances.walk(number) else { return };
             let first = own.len() as u32 + walk.first;
-            let distances = |packet: &RayPacket<'_>, node: &CwBvhNode| packet.stand_distances(&walk, node);
+            let distances = |packet: &RayPacket<'_>, node: &CwBvhNode| packet.instance_distances(&walk, node);
             walk_packet(walk.bvh, 1.0, packet, distances, &mut |packet, i| wait(packet, first + i));
         });
         if count > 0 {

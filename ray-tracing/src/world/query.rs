@@ -231,11 +231,11 @@ impl World<'_> {
         if self.hierarchy.triangles.in_shaft(shaft, &mut each) {
             return false;
         }
-        if self.hierarchy.stands.is_empty() {
+        if self.hierarchy.instances.is_empty() {
             return true;
         }
         let (hull, own) = (ShaftHull::new(shaft), self.hierarchy.triangles.primitives.len() as u32);
-        !self.hierarchy.stands.visit(&|b| hull.misses(b), &mut |i, c| each(own + i, c))
+        !self.hierarchy.instances.visit(&|b| hull.misses(b), &mut |i, c| each(own + i, c))
     }
 
     /// Object and number of primitives.
@@ -265,7 +265,7 @@ impl World<'_> {
         };
         let own = self.hierarchy.triangles.primitives.len() as u32;
         *last = self.hierarchy.triangles.any_number(ray, meet);
-        *last = last.or_else(|| self.hierarchy.stands.any(&ray, meet).map(|i| own + i));
+        *last = last.or_else(|| self.hierarchy.instances.any(&ray, meet).map(|i| own + i));
         last.is_some()
     }
 
@@ -287,7 +287,7 @@ impl World<'_> {
     pub fn meets(&self, region: &Region, of: impl Fn(u32) -> bool) -> bool {
         let outside = |b: &Aabb| region.misses_box(b);
         self.hierarchy.triangles.visit(&outside, &mut |_, c| of(c.object) && !region.misses_triangle(c))
-            || self.hierarchy.stands.visit(&outside, &mut |_, c| of(c.object) && !region.misses_triangle(c))
+            || self.hierarchy.instances.visit(&outside, &mut |_, c| of(c.object) && !region.misses_triangle(c))
             || self.hierarchy.spheres.visit(&outside, &mut |_, b| b.blocks && of(b.object) && !region.misses_sphere(b))
     }
 }

@@ -36,13 +36,13 @@ struct Shared {
 
 /// A place of a shared mesh.
 #[derive(Clone, Copy)]
-struct Stand {
+struct Instance {
     shared: u32,
     object: u32,
     visible: bool,
     /// The object's number of its first triangle.
     index: u32,
-    /// Its first number among all triangles of stands.
+    /// Its first number among all triangles of instances.
     first: u32,
     matrix: Mat4,
     is_mirrored: bool,
@@ -51,14 +51,14 @@ struct Stand {
     pad: Vec3,
 }
 
-/// A stand in the hierarchy over all.
+/// An instance in the hierarchy over all.
 #[derive(Clone, Copy)]
-pub(super) struct StandBox {
-    stand: u32,
+pub(super) struct InstanceBox {
+    instance: u32,
     bounds: Aabb,
 }
 
-impl Boundable for StandBox {
+impl Boundable for InstanceBox {
     fn aabb(&self) -> Aabb {
         self.bounds
     }
@@ -71,16 +71,19 @@ pub(super) struct Boxes {
 }
 
 /// All shared meshes of a scene at their places.
-pub(super) struct Stands {
+pub(super) struct InstanceTree {
     shared: Vec<Shared>,
-    stands: Vec<Stand>,
-    top: Tree<StandBox>,
+    instances: Vec<Instance>,
+    top: Tree<InstanceBox>,
     count: u32,
 }
 
-impl core::fmt::Debug for Stands {
+impl core::fmt::Debug for InstanceTree {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("Stands").field("meshes", &self.shared.len()).field("places", &self.stands.len()).finish()
+        f.debug_struct("InstanceTree")
+            .field("meshes", &self.shared.len())
+            .field("places", &self.instances.len())
+            .finish()
     }
 }
 
@@ -108,7 +111,7 @@ impl Shared {
     }
 }
 
-impl Stand {
+impl Instance {
     fn new(shared: u32, of: &Shared, matrix: &Mat4) -> Self {
         let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.truncate());
         let is_mirrored = axes[0].cross(axes[1]).dot(axes[2]) < 0.0;
@@ -156,7 +159,7 @@ impl Stand {
     }
 }
 
-impl Stands {
+impl InstanceTree {
     pub(super) fn new(scene: &Scene) -> Self {
         Self::from_earlier(&wanted(scene, &mut Duplicates::default()), Vec::new())
     }
@@ -173,29 +176,29 @@ impl Stands {
         let made: Vec<Shared> = new.into_par_iter().map(Shared::new).collect();
         kept.extend(made);
         kept.sort_unstable_by_key(|shared| Arc::as_ptr(&shared.mesh));
-        let mut stands = Vec::new();
+        let mut instances = Vec::new();
         let mut count = 0;
         for (object, visible, all) in wanted {
             let found = kept.binary_search_by_key(&Arc::as_ptr(all.mesh()), |s| Arc::as_ptr(&s.mesh));
             let Ok(shared) = found else { continue };
             let triangles = all.mesh().triangles.len() as u32;
             for (matrix, index) in all.places().iter().zip(0..) {
-                let stand = Stand::new(shared as u32, &kept[shared], matrix);
-                stands.push(Stand {
+                let instance = Instance::new(shared as u32, &kept[shared], matrix);
+                instances.push(Instance {
                     object: *object,
                     visible: *visible,
                     index: index * triangles,
                     first: count,
-                    ..stand
+                    ..instance
                 });
                 count += triangles;
             }
         }
-        let boxes: Vec<StandBox> = (0..stands.len() as u32)
+        let boxes: Vec<InstanceBox> = (0..instances.len() as u32)
             .into_par_iter()
             .map(|number| {
-                let stand: &Stand = &stands[number as usize];
-                StandBox { stand: number, bounds: stand.bounds(&kept[stand.shared as usize]) }
+                let instance: &Instance = &instances[number as usize];
+                InstanceBox { instance: number, bounds: instance.bounds(&kept[instance.shared as usize]) }
             })
             .collect();
         let all = boxes.iter().fold(Aabb::empty(), |all, b| all.union(&b.bounds));
@@ -205,7 +208,7 @@ impl Stands {
             let boxes = boxes.iter().map(|b| Aabb::new(b.bounds.min * scale, b.bounds.max * scale));
             build(&boxes.collect::<Vec<_>>())
         });
-        Self { shared: kept, stands, top, count }
+        Self { shared: kept, instances, top, count }
     }
 
     /// Follows the scene.
@@ -218,20 +221,20 @@ impl Stands {
         let mut done = Update::Kept;
         let mut number = 0;
         for (object, visible, mesh, matrix) in wanted.iter().flat_map(of) {
-            let same = self.stands.get_mut(number).filter(|stand| {
-                let known = Arc::as_ptr(&self.shared[stand.shared as usize].mesh);
-                (stand.object, known, stand.matrix) == (object, mesh, matrix)
+            let same = self.instances.get_mut(number).filter(|instance| {
+                let known = Arc::as_ptr(&self.shared[instance.shared as usize].mesh);
+                (instance.object, known, instance.matrix) == (object, mesh, matrix)
             });
-            let Some(stand) = same else {
+            let Some(instance) = same else {
                 done = Update::Built;
                 break;
             };
-            if core::mem::replace(&mut stand.visible, visible) != visible {
+            if core::mem::replace(&mut instance.visible, visible) != visible {
                 done = Update::Marked;
             }
             number += 1;
         }
-        if done == Update::Built || number != self.stands.len() {
+        if done == Update::Built || number != self.instances.len() {
             *self = Self::from_earlier(&wanted, core::mem::take(&mut self.shared));
             done = Update::Built;
         }
@@ -247,35 +250,35 @@ impl Stands {
         self.count == 0
     }
 
-    /// The stand of a triangle, and its place in the mesh's hierarchy.
-    fn find(&self, number: u32) -> (&Stand, u32) {
-        let stand = &self.stands[self.stands.partition_point(|stand| stand.first <= number) - 1];
-        (stand, number - stand.first)
+    /// The instance of a triangle, and its place in the mesh's hierarchy.
+    fn find(&self, number: u32) -> (&Instance, u32) {
+        let instance = &self.instances[self.instances.partition_point(|instance| instance.first <= number) - 1];
+        (instance, number - instance.first)
     }
 
     /// Object and number of a triangle.
     pub(super) fn name(&self, number: u32) -> (u32, u32) {
-        let (stand, place) = self.find(number);
-        let triangle = self.shared[stand.shared as usize].bvh.primitive_indices[place as usize];
-        (stand.object, stand.index + triangle)
+        let (instance, place) = self.find(number);
+        let triangle = self.shared[instance.shared as usize].bvh.primitive_indices[place as usize];
+        (instance.object, instance.index + triangle)
     }
 
     pub(super) fn triangle(&self, number: u32) -> Corners {
-        let (stand, place) = self.find(number);
-        self.corners(stand, place)
+        let (instance, place) = self.find(number);
+        self.corners(instance, place)
     }
 
     /// A triangle in the world, with the bits that it has in [`Instances::expanded`].
     #[inline]
-    fn corners(&self, stand: &Stand, place: u32) -> Corners {
-        let Shared { mesh, bvh, .. } = &self.shared[stand.shared as usize];
+    fn corners(&self, instance: &Instance, place: u32) -> Corners {
+        let Shared { mesh, bvh, .. } = &self.shared[instance.shared as usize];
         let triangle = bvh.primitive_indices[place as usize];
-        let corner = |i: u32| Vec3A::from(stand.matrix.transform_point3(mesh.positions[i as usize]));
+        let corner = |i: u32| Vec3A::from(instance.matrix.transform_point3(mesh.positions[i as usize]));
         let [a, b, c] = mesh.triangles[triangle as usize];
-        let [b, c] = if stand.is_mirrored { [c, b] } else { [b, c] };
+        let [b, c] = if instance.is_mirrored { [c, b] } else { [b, c] };
         let v0 = corner(a);
         let (e1, e2) = (corner(b) - v0, corner(c) - v0);
-        Corners { v0, e1, e2, object: stand.object, index: stand.index + triangle, visible: stand.visible }
+        Corners { v0, e1, e2, object: instance.object, index: instance.index + triangle, visible: instance.visible }
     }
 
     /// Calls `found` for triangles in boxes that are not `outside`, until it says true. Returns whether it did.
@@ -284,23 +287,24 @@ impl Stands {
         outside: &impl Fn(&Aabb) -> bool,
         found: &mut impl FnMut(u32, &Corners) -> bool,
     ) -> bool {
-        self.top
-            .visit(outside, &mut |_, top: &StandBox| self.visit_one(&self.stands[top.stand as usize], outside, found))
+        self.top.visit(outside, &mut |_, top: &InstanceBox| {
+            self.visit_one(&self.instances[top.instance as usize], outside, found)
+        })
     }
 
     fn visit_one(
         &self,
-        stand: &Stand,
+        instance: &Instance,
         outside: &impl Fn(&Aabb) -> bool,
         found: &mut impl FnMut(u32, &Corners) -> bool,
     ) -> bool {
-        let bvh = &self.shared[stand.shared as usize].bvh;
+        let bvh = &self.shared[instance.shared as usize].bvh;
         let mut stack = [0u32; 7 * 32 + 1];
         let mut count = 1;
         while count > 0 {
             count -= 1;
             let node = &bvh.nodes[stack[count] as usize];
-            let boxes = stand.boxes(node, Vec3::ZERO);
+            let boxes = instance.boxes(node, Vec3::ZERO);
             for child in 0..8 {
                 let at = |rows: &[Lanes; 3]| Vec3A::from_array([rows[0][child], rows[1][child], rows[2][child]]);
                 let (center, half) = (at(&boxes.centers), at(&boxes.halves));
@@ -309,7 +313,7 @@ impl Stands {
                 }
                 if node.is_leaf(child) {
                     let (first, n) = node.child_primitives(child);
-                    if (first..first + n).any(|i| found(stand.first + i, &self.corners(stand, i))) {
+                    if (first..first + n).any(|i| found(instance.first + i, &self.corners(instance, i))) {
                         return true;
                     }
                 } else {
@@ -364,32 +368,32 @@ impl Stands {
         nearest
     }
 
-    /// The tree over the places, and the numbers of stands in its boxes.
-    pub(super) const fn top(&self) -> &Tree<StandBox> {
+    /// The tree over the places, and the numbers of instances in its boxes.
+    pub(super) const fn top(&self) -> &Tree<InstanceBox> {
         &self.top
     }
 }
 
-/// A stand as packets of rays walk through it.
+/// An instance as packets of rays walk through it.
 pub(super) struct Walk<'s> {
-    stand: &'s Stand,
+    instance: &'s Instance,
     pub(super) bvh: &'s CwBvh,
-    /// The number of its first triangle, among those of stands.
+    /// The number of its first triangle, among those of instances.
     pub(super) first: u32,
 }
 
-impl Stands {
-    /// A stand of the tree over all, if the camera sees it.
+impl InstanceTree {
+    /// An instance of the tree over all, if the camera sees it.
     pub(super) fn walk(&self, number: u32) -> Option<Walk<'_>> {
-        let stand = &self.stands[self.top.primitives[number as usize].stand as usize];
-        let bvh = &self.shared[stand.shared as usize].bvh;
-        stand.visible.then_some(Walk { stand, bvh, first: stand.first })
+        let instance = &self.instances[self.top.primitives[number as usize].instance as usize];
+        let bvh = &self.shared[instance.shared as usize].bvh;
+        instance.visible.then_some(Walk { instance, bvh, first: instance.first })
     }
 }
 
 impl Walk<'_> {
     #[inline(always)]
     pub(super) fn boxes(&self, node: &CwBvhNode, from: Vec3) -> Boxes {
-        self.stand.boxes(node, from)
+        self.instance.boxes(node, from)
     }
 }
