@@ -78,6 +78,7 @@ fn dress(new: &mut Json, document: &mut Document, own: Option<usize>, light: Lig
             *new.field("emissiveTexture") = json!({"index": texture, "texCoord": set}).into();
             // Lights of a viewer are not to shine on it as well.
             let extensions = new.field("extensions");
+            ["KHR_materials_clearcoat", "KHR_materials_sheen"].iter().for_each(|layer| extensions.remove(layer));
             *extensions.field("KHR_materials_emissive_strength") = json!({"emissiveStrength": scale}).into();
             *extensions.field("KHR_materials_specular") = json!({"specularFactor": 0}).into();
             document.uses("KHR_materials_emissive_strength");

@@ -150,6 +150,20 @@ fn bytes_do_not_depend_on_threads() {
     assert!(one.texels > 4000);
 }
 
+/// A surface that shines shows no lights of a viewer in its coat; one that is lit by a map keeps it.
+#[test]
+fn coats_stay_where_lights_do() {
+    let mut file = floor(WHOLE);
+    file.json["extensionsUsed"] = json!(["KHR_materials_clearcoat"]);
+    file.json["materials"][0]["extensions"] = json!({"KHR_materials_clearcoat": {"clearcoatFactor": 1}});
+    for (form, keeps) in [(Form::Emission, false), (Form::Lightmap, true)] {
+        let baked = bake(&file, BakeSettings { form, ..MAPS });
+        let json: serde_json::Value = serde_json::from_str(&crate::support::chunks(&baked.glb).0).unwrap();
+        let extensions = &json["materials"][1]["extensions"];
+        assert!(extensions.is_object() && extensions["KHR_materials_clearcoat"].is_null() != keeps, "{extensions}");
+    }
+}
+
 /// Baked radiance is colour · E/π, and own light beside it.
 #[test]
 fn emission_is_reflected_and_own_light() {
