@@ -192,16 +192,17 @@ fn name_of(line: &str) -> &str {
 /// A corner as written, with so many positions, texture coordinates and normals before it: counted from 1, or from the last one back when
 /// negative.
 fn resolved(&[p, t, n]: &[i32; 3], counts: [usize; 3]) -> Result<Corner, String> {
-    let resolve = |i: i32, count: usize, what: &str| -> Result<u32, String> {
+    let index = |i: i32, count: usize| {
         let index = if i > 0 { i64::from(i) - 1 } else { i64::from(i) + count as i64 };
-        if i == 0 || index < 0 || index >= count as i64 {
-            return Err(format!("face uses {what} {i}, there are {count} so far"));
-        }
-        u32::try_from(index).map_err(|_| format!("too many {what}s"))
+        let is_there = i != 0 && (0..count as i64).contains(&index);
+        u32::try_from(index).ok().filter(|_| is_there)
+    };
+    let resolve = |i: i32, count: usize, what: &str| {
+        index(i, count).ok_or_else(|| format!("face uses {what} {i}, there are {count} so far"))
     };
     let p = resolve(p, counts[0], "vertex")?;
     // Files that name coordinates that they do not have are drawn without.
-    let t = resolve(t, counts[1], "texture coordinate").ok();
+    let t = index(t, counts[1]);
     let n = if n == obj_lines::ABSENT { None } else { Some(resolve(n, counts[2], "normal")?) };
     Ok((p, n, t))
 }
