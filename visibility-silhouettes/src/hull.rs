@@ -244,6 +244,23 @@ impl Hull {
         most: &mut usize,
         out: &mut EdgeList,
     ) -> bool {
+        let Some(found) = self.find_leaves(simd, mesh, memory, most) else { return false };
+        for (forms, leaves) in &found {
+            self.edges(simd, mesh, base, forms.as_ref(), leaves, out);
+        }
+        true
+    }
+
+    /// The leaves of a mesh that may have silhouettes inside the hull: of the exact form, then of simplified ones, each with the forms that are
+    /// drawn if not all are exact. `most` counts down the leaves; `None` if there are more.
+    #[inline(always)]
+    pub(crate) fn find_leaves<'m, S: Simd>(
+        &self,
+        simd: S,
+        mesh: &SilhouetteMesh,
+        memory: &'m mut Memory,
+        most: &mut usize,
+    ) -> Option<[(Option<Forms<'m>>, &'m [Leaf]); 2]> {
         let Memory { forms, stack, leaves, .. } = memory;
         leaves.clear();
         let [fine, coarse] = mesh.trees();
@@ -255,26 +272,18 @@ impl Hull {
         let scales = self.scales.unwrap_or_default();
         if forms.iter().all(|form| *form == Some(false)) {
             let found = self.leaves(simd, fine, None, stack, most, leaves);
-            if found {
-                self.edges(simd, mesh, base, None, leaves, out);
-            }
-            return found;
+            return found.then_some([(None, leaves), (None, &[])]);
         }
-        let mut forms = Forms { forms, is_coarse: false, radius, scales };
-        if !self.leaves(simd, fine, Some(&forms), stack, most, leaves) {
-            return false;
+        let [of_fine, of_coarse] = [false, true].map(|is_coarse| Forms { forms, is_coarse, radius, scales });
+        if !self.leaves(simd, fine, Some(&of_fine), stack, most, leaves) {
+            return None;
         }
         let fine_leaves = leaves.len();
-        forms.is_coarse = true;
-        if !self.leaves(simd, coarse, Some(&forms), stack, most, leaves) {
-            return false;
+        if !self.leaves(simd, coarse, Some(&of_coarse), stack, most, leaves) {
+            return None;
         }
-        let (of_fine, of_coarse) = leaves.split_at(fine_leaves);
-        forms.is_coarse = false;
-        self.edges(simd, mesh, base, Some(&forms), of_fine, out);
-        forms.is_coarse = true;
-        self.edges(simd, mesh, base, Some(&forms), of_coarse, out);
-        true
+        let (fine, coarse) = leaves.split_at(fine_leaves);
+        Some([(Some(of_fine), fine), (Some(of_coarse), coarse)])
     }
 
     /// Appends the leaves of a tree that may have silhouettes inside the hull.

@@ -86,35 +86,10 @@ impl Hull {
         out: &mut EdgeList,
     ) -> bool {
         let own = self.at(placed.place, placed.mesh.blur());
-        let Memory { forms, stack, leaves, .. } = memory;
-        leaves.clear();
-        forms.clear();
-        let [fine, coarse] = placed.mesh.trees();
-        if let Some(scales) = own.scales {
-            let patches = placed.mesh.patches().iter();
-            forms.extend(patches.map(|patch| patch.is_coarse_from(own.center, own.radius, scales)));
+        let Some(found) = own.find_leaves(simd, placed.mesh, memory, most) else { return false };
+        for (forms, leaves) in &found {
+            self.edges_placed(simd, placed, base, forms.as_ref(), leaves, out);
         }
-        if forms.iter().all(|form| *form == Some(false)) {
-            let found = own.leaves(simd, fine, None, stack, most, leaves);
-            if found {
-                self.edges_placed(simd, placed, base, None, leaves, out);
-            }
-            return found;
-        }
-        let mut forms = Forms { forms, is_coarse: false, radius: own.radius, scales: own.scales.unwrap_or_default() };
-        if !own.leaves(simd, fine, Some(&forms), stack, most, leaves) {
-            return false;
-        }
-        let fine_leaves = leaves.len();
-        forms.is_coarse = true;
-        if !own.leaves(simd, coarse, Some(&forms), stack, most, leaves) {
-            return false;
-        }
-        let (of_fine, of_coarse) = leaves.split_at(fine_leaves);
-        forms.is_coarse = false;
-        self.edges_placed(simd, placed, base, Some(&forms), of_fine, out);
-        forms.is_coarse = true;
-        self.edges_placed(simd, placed, base, Some(&forms), of_coarse, out);
         true
     }
 

@@ -1,5 +1,6 @@
 //! Rows of edges as columns.
 
+use crate::edge_list::{Block, COLUMNS, ENDS, ID, SOMETIMES};
 use fearless_simd::{Simd, prelude::*};
 use lobe_core::vec3x8::LANES;
 
@@ -13,5 +14,24 @@ pub(crate) fn columns<S: Simd>(simd: S, rows: &[[f32; 4]; LANES], out: &mut [[f3
         for (column, out) in columns.into_iter().zip(out.iter_mut()) {
             column.store_slice(&mut out[4 * half..4 * half + 4]);
         }
+    }
+}
+
+/// Writes the two ends of eight edges, and their numbers from `id` on, into a block. The first of `marks` has the lanes that are not always drawn;
+/// the second is set in all numbers.
+#[inline(always)]
+pub(crate) fn put_ends<S: Simd>(
+    simd: S,
+    ends: &[[[f32; 4]; LANES]; 2],
+    id: u32,
+    marks: [u32; 2],
+    out: &mut Block<COLUMNS>,
+) {
+    for (rows, first) in ends.iter().zip(ENDS) {
+        columns(simd, rows, &mut out[first..first + 3]);
+    }
+    for (lane, number) in (0..).zip(&mut out[ID]) {
+        let sometimes = if marks[0] >> lane & 1 == 1 { SOMETIMES } else { 0 };
+        *number = f32::from_bits((id + lane) | sometimes | marks[1]);
     }
 }

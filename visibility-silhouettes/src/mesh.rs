@@ -1,7 +1,7 @@
 use crate::coarse::{self, Coarse};
-use crate::edge_list::{Block, COLUMNS, ENDS, ID, PLANES, SOMETIMES};
+use crate::edge_list::{Block, COLUMNS, PLANES};
 use crate::fit::{self, fit_patches, fit_planes, is_flat, least_height, settle, side};
-use crate::lanes::columns;
+use crate::lanes::{columns, put_ends};
 use crate::topology::{self, Edge, Tag};
 use crate::tree::{Reach, Tree};
 use core::ops::Range;
@@ -410,13 +410,7 @@ impl SilhouetteMesh {
             ends[down][lane] = self.positions[corners[p] as usize].to_array();
             ends[1 - down][lane] = self.positions[corners[q] as usize].to_array();
         }
-        for (rows, first) in ends.iter().zip(ENDS) {
-            columns(simd, rows, &mut out[first..first + 3]);
-        }
-        for (lane, id) in (0..).zip(&mut out[ID]) {
-            let sometimes = if marks[0] >> lane & 1 == 1 { SOMETIMES } else { 0 };
-            *id = f32::from_bits((base + first as u32 + lane) | sometimes | marks[1]);
-        }
+        put_ends(simd, &ends, base + first as u32, marks, out);
     }
 
     /// The sides on which a point lies of the triangles that run along an edge upward and downward: 1 in front, −1 behind, 0 in the

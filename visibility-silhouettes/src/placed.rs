@@ -1,8 +1,8 @@
 //! Shared meshes at places of their own.
 
-use crate::edge_list::{Block, COLUMNS, ENDS, ID, PLANES, SOMETIMES};
+use crate::edge_list::{Block, COLUMNS, PLANES};
 use crate::fit::{plane, side};
-use crate::lanes::columns;
+use crate::lanes::{columns, put_ends};
 use crate::mesh::SilhouetteMesh;
 use crate::tree::Tree;
 use fearless_simd::Simd;
@@ -238,13 +238,7 @@ impl Placed<'_> {
             ends[usize::from(is_down)][lane] = p;
             ends[usize::from(!is_down)][lane] = q;
         }
-        for (rows, first) in ends.iter().zip(ENDS) {
-            columns(simd, rows, &mut out[first..first + 3]);
-        }
-        for (lane, id) in (0..).zip(&mut out[ID]) {
-            let sometimes = if marks[0] >> lane & 1 == 1 { SOMETIMES } else { 0 };
-            *id = f32::from_bits((base + first as u32 + lane) | sometimes | marks[1]);
-        }
+        put_ends(simd, &ends, base + first as u32, marks, out);
     }
 
     /// Writes the planes on both sides of edges in `lanes`, computed from the corners in the world.
