@@ -10,7 +10,7 @@ use visibility_silhouettes::{SharedMesh, SilhouetteInstances, SilhouetteMesh};
 /// Meshes from so many triangles on have simplified forms: the outlines of smaller ones are few anyway.
 const LARGE: usize = 20_000;
 
-/// Simplified forms of a mesh take as long as they save for so many receivers a triangle, before a light of a half-angle of 5°.
+/// Simplified forms of a mesh take as long as they save for this number of receivers a triangle, before a light of a half-angle of 5°.
 const WORTH: f64 = 2.0;
 
 /// How many receivers look at lights: decides whether simplified forms are worth their time.
@@ -18,10 +18,10 @@ const WORTH: f64 = 2.0;
 pub struct Looks(f64);
 
 impl Looks {
-    /// So many that all large meshes have simplified forms.
+    /// Enough that all large meshes have simplified forms.
     pub const MANY: Self = Self(f64::INFINITY);
 
-    /// So many that look at a light of a half-angle of 5°. One that looks at a wider light counts as several.
+    /// The number that look at a light of a half-angle of 5°. One that looks at a wider light counts as several.
     #[must_use]
     pub const fn new(receivers: f64) -> Self {
         Self(receivers)

@@ -1,26 +1,31 @@
 //! Clear coats and anisotropy of glTF files.
 
+use crate::Surface;
 use crate::gltf_tests::triangle;
 use brdf::{Material, MetallicRoughness};
 use glam::Vec3;
 
+/// The material of a triangle with an extension of these fields, beside an image of one colour; and the warnings.
+fn read(extension: &str, color: [u8; 4], fields: &str) -> Result<(Material, Surface, Vec<String>), String> {
+    let folder = tempfile::tempdir().unwrap();
+    image::RgbaImage::from_pixel(2, 2, image::Rgba(color)).save(folder.path().join("c.png")).unwrap();
+    let own = r#"{"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.4, 0.2, 1], "metallicFactor": 0}}"#;
+    let extended = format!(r#"{}, "extensions": {{"{extension}": {{{fields}}}}}}}"#, &own[..own.len() - 1]);
+    let images = r#", "textures": [{"source": 0}], "images": [{"uri": "c.png"}]"#;
+    let path = folder.path().join("m.gltf");
+    std::fs::write(&path, triangle(r#"[{"mesh": 0}]"#, images).replace(own, &extended)).unwrap();
+    let (scene, warnings) = crate::load_with_warnings(&path).map_err(|e| e.to_string())?;
+    let number = scene.objects[1].material;
+    Ok((scene.materials[number].clone(), scene.surface(number).cloned().unwrap_or_default(), warnings))
+}
+
 /// KHR_materials_clearcoat: red is the weight, green the roughness, and the normal map is the coat's own.
 #[test]
 fn clear_coats_are_read() {
-    let folder = tempfile::tempdir().unwrap();
-    let image = image::RgbaImage::from_pixel(2, 2, image::Rgba([51, 102, 255, 255]));
-    image.save(folder.path().join("c.png")).unwrap();
-    let own = r#"{"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.4, 0.2, 1], "metallicFactor": 0}}"#;
-    let base = &own[..own.len() - 1];
-    let path = folder.path().join("m.gltf");
     let read = |fields: &str| {
-        let coated = format!(r#"{base}, "extensions": {{"KHR_materials_clearcoat": {{{fields}}}}}}}"#);
-        let images = r#", "textures": [{"source": 0}], "images": [{"uri": "c.png"}]"#;
-        std::fs::write(&path, triangle(r#"[{"mesh": 0}]"#, images).replace(own, &coated)).unwrap();
-        let (scene, warnings) = crate::load_with_warnings(&path).map_err(|e| e.to_string())?;
+        let (material, surface, warnings) = read("KHR_materials_clearcoat", [51, 102, 255, 255], fields)?;
         assert!(warnings.iter().all(|w| w.contains("no texture coordinates")), "{warnings:?}");
-        let number = scene.objects[1].material;
-        Ok::<_, String>((scene.materials[number].clone(), scene.surface(number).cloned().unwrap_or_default()))
+        Ok::<_, String>((material, surface))
     };
     let plain = MetallicRoughness::new(Vec3::new(0.8, 0.4, 0.2), 0.0, 1.0).unwrap();
     let coated = |weight, roughness| -> Material { plain.clone().with_clearcoat(weight, roughness).unwrap().into() };
@@ -53,19 +58,9 @@ fn clear_coats_are_read() {
 /// KHR_materials_anisotropy: red and green are a direction, blue is the strength.
 #[test]
 fn anisotropy_is_read() {
-    let folder = tempfile::tempdir().unwrap();
-    let image = image::RgbaImage::from_pixel(2, 2, image::Rgba([0, 255, 51, 255]));
-    image.save(folder.path().join("a.png")).unwrap();
-    let own = r#"{"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.4, 0.2, 1], "metallicFactor": 0}}"#;
-    let base = &own[..own.len() - 1];
-    let path = folder.path().join("m.gltf");
     let read = |fields: &str| {
-        let brushed = format!(r#"{base}, "extensions": {{"KHR_materials_anisotropy": {{{fields}}}}}}}"#);
-        let images = r#", "textures": [{"source": 0}], "images": [{"uri": "a.png"}]"#;
-        std::fs::write(&path, triangle(r#"[{"mesh": 0}]"#, images).replace(own, &brushed)).unwrap();
-        let (scene, _) = crate::load_with_warnings(&path).map_err(|e| e.to_string())?;
-        let number = scene.objects[1].material;
-        Ok::<_, String>((scene.materials[number].clone(), scene.surface(number).cloned().unwrap_or_default()))
+        let (material, surface, _) = read("KHR_materials_anisotropy", [0, 255, 51, 255], fields)?;
+        Ok::<_, String>((material, surface))
     };
     let plain = MetallicRoughness::new(Vec3::new(0.8, 0.4, 0.2), 0.0, 1.0).unwrap();
     let place = |_: usize| crate::TexturePlace::default();

@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 /// Smaller meshes are copied: a hierarchy of their own would cost more than they do.
 const SMALLEST: usize = 64;
-/// A mesh is shared where its copies would have so many triangles more than itself.
+/// A mesh is shared where its copies would have at least this number of triangles more than itself.
 const WORTH: usize = 100_000;
 /// Bytes of a place: its matrices and its parts of hierarchies.
 const PLACE: u64 = 600;
@@ -113,7 +113,7 @@ mod tests {
     use std::collections::BTreeMap;
     use std::path::PathBuf;
 
-    /// A document of so many nodes with a band of so many triangles.
+    /// A document of a number of nodes, each with a band of a number of triangles.
     fn document(nodes: usize, triangles: usize) -> Arc<BTreeMap<PathBuf, Vec<u8>>> {
         let vertices = triangles + 2;
         let mut bytes: Vec<u8> = Vec::new();
