@@ -94,11 +94,11 @@ def bake(depsgraph, object, image, *, margin=16, settings=None, notes=None):
     view = camera.View((0, 0, 0), (0, 0, -1), (0, 1, 0), 40.0, (8, 8), (0, 0, 8, 8))
     live.show(exporter.snapshot(depsgraph), view, settings or {})
     notes.extend(live.notes)
-    light = _lit(live, evaluated, positions, normals, texels, covered)
+    light = _lit(live, positions, normals, texels, covered)
     return _dilated(light, covered, margin), covered
 
 
-def _lit(live, object, positions, normals, texels, covered):
+def _lit(live, positions, normals, texels, covered):
     triangles, weights = texels.triangle[covered], texels.weights[covered][..., None]
     points = (positions[triangles] * weights).sum(axis=1)
     shading = (normals[triangles] * weights).sum(axis=1)

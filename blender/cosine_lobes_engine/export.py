@@ -1,7 +1,7 @@
 """What a depsgraph shows, as records that can be compared: the engine's scene before it is made."""
 
 from dataclasses import dataclass, field, replace
-from typing import Any, Optional
+from typing import Any
 
 import numpy as np
 
@@ -119,7 +119,7 @@ class Exporter:
             if object.visible_camera:
                 snapshot.notes.add(object.name, "the camera does not see lights")
             self._note_linking(object, snapshot.notes)
-            recipe = lights.convert(None, object.data, matrix, snapshot.notes)
+            recipe = lights.convert(object.data, matrix, snapshot.notes)
             if recipe is not None:
                 snapshot.lamps[key] = Lamp(object.name, recipe, getattr(object, "lightgroup", ""))
         elif object.type in _SURFACES:

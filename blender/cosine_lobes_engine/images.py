@@ -53,7 +53,7 @@ def color(image, notes):
     return _bytes(values)
 
 
-def number(image, channel, notes):
+def number(image, channel):
     """One channel as numbers, `(height, width)`: 0 to 2 red, green, blue, 3 alpha, None the colour's luminance."""
     pixels = floats(image)
     if pixels is None:

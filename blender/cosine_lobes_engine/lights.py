@@ -26,7 +26,7 @@ def is_normalized(light):
     return getattr(light, "normalize", True)
 
 
-def convert(cl, light, matrix, notes):
+def convert(light, matrix, notes):
     """The engine's light of an evaluated light at a matrix to the world, as a recipe: a name of a constructor, its arguments, and the size of the
     body that the camera sees; none where it gives no light."""
     _note(light, notes)

@@ -370,7 +370,7 @@ def image_of(bpy_images, notes):
             values = {
                 "color": lambda: images.color(image, notes),
                 "normal": lambda: images.normal(image, notes),
-                "number": lambda: images.number(image, picture.channel, notes),
+                "number": lambda: images.number(image, picture.channel),
             }[kind]()
             if values is None:
                 notes.add(picture.image, "the image has no pixels: its file may be missing")
