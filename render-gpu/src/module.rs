@@ -191,7 +191,11 @@ impl Variant {
     fn fractions(&self) -> Vec<&'static str> {
         let MaterialText { is_lambert, has_microfacets, .. } = self.materials;
         let mut pieces = vec![masks::FRACTION, masks::VISIBILITY];
-        pieces.push(if is_lambert && self.shown != Shown::Image { masks::LAMBERT } else { masks::LOBES });
+        if is_lambert && self.shown != Shown::Image {
+            pieces.push(masks::LAMBERT);
+            return pieces;
+        }
+        pieces.push(masks::LOBES);
         if has_microfacets {
             pieces.extend([lobes::MICROFACETS, masks::MICROFACETS]);
         }

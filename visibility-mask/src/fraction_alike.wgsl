@@ -1,5 +1,31 @@
 // The visible fraction of a light for a lobe, if the light has the same radiance everywhere: used instead of fraction_image.wgsl.
+// Needs visibility_window.wgsl.
+
+alias Fraction = f32;
+
+// Sums over the masks of the lobe: of `fraction_sums`, or of `microfacet_sums`.
+var<private> lobe_sums: vec4f;
+
+fn masks_of_lobe(at: Receiver, light: Cone, tolerance: f32, lobe: Lobe, is_narrow_finer: bool) -> Masks {
+    lobe_sums = vec4f(0.0);
+    if (is_microfacets(lobe)) {
+        return masks_of_microfacets(at, tolerance, lobe, is_narrow_finer);
+    }
+    return masks_of_cosines(at, light, tolerance, lobe, is_narrow_finer);
+}
+
 // Requires uniform control flow.
-fn visible_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 {
-    return lobe_fraction(lane, tile, at, light, tolerance, whole, lobe);
+fn masks_add(lane: u32, mask: Mask, window: UnitSquare, masks: Masks, is_own: bool, at: Receiver, lobe: Lobe) {
+    if (HAS_MICROFACETS && decide(lane, is_microfacets(lobe))) {
+        lobe_sums += microfacet_sums(lane, mask, at, lobe, masks, is_own);
+    } else {
+        lobe_sums += fraction_sums(lane, mask, window, at, lobe);
+    }
+}
+
+fn masks_fraction(lobe: Lobe) -> f32 {
+    if (is_microfacets(lobe)) {
+        return microfacet_fraction(lobe_sums, lobe);
+    }
+    return fraction_of(lobe_sums);
 }

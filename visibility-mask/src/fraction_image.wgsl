@@ -1,61 +1,38 @@
-// The visible fraction of a light that shows an image, by channel: as `image_fractions`. Needs visibility.wgsl, LOBES, image.wgsl
+// The visible fraction of a light that shows an image, by channel: as `image_fractions`. Needs visibility_window.wgsl, LOBES, image.wgsl
 // of lobe-core, and fraction_image_microfacets.wgsl or its replacement.
 
-// The visible fraction of the light for a lobe. Requires uniform control flow.
-fn visible_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> vec3f {
-    let is_facets = HAS_MICROFACETS && lobe.kind >= LOBE_MICROFACETS_F0;
-    var square = whole;
-    var is_finer = false;
-    if (is_facets) {
-        square = image_highlight(whole, at, tolerance, lobe);
-        is_finer = light_size(whole) > 2.0 * image_alpha(lobe);
-    } else if (!is_lambert(at, lobe)) {
-        let peak = square_peak(whole, lobe, at.normal);
-        square = square_around(whole, peak, zoom_sigmas(tolerance));
-        is_finer = peak_fall(peak, whole) > STEEP;
+alias Fraction = vec3f;
+
+// Sums over the masks of the lobe: the lit part, and the emitting part.
+var<private> image_sums: array<vec3f, 2>;
+
+fn masks_of_lobe(at: Receiver, light: Cone, tolerance: f32, lobe: Lobe, is_narrow_finer: bool) -> Masks {
+    image_sums = array<vec3f, 2>();
+    let whole = visibility_whole;
+    if (is_microfacets(lobe)) {
+        let is_finer = is_narrow_finer && light_size(whole) > 2.0 * image_alpha(lobe);
+        return masks_of_highlight(image_highlight(whole, at, tolerance, lobe), is_finer);
     }
-    let is_part = any(square.half < whole.half);
-    is_finer = IS_NARROW_FINER && is_finer && !is_part;
-    var seen = vec3f(0.0);
-    var all = vec3f(0.0);
-    if (decide(lane, is_part || is_finer)) {
-        row_refine(true);
-        for (var k = 0u; k < NARROW_GRID.x * NARROW_GRID.y; k++) {
-            let mask = mask_reset(square_part(square, k, NARROW_GRID), lane, at.normal);
-            blockers_splat(lane, tile, at, light, mask);
-            let sums = image_sums(lane, mask, at, lobe, is_facets, vec2f(1e30), vec2f(-1e30));
-            seen += sums[0];
-            all += sums[1];
-        }
-        row_refine(false);
-    }
-    // The masks of the whole light leave out the window of a highlight's masks; a lobe's own window replaces them.
-    if (decide(lane, !is_finer && (is_facets || !is_part))) {
-        let low = select(vec2f(1e30), square.center - square.half, is_part);
-        let high = select(vec2f(-1e30), square.center + square.half, is_part);
-        for (var k = 0u; k < BROAD_COUNT; k++) {
-            emitting = broad_emitting[k];
-            lit = broad_lit[k];
-            let sums = image_sums(lane, mask_of(square_part(whole, k, BROAD_GRID)), at, lobe, is_facets, low, high);
-            seen += sums[0];
-            all += sums[1];
-        }
-    }
+    return masks_of_cosines(at, light, tolerance, lobe, is_narrow_finer);
+}
+
+fn masks_fraction(lobe: Lobe) -> vec3f {
+    let all = image_sums[1];
     // If all weights vanish, every sample counts alike.
-    let areas = visibility_areas(lane);
-    let alike = select(0.0, areas.x / areas.y, areas.y > 0.0);
-    let fraction = seen / all;
+    let alike = select(0.0, visibility_areas.x / visibility_areas.y, visibility_areas.y > 0.0);
+    let fraction = image_sums[0] / all;
     let is_known = (all > vec3f(0.0)) & (all < vec3f(3e38)) & (abs(fraction) < vec3f(3e38));
     return clamp(select(vec3f(alike), fraction, is_known), vec3f(0.0), vec3f(1.0));
 }
 
-// Sums over all rows, in steradians of samples: the lit part, and the emitting part. Samples between `low` and `high` do not count.
-// Requires uniform control flow.
-fn image_sums(lane: u32, mask: Mask, at: Receiver, lobe: Lobe, is_facets: bool, low: vec2f, high: vec2f) -> array<vec3f, 2> {
+// Adds all rows, in steradians of samples: the lit part, and the emitting part. Of the whole light's masks the samples in the
+// window of the lobe's own masks do not count. Requires uniform control flow.
+fn masks_add(lane: u32, mask: Mask, window: UnitSquare, masks: Masks, is_own: bool, at: Receiver, lobe: Lobe) {
     let square = mask.square;
     let axis = square_local(square, lobe.axis);
     let normal = square_local(square, at.normal);
     let is_diffuse = is_lambert(at, lobe);
+    let is_facets = is_microfacets(lobe);
     let cell = mask_cell(mask);
     let widest = max(cell.x, cell.y);
     let half_exponent = 0.5 * min(lobe.exponent, max(2.0 / (widest * widest), MIRROR_EXPONENT));
@@ -89,7 +66,7 @@ fn image_sums(lane: u32, mask: Mask, at: Receiver, lobe: Lobe, is_facets: bool, 
                     value = select(0.0, power * select(1.0, value, lobe.kind == LOBE_COSINE), along > 0.0);
                 }
                 let weight = value * inverse * root;
-                let is_left_out = all(p.xy > low) && all(p.xy < high);
+                let is_left_out = !is_own && all(p.xy > masks.low) && all(p.xy < masks.high);
                 if (weight > 0.0 && !is_left_out) {
                     let place = places.origin + places.x * p.x + places.y * p.y;
                     let texel = image_nearest(copy, place) * weight;
@@ -102,7 +79,6 @@ fn image_sums(lane: u32, mask: Mask, at: Receiver, lobe: Lobe, is_facets: bool, 
         sums[0] *= sample;
         sums[1] *= sample;
     }
-    let seen = total(lane, vec4f(sums[0], 0.0)).xyz;
-    let all = total(lane, vec4f(sums[1], 0.0)).xyz;
-    return array<vec3f, 2>(seen, all);
+    image_sums[0] += total(lane, vec4f(sums[0], 0.0)).xyz;
+    image_sums[1] += total(lane, vec4f(sums[1], 0.0)).xyz;
 }

@@ -7,50 +7,30 @@ const HIGHLIGHT = 0.2;
 // The exponent of microfacets whose edge fraction is known, and that fraction.
 var<private> known_edge: vec2f = vec2f(-1.0, 0.0);
 
-// Requires uniform control flow.
-fn microfacet_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 {
-    let is_edge = lobe.kind == LOBE_MICROFACETS_F90;
-    if (decide(lane, is_edge && known_edge.x == lobe.exponent)) {
+fn is_known_edge(lobe: Lobe) -> bool { return lobe.kind == LOBE_MICROFACETS_F90 && known_edge.x == lobe.exponent; }
+
+// The highlight has masks of its own, beside those of the whole light.
+fn masks_of_microfacets(at: Receiver, tolerance: f32, lobe: Lobe, is_narrow_finer: bool) -> Masks {
+    if (is_known_edge(lobe)) {
+        return Masks();
+    }
+    let microfacets = microfacets_of(at.normal, lobe);
+    let square = microfacets_highlight(visibility_whole, microfacets, at.normal, tolerance);
+    let is_finer = is_narrow_finer && light_size(visibility_whole) > 2.0 * sqrt(microfacets.alpha_sq);
+    return masks_of_highlight(square, is_finer);
+}
+
+// From the sums of all masks.
+fn microfacet_fraction(sums: vec4f, lobe: Lobe) -> f32 {
+    if (is_known_edge(lobe)) {
         known_edge.x = -1.0;
         return known_edge.y;
     }
-    let counts = workgroupUniformLoad(&grid_counts);
-    let forms = workgroupUniformLoad(&grid_forms);
-    let microfacets = microfacets_of(at.normal, lobe);
-    let alpha = sqrt(microfacets.alpha_sq);
-    var square = microfacets_highlight(whole, microfacets, at.normal, tolerance);
-    let is_part = any(square.half < whole.half);
-    let is_finer = forms.z > 0u && !is_part && light_size(whole) > 2.0 * alpha;
-    // First the masks of the highlight, then those of the whole light without the highlight's window.
-    let own = select(0u, counts.z * counts.w, decide(lane, is_part || is_finer));
-    let broad = select(counts.x * counts.y, 0u, decide(lane, is_finer));
-    var sum = vec4f(0.0);
-    for (var k = 0u; k < own + broad; k++) {
-        let is_own = k < own;
-        var window = whole;
-        if (is_own) {
-            window = square;
-        }
-        let grid = select(counts.xy, counts.zw, is_own);
-        let part = select(k - own, k, is_own);
-        row_refine(is_own || forms.y > 0u);
-        if (is_own || forms.w > 0u) {
-            visibility_draw(lane, tile, at, light, window, part, grid, forms.x);
-        } else {
-            emitting = broad_emitting[part];
-            lit = broad_lit[part];
-        }
-        let is_cut = is_part && !is_own;
-        let low = select(vec2f(1e30), square.center - square.half, is_cut);
-        let high = select(vec2f(-1e30), square.center + square.half, is_cut);
-        sum += microfacet_sums(lane, mask_of(square_part(window, part, grid)), microfacets, low, high);
-    }
-    row_refine(forms.y > 0u);
-    var fractions = sum.xy / sum.zw;
+    let is_edge = lobe.kind == LOBE_MICROFACETS_F90;
+    var fractions = sums.xy / sums.zw;
     // If all weights vanish, every sample counts alike.
-    let areas = visibility_areas(lane);
-    let alike = select(0.0, areas.x / areas.y, areas.y > 0.0);
-    let is_known = (sum.zw > vec2f(0.0)) & (sum.zw < vec2f(3e38)) & (abs(fractions) < vec2f(3e38));
+    let alike = select(0.0, visibility_areas.x / visibility_areas.y, visibility_areas.y > 0.0);
+    let is_known = (sums.zw > vec2f(0.0)) & (sums.zw < vec2f(3e38)) & (abs(fractions) < vec2f(3e38));
     fractions = clamp(select(vec2f(alike), fractions, is_known), vec2f(0.0), vec2f(1.0));
     known_edge = vec2f(select(lobe.exponent, -1.0, is_edge), fractions.y);
     return select(fractions.x, fractions.y, is_edge);
@@ -87,11 +67,10 @@ fn microfacets_in(square: UnitSquare, world: MicrofacetsAt) -> MicrofacetsAt {
     return MicrofacetsAt(square_local(square, world.normal), world.alpha_sq, square_local(square, world.view), world.shadowing);
 }
 
-// Sums over all rows, in steradians of samples: both lobes over the lit samples, and over the emitting samples. Samples between
-// `low` and `high` do not count. Requires uniform control flow.
-fn microfacet_sums(lane: u32, mask: Mask, world: MicrofacetsAt, low: vec2f, high: vec2f) -> vec4f {
-    let square = mask.square;
-    let microfacets = microfacets_in(square, world);
+// Sums over all rows, in steradians of samples: both lobes over the lit samples, and over the emitting samples. Of the whole light's
+// masks the samples in the highlight's window do not count. Requires uniform control flow.
+fn microfacet_sums(lane: u32, mask: Mask, at: Receiver, lobe: Lobe, masks: Masks, is_own: bool) -> vec4f {
+    let microfacets = microfacets_in(mask.square, microfacets_of(at.normal, lobe));
     var sum = vec4f(0.0);
     if (emitting.x < emitting.y) {
         let y = mask_row_y(mask, lane);
@@ -108,7 +87,7 @@ fn microfacet_sums(lane: u32, mask: Mask, world: MicrofacetsAt, low: vec2f, high
                 let inverse = 1.0 / (dot(point, point) + 1.0);
                 let root = sqrt(inverse);
                 let both = microfacets_both(microfacets, vec3f(point, 1.0) * root) * (inverse * root);
-                let is_left_out = all(point > low) && all(point < high);
+                let is_left_out = !is_own && all(point > masks.low) && all(point < masks.high);
                 let w = select(select(vec2f(0.0), both, both > vec2f(0.0)), vec2f(0.0), is_left_out);
                 sum += vec4f(open[k] * w, emits[k] * w);
             }

@@ -1,6 +1,6 @@
 // MaskVisibility for blockers, by a workgroup. Needs mask.wgsl, edges.wgsl, total.wgsl, fraction.wgsl; from the strategies
 // `blockers_edges(lane, tile, at, light, window) -> vec4f` (a thread's part of the sums of edges) and
-// `blockers_splat(lane, tile, at, light, mask)`; and one of visibility_whole.wgsl and visibility_window.wgsl.
+// `blockers_splat(lane, tile, at, light, mask)`; and one of visibility_whole.wgsl, fraction_alike.wgsl and fraction_image.wgsl.
 
 // Numbers of masks across and upward, computed by the first thread: for broad lobes, then for narrow ones. They include the bands
 // of a mask, which are one above the other.
@@ -8,8 +8,6 @@ var<workgroup> grid_counts: vec4u;
 // Bands of a mask; whether broad lobes have fine masks; whether narrow lobes have finer ones; whether the masks of the whole light
 // are too many to be stored, and are drawn for each lobe.
 var<workgroup> grid_forms: vec4u;
-// Samples of all masks of the whole light, in this thread's rows: lit samples, and emitting samples.
-var<private> broad_areas: vec2u;
 
 // The crowding from which on there are more samples: lights of 65° and more.
 const CROWDED = 4.0;
@@ -39,47 +37,102 @@ fn visibility_fineness(light: Cone, tolerance: f32) {
     grid_forms = vec4u(bands, u32(is_fine), u32(!is_fine || any(broad != narrow)), 1u);
 }
 
-// Draws the mask of part `k` of `grid`. This function and the following ones require uniform control flow.
-fn visibility_draw(
-    lane: u32, tile: u32, at: Receiver, light: Cone, window: UnitSquare, k: u32, grid: vec2u, bands: u32
-) -> Mask {
-    row_bands = bands;
-    row_first = SIDE * (k / grid.x % bands);
-    let mask = mask_reset(square_part(window, k, grid), lane, at.normal);
-    blockers_splat(lane, tile, at, light, mask);
-    row_bands = 1u;
-    row_first = 0u;
-    return mask;
+// The masks of a lobe, and those of the whole light that count for it.
+struct Masks {
+    // The window of its own masks.
+    window: UnitSquare,
+    is_own: bool,
+    // Whether the masks of the whole light count, except for their samples between `low` and `high`.
+    is_broad: bool,
+    low: vec2f,
+    high: vec2f,
+    // Whether the window is a part of the light, and whether it is turned by the edges in `turn`.
+    is_part: bool,
+    is_turned: bool,
+    turn: Cone,
 }
 
-// Draws the masks of the whole light, and returns its window.
-fn visibility_window(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32) -> UnitSquare {
-    if (lane == 0u) {
+// The window of the whole light.
+var<private> visibility_whole: UnitSquare;
+// Lit samples and emitting samples of all its masks.
+var<private> visibility_areas: vec2f;
+// `is_own`, `is_broad` and `is_turned` of the first thread.
+var<workgroup> visibility_plan: vec3u;
+
+// All masks are drawn here, in one place: drivers compile a function anew for each call of it, and blockers are most of a kernel.
+// First draws the masks of the whole light, if `is_whole`; then, for each lobe, returns the visible fraction of the light, with
+// masks of its own where it needs these. Requires uniform control flow.
+fn visible_fraction(
+    lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, is_whole: bool, lobe: Lobe
+) -> Fraction {
+    var masks: Masks;
+    if (lane == 0u && is_whole) {
         visibility_fineness(light, tolerance);
     }
-    let window = light_window(light, visibility_across(lane, tile, at, light, light_turn(light)), at.normal);
-    let grid = workgroupUniformLoad(&grid_counts).xy;
+    let counts = workgroupUniformLoad(&grid_counts);
     let forms = workgroupUniformLoad(&grid_forms);
-    row_refine(forms.y > 0u);
-    broad_areas = vec2u(0u);
-    for (var k = 0u; k < grid.x * grid.y; k++) {
-        let mask = visibility_draw(lane, tile, at, light, window, k, grid, forms.x);
-        broad_areas += vec2u(row_count(lit), emitting.y - min(emitting.x, emitting.y));
-        visibility_drawn(lane, k, mask, window, at);
+    if (is_whole) {
+        masks.is_own = true;
+        masks.is_turned = true;
+        masks.turn = light_turn(light);
+    } else {
+        masks = masks_of_lobe(at, light, tolerance, lobe, forms.z > 0u);
     }
-    return window;
+    if (lane == 0u) {
+        visibility_plan = vec3u(u32(masks.is_own), u32(masks.is_broad), u32(masks.is_turned));
+    }
+    let plan = workgroupUniformLoad(&visibility_plan);
+    if (plan.z > 0u) {
+        masks.window = light_window(light, visibility_across(lane, tile, at, light, masks.turn), at.normal);
+    }
+    if (is_whole) {
+        visibility_whole = masks.window;
+    } else if (masks.is_part) {
+        masks.window = masks_window(masks.window, at, tolerance, lobe);
+    }
+    var areas = vec2u(0u);
+    let own_grid = select(counts.zw, counts.xy, is_whole);
+    let own = plan.x * own_grid.x * own_grid.y;
+    let count = own + plan.y * counts.x * counts.y;
+    for (var k = 0u; k < count; k++) {
+        let is_own = k < own;
+        let part = select(k - own, k, is_own);
+        let grid = select(counts.xy, own_grid, is_own);
+        var window = visibility_whole;
+        if (is_own) {
+            window = masks.window;
+        }
+        row_refine((is_own && !is_whole) || forms.y > 0u);
+        let square = square_part(window, part, grid);
+        let mask = mask_of(square);
+        if (is_own || forms.w > 0u) {
+            row_bands = forms.x;
+            row_first = SIDE * (part / grid.x % forms.x);
+            _ = mask_reset(square, lane, at.normal);
+            blockers_splat(lane, tile, at, light, mask);
+            row_bands = 1u;
+            row_first = 0u;
+        } else {
+            masks_load(part);
+        }
+        if (is_whole) {
+            areas += vec2u(row_count(lit), emitting.y - min(emitting.x, emitting.y));
+        }
+        masks_use(lane, part, mask, window, masks, is_own, is_whole, at, lobe);
+    }
+    row_refine(forms.y > 0u);
+    if (is_whole) {
+        visibility_areas = total(lane, vec4f(vec2f(areas), 0.0, 0.0)).xy;
+    }
+    return masks_fraction(lobe);
 }
 
-// Lit and emitting samples of all masks.
-fn visibility_areas(lane: u32) -> vec2f { return total(lane, vec4f(vec2f(broad_areas), 0.0, 0.0)).xy; }
-
-// Coverage of the emitting region by all masks.
-fn visibility_coverage(lane: u32) -> u32 {
-    let areas = visibility_areas(lane);
-    if (areas.x == areas.y) {
+// Coverage of the emitting region by all masks of the whole light.
+fn visibility_coverage() -> u32 {
+    if (visibility_areas.x == visibility_areas.y) {
         return LIT;
     }
-    return select(PARTIAL, DARK, areas.x == 0.0);
+    return select(PARTIAL, DARK, visibility_areas.x == 0.0);
 }
 
 // The direction across most edges in a window: those of blockers and, if it cuts the light, the horizon.

@@ -1,60 +1,69 @@
-// Lobes narrower than the light have masks of their own, with 256 samples a row. Needs visibility.wgsl, and special.wgsl of
-// lobe-core.
+// Masks of the whole light are stored for the lobes; narrow lobes have masks of their own, with 256 samples a row. Needs
+// visibility.wgsl, special.wgsl of lobe-core, and one of fraction_alike.wgsl and fraction_image.wgsl.
 
 // Emitting and lit samples of this thread's row in each part of the whole light, if the parts are few enough to be stored.
 var<private> broad_emitting: array<vec2u, BROAD_COUNT>;
 var<private> broad_lit: array<Row, BROAD_COUNT>;
 const BROAD_COUNT = BROAD_GRID.x * BROAD_GRID.y;
 
-// Called for each mask of the whole light.
-fn visibility_drawn(lane: u32, k: u32, mask: Mask, window: UnitSquare, at: Receiver) {
-    if (k < BROAD_COUNT) {
-        broad_emitting[k] = emitting;
-        broad_lit[k] = lit;
-    }
-}
-
-// The visible fraction of the light for a lobe. Requires uniform control flow.
-fn lobe_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 {
-    if (HAS_MICROFACETS && decide(lane, lobe.kind >= LOBE_MICROFACETS_F0)) {
-        return microfacet_fraction(lane, tile, at, light, tolerance, whole, lobe);
-    }
-    let counts = workgroupUniformLoad(&grid_counts);
-    let forms = workgroupUniformLoad(&grid_forms);
-    let sigmas = zoom_sigmas(tolerance);
-    let peak = square_peak(whole, lobe, at.normal);
-    let square = square_around(whole, peak, sigmas);
-    let is_part = any(square.half < whole.half);
-    let is_steep = forms.z > 0u && peak_fall(peak, whole) > STEEP;
-    let is_own = decide(lane, !is_lambert(at, lobe) && (is_part || is_steep));
-    var window = whole;
-    if (is_own && decide(lane, is_part)) {
-        // All windows on a flat light are turned alike.
-        var turned = whole;
-        if (!light_is_flat()) {
-            let turn = visibility_across(lane, tile, at, light, square_cone(square, light.distance));
-            turned = light_window(light, turn, at.normal);
-        }
-        window = square_zoomed(turned, lobe, at.normal, sigmas);
-    }
-    let grid = select(counts.xy, counts.zw, is_own);
-    row_refine(is_own || forms.y > 0u);
-    var sum = vec4f(0.0);
-    for (var k = 0u; k < grid.x * grid.y; k++) {
-        if (is_own || forms.w > 0u) {
-            visibility_draw(lane, tile, at, light, window, k, grid, forms.x);
-        } else {
-            emitting = broad_emitting[k];
-            lit = broad_lit[k];
-        }
-        sum += fraction_sums(lane, mask_of(square_part(window, k, grid)), window, at, lobe);
-    }
-    row_refine(forms.y > 0u);
-    return fraction_of(sum);
-}
-
 // A lobe whose logarithm falls by more than this over a radius of the light has masks as fine as a narrow one.
 const STEEP = 1.0;
 
 // The reach of a lobe's own window, in its standard deviations: √(2 ln(2/τ)).
 fn zoom_sigmas(tolerance: f32) -> f32 { return sqrt(2.0 * ln_1p(2.0 / clamp(tolerance, 1e-6, 0.5) - 1.0)); }
+
+fn is_microfacets(lobe: Lobe) -> bool { return HAS_MICROFACETS && lobe.kind >= LOBE_MICROFACETS_F0; }
+
+// The masks of a lobe of cosines, which replace those of the whole light.
+fn masks_of_cosines(at: Receiver, light: Cone, tolerance: f32, lobe: Lobe, is_narrow_finer: bool) -> Masks {
+    var masks: Masks;
+    let whole = visibility_whole;
+    let peak = square_peak(whole, lobe, at.normal);
+    masks.window = whole;
+    let square = square_around(whole, peak, zoom_sigmas(tolerance));
+    let is_narrow = any(square.half < whole.half);
+    let is_steep = is_narrow_finer && peak_fall(peak, whole) > STEEP;
+    masks.is_own = !is_lambert(at, lobe) && (is_narrow || is_steep);
+    masks.is_broad = !masks.is_own;
+    masks.low = vec2f(1e30);
+    masks.high = vec2f(-1e30);
+    masks.is_part = masks.is_own && is_narrow;
+    // All windows on a flat light are turned alike.
+    masks.is_turned = masks.is_part && !light_is_flat();
+    masks.turn = square_cone(square, light.distance);
+    return masks;
+}
+
+// Masks of a highlight's window, if that is a part of the light or the highlight is narrow (`is_finer`). The masks of the whole light
+// count beside a part, without its window.
+fn masks_of_highlight(square: UnitSquare, is_finer: bool) -> Masks {
+    var masks: Masks;
+    masks.window = square;
+    let is_part = any(square.half < visibility_whole.half);
+    masks.is_broad = !(is_finer && !is_part);
+    masks.is_own = is_part || !masks.is_broad;
+    masks.low = select(vec2f(1e30), square.center - square.half, is_part);
+    masks.high = select(vec2f(-1e30), square.center + square.half, is_part);
+    return masks;
+}
+
+fn masks_window(window: UnitSquare, at: Receiver, tolerance: f32, lobe: Lobe) -> UnitSquare {
+    return square_zoomed(window, lobe, at.normal, zoom_sigmas(tolerance));
+}
+
+// Reads the samples of a stored mask.
+fn masks_load(part: u32) {
+    emitting = broad_emitting[part];
+    lit = broad_lit[part];
+}
+
+fn masks_use(
+    lane: u32, part: u32, mask: Mask, window: UnitSquare, masks: Masks, is_own: bool, is_whole: bool, at: Receiver, lobe: Lobe
+) {
+    if (!is_whole) {
+        masks_add(lane, mask, window, masks, is_own, at, lobe);
+    } else if (part < BROAD_COUNT) {
+        broad_emitting[part] = emitting;
+        broad_lit[part] = lit;
+    }
+}

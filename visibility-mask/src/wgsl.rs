@@ -40,7 +40,8 @@ pub const LAMBERT: &str = concat!(
     include_str!("fraction_lambert.wgsl"),
     include_str!("fraction_lambert_only.wgsl")
 );
-/// The visible fraction of any lobe; needs [`VISIBILITY`], [`header_of_lobes`] and `special.wgsl` of `lobe-core`.
+/// The visible fraction of any lobe; needs [`VISIBILITY`], [`header_of_lobes`], `special.wgsl` of `lobe-core`, and one of [`ALIKE`] and
+/// [`IMAGE`].
 pub const LOBES: &str = concat!(
     include_str!("visibility_window.wgsl"),
     include_str!("fraction_lambert.wgsl"),
@@ -51,7 +52,7 @@ pub const LOBES: &str = concat!(
 /// The visible fraction of microfacet lobes, if [`header_of_lobes`] has them; needs [`LOBES`] and `MICROFACETS` of `lobe-core`.
 pub const MICROFACETS: &str = include_str!("fraction_microfacets.wgsl");
 
-/// The visible fraction if it is the same in all channels, `visible_fraction`; needs [`LAMBERT`] or [`LOBES`].
+/// The visible fraction if it is the same in all channels; needs [`LOBES`].
 pub const ALIKE: &str = include_str!("fraction_alike.wgsl");
 /// The same by channel, for a light that shows an image; needs [`FLAT`], [`LOBES`], `IMAGE` of `lobe-core`, and
 /// [`IMAGE_MICROFACETS`] or [`IMAGE_NO_MICROFACETS`].
@@ -113,7 +114,10 @@ pub fn header_of_lobes(depth: u32, broad: Fineness, narrow: Fineness, has_microf
 }
 
 /// Replaces [`MICROFACETS`]; a part of [`header_of_lobes`] without microfacets.
-pub const NO_MICROFACETS: &str = "const HAS_MICROFACETS = false;\nfn microfacet_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 { return 0.0; }\n";
+pub const NO_MICROFACETS: &str = "const HAS_MICROFACETS = false;\n\
+    fn masks_of_microfacets(at: Receiver, tolerance: f32, lobe: Lobe, is_narrow_finer: bool) -> Masks { return Masks(); }\n\
+    fn microfacet_sums(lane: u32, mask: Mask, at: Receiver, lobe: Lobe, masks: Masks, is_own: bool) -> vec4f { return vec4f(); }\n\
+    fn microfacet_fraction(sums: vec4f, lobe: Lobe) -> f32 { return 0.0; }\n";
 
 fn header_of(depth: u32, width: usize, fineness: Fineness, row: &str) -> String {
     assert!((1..=MAX_DEPTH).contains(&depth), "mask depth {depth} is not in 1..={MAX_DEPTH}");

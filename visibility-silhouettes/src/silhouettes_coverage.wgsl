@@ -62,9 +62,11 @@ fn silhouettes_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
         return PARTIAL;
     }
     // The number of surfaces is the same in front of the whole light.
+    var toward = cone.axis;
+    var far = eye.far;
     if (light_is_flat()) {
-        let toward = light_middle();
-        return select(LIT, DARK, any_hit(eye.x, toward, light_distance(toward)));
+        toward = light_middle();
+        far = light_distance(toward);
     }
-    return select(LIT, DARK, any_hit(eye.x, cone.axis, eye.far));
+    return select(LIT, DARK, any_hit(eye.x, toward, far));
 }

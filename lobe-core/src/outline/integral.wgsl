@@ -61,15 +61,42 @@ fn outline_local(right: vec3f, v: vec3f) -> vec3f {
     return vec3f(dot(right, v), dot(cross(outline.axis, right), v), dot(outline.axis, v));
 }
 
-// The integral of a lobe of flux 1 over the outline.
+// What a cubature sums: `factor` times the reflectance; nothing where that is 0.
+struct OutlineTerm {
+    factor: f32,
+    peak: OutlinePeak,
+    value: OutlineValue,
+}
+
+// The integral of a lobe of flux 1 over the outline. One cubature for all kinds: drivers compile a function anew for each call of it.
 fn outline_integral(at: Receiver, lobe: Lobe) -> OutlineSum {
-    if (is_lambert(at, lobe)) {
-        return outline_lambert(at.normal);
+    let is_diffuse = is_lambert(at, lobe);
+    let is_facets = lobe.kind >= LOBE_MICROFACETS_F0;
+    if (is_diffuse) {
+        let closed = outline_closed(at.normal);
+        let is_cut_disc = outline.is_clipped && outline.radius > 0.0;
+        if (!OUTLINE_SHOWS && (!is_cut_disc || closed.y > OUTLINE_WIDE)) {
+            return OutlineSum(closed.x);
+        }
     }
-    if (lobe.kind >= LOBE_MICROFACETS_F0) {
-        return outline_microfacets(at.normal, lobe);
+    var toward = select(lobe.axis, at.normal, is_diffuse);
+    if (is_facets) {
+        toward = outline_facets_turn(at.normal, lobe);
     }
-    return outline_power(at.normal, lobe);
+    let right = outline_frame(toward);
+    outline_project(right);
+    var term: OutlineTerm;
+    if (is_diffuse) {
+        term = outline_lambert(right, at.normal);
+    } else if (is_facets) {
+        term = outline_microfacets(right, at.normal, lobe);
+    } else {
+        term = outline_power(right, at.normal, lobe);
+    }
+    if (term.factor == 0.0) {
+        return OutlineSum();
+    }
+    return term.factor * outline_cubature(right, term.peak, term.value);
 }
 
 // Squared sines below this have a series.
@@ -129,29 +156,20 @@ fn outline_equal(normal: vec3f, p: vec3f) -> vec3f {
 // Discs that the horizon cuts have the formula where their sides' angles are more than this together.
 const OUTLINE_WIDE = 0.6;
 
-fn outline_lambert(normal: vec3f) -> OutlineSum {
-    let closed = outline_closed(normal);
-    let is_cut_disc = outline.is_clipped && outline.radius > 0.0;
-    if (!OUTLINE_SHOWS && (!is_cut_disc || closed.y > OUTLINE_WIDE)) {
-        return OutlineSum(closed.x);
-    }
-    let right = outline_frame(normal);
-    outline_project(right);
+fn outline_lambert(right: vec3f, normal: vec3f) -> OutlineTerm {
     let point = outline_nearest(vec2f(0.0));
     let width = vec2f(sqrt(1.0 + dot(point, point)));
     let value = OutlineValue(OUTLINE_COSINE, true, 0.0, outline_local(right, normal), vec3f(0.0));
-    return outline_cubature(right, OutlinePeak(point, width, false), value);
+    return OutlineTerm(1.0, OutlinePeak(point, width, false), value);
 }
 
-fn outline_power(normal: vec3f, lobe: Lobe) -> OutlineSum {
-    let right = outline_frame(lobe.axis);
-    outline_project(right);
+fn outline_power(right: vec3f, normal: vec3f, lobe: Lobe) -> OutlineTerm {
     let axis = outline_local(right, lobe.axis);
     // A lobe has a kink at its own horizon.
     if (lobe.exponent < OUTLINE_STEEP) {
         outline_cut(axis);
         if (outline_point_count == 0u) {
-            return OutlineSum();
+            return OutlineTerm();
         }
     }
     let e = min(lobe.exponent, 1e8);
@@ -163,7 +181,7 @@ fn outline_power(normal: vec3f, lobe: Lobe) -> OutlineSum {
     let aside = cross(axis, vec3f(point, 1.0));
     let sin_sq = dot(aside, aside) / stretch;
     if (!(along > 0.0) || exp_f32(0.5 * e * ln_of(along * along / stretch, -sin_sq)) < OUTLINE_NOTHING) {
-        return OutlineSum();
+        return OutlineTerm();
     }
     // How it falls from there: by its own width, or with the slope that it has beside its axis.
     var slope = axis.xy * (e / max(along, 1e-3 / (1.0 + e))) - point * ((e + 3.0) / stretch);
@@ -176,7 +194,7 @@ fn outline_power(normal: vec3f, lobe: Lobe) -> OutlineSum {
     let value = OutlineValue(OUTLINE_POWER, lobe.kind == LOBE_COSINE, 0.5 * e, outline_local(right, normal), axis);
     let apart = point - place;
     let is_beside = sqrt(dot(apart, apart)) > 2.0 * sigma * stretch;
-    return (e + 1.0) / TAU * outline_cubature(right, OutlinePeak(point, width, is_beside), value);
+    return OutlineTerm((e + 1.0) / TAU, OutlinePeak(point, width, is_beside), value);
 }
 
 // How far from the foot of the receiver's perpendicular on the plane at distance 1, toward a lobe's axis, the lobe times the light's

@@ -9,16 +9,21 @@ fn outline_facets(v: vec3f) -> f32 {
     return select(both.x, both.y, outline_is_edge);
 }
 
-fn outline_microfacets(normal: vec3f, lobe: Lobe) -> OutlineSum {
-    let surface = microfacets_of(normal, lobe);
-    let alpha = sqrt(surface.alpha_sq);
-    let mirror = 2.0 * dot(normal, surface.view) * normal - surface.view;
-    // Rows across the plane of incidence: highlights are longer along it.
+// Rows across the plane of incidence: highlights are longer along it.
+fn outline_facets_turn(normal: vec3f, lobe: Lobe) -> vec3f {
+    let view = microfacets_of(normal, lobe).view;
+    let mirror = 2.0 * dot(normal, view) * normal - view;
     let seen = seen_from(normal, lobe.axis);
     let turn = normal * seen.y + tangent_toward(normal, lobe.axis) * seen.x;
     let toward = dot(outline.axis, mirror);
-    let right = outline_frame(select(mirror, turn - mirror * (dot(outline.axis, turn) / toward), toward > 1e-3));
-    outline_project(right);
+    return select(mirror, turn - mirror * (dot(outline.axis, turn) / toward), toward > 1e-3);
+}
+
+fn outline_microfacets(right: vec3f, normal: vec3f, lobe: Lobe) -> OutlineTerm {
+    let surface = microfacets_of(normal, lobe);
+    let alpha = sqrt(surface.alpha_sq);
+    let mirror = 2.0 * dot(normal, surface.view) * normal - surface.view;
+    let seen = seen_from(normal, lobe.axis);
     let axis = outline_local(right, mirror);
     let length = sqrt(dot(axis.xy, axis.xy));
     let far = select(vec2f(0.0), axis.xy * (1e3 / length), length > 0.0);
@@ -38,5 +43,5 @@ fn outline_microfacets(normal: vec3f, lobe: Lobe) -> OutlineSum {
     outline_surface = MicrofacetsAt(outline_local(right, normal), surface.alpha_sq, outline_local(right, surface.view), surface.shadowing);
     outline_is_edge = lobe.kind == LOBE_MICROFACETS_F90;
     let value = OutlineValue(OUTLINE_FACETS, false, 0.0, outline_surface.normal, axis);
-    return outline_cubature(right, OutlinePeak(point, width, beside > 2.0 * alpha * stretch), value);
+    return OutlineTerm(1.0, OutlinePeak(point, width, beside > 2.0 * alpha * stretch), value);
 }

@@ -2,4 +2,6 @@
 
 fn outline_facets(v: vec3f) -> f32 { return 0.0; }
 
-fn outline_microfacets(normal: vec3f, lobe: Lobe) -> OutlineSum { return OutlineSum(); }
+fn outline_facets_turn(normal: vec3f, lobe: Lobe) -> vec3f { return normal; }
+
+fn outline_microfacets(right: vec3f, normal: vec3f, lobe: Lobe) -> OutlineTerm { return OutlineTerm(); }

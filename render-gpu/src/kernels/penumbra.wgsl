@@ -17,18 +17,26 @@ fn penumbra(
     let at = points[point];
     let light = light_cone(at);
     let bright = light_radiance(at);
-    let window = visibility_window(lane, tile, at, light, frame.tolerance);
-    let coverage = visibility_coverage(lane);
+    var coverage = PARTIAL;
     var sum = vec3f(0.0);
-    for (var k = 0u; k < queue_lobes(); k++) {
-        let lobe = brdf_lobe(at.material, at, k);
-        let unshadowed = lobe.flux * bright * queue_integral(item, k);
-        let brightest = max(max(unshadowed.x, unshadowed.y), unshadowed.z);
-        let is_seen = k < brdf_lobe_count(at.material) && brightest > frame.threshold;
+    // Round 0 draws the masks of the whole light; each later round is a lobe's.
+    for (var round = 0u; round <= queue_lobes(); round++) {
+        var lobe: Lobe;
+        var unshadowed = vec3f(0.0);
+        var is_seen = true;
+        if (round > 0u) {
+            lobe = brdf_lobe(at.material, at, round - 1u);
+            unshadowed = lobe.flux * bright * queue_integral(item, round - 1u);
+            let brightest = max(max(unshadowed.x, unshadowed.y), unshadowed.z);
+            is_seen = round <= brdf_lobe_count(at.material) && brightest > frame.threshold;
+        }
         if (decide(lane, is_seen && coverage == PARTIAL)) {
-            sum += unshadowed * visible_fraction(lane, tile, at, light, frame.tolerance, window, lobe);
+            sum += unshadowed * visible_fraction(lane, tile, at, light, frame.tolerance, round == 0u, lobe);
         } else if (is_seen && coverage == LIT) {
             sum += unshadowed;
+        }
+        if (round == 0u) {
+            coverage = visibility_coverage();
         }
     }
     if (lane == 0u) {
