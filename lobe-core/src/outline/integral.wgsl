@@ -61,7 +61,7 @@ fn outline_local(right: vec3f, v: vec3f) -> vec3f {
     return vec3f(dot(right, v), dot(cross(outline.axis, right), v), dot(outline.axis, v));
 }
 
-// What a cubature sums: `factor` times the reflectance; nothing where that is 0.
+// A term of the sum: `factor` times the reflectance over the outline; nothing where that is 0.
 struct OutlineTerm {
     factor: f32,
     peak: OutlinePeak,
