@@ -5,18 +5,18 @@ use std::hash::{BuildHasher, Hasher, RandomState};
 use std::sync::LazyLock;
 
 /// A map whose keys are hashed in a few multiplications. Its order means nothing.
-pub(crate) type QuickMap<K, V> = HashMap<K, V, QuickHash>;
+pub type QuickMap<K, V> = HashMap<K, V, QuickHash>;
 /// A set whose keys are hashed in a few multiplications. Its order means nothing.
-pub(crate) type QuickSet<K> = HashSet<K, QuickHash>;
+pub type QuickSet<K> = HashSet<K, QuickHash>;
 
 /// Makes hashers of [`QuickMap`] and [`QuickSet`]: multiplications whose halves are folded together, from a start that differs from run to
 /// run, so that no file is slow in all of them.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct QuickHash;
+pub struct QuickHash;
 
 /// The state of a [`QuickHash`].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct QuickHasher(u64);
+pub struct QuickHasher(u64);
 
 const ODD: u64 = 0x9e37_79b9_7f4a_7c15;
 
