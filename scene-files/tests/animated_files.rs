@@ -97,6 +97,7 @@ fn every_animated_file_moves_and_stays_valid() {
         ("generated/tentacle_skinned.glb", 2.0, 3),
     ] {
         let (mut scene, animation, warnings) = scene_files::load_animated(Path::new(SHARED).join(file)).unwrap();
+        animation.validate().unwrap();
         println!("{file}: {} s, {:?}, {warnings:?}", animation.duration(), animation.clips());
         assert!((animation.duration() - duration).abs() < 0.02 && animation.clips().len() == clips, "{file}");
         let first = scene.clone();

@@ -161,6 +161,11 @@ impl BoundSphere {
         Self { bind, joints: on, weights }
     }
 
+    /// The joints that carry it.
+    pub(crate) fn joints(&self) -> impl Iterator<Item = u16> {
+        joints_in_use(self.joints, self.weights)
+    }
+
     pub(crate) fn at(&self, joints: &[Mat4]) -> Sphere {
         scaled(self.bind, &blend(self.joints, self.weights, joints))
     }
@@ -172,6 +177,11 @@ pub(crate) fn scaled(sphere: Sphere, matrix: &Mat4) -> Sphere {
     let center = matrix.transform_point3(sphere.center).clamp(-limit, limit);
     let size = Mat3::from_mat4(*matrix).determinant().abs().cbrt();
     Sphere { center, radius: (sphere.radius * size).clamp(f32::MIN_POSITIVE, MAX_COORDINATE) }
+}
+
+/// The joints that [`blend`] looks at: the first one and those that have a weight.
+pub(crate) fn joints_in_use(on: [u16; 4], weights: [f32; 4]) -> impl Iterator<Item = u16> {
+    (0..4).filter(move |&k| k == 0 || weights[k] > 0.0).map(move |k| on[k])
 }
 
 fn blend(on: [u16; 4], weights: [f32; 4], joints: &[Mat4]) -> Mat4 {

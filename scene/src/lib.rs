@@ -2,7 +2,7 @@
 //!
 //! - [`Scene`] and its parts: [`Camera`], [`Object`] ([`Shape`], [`Proxy`], [`Strategy`]), [`Mesh`], materials of `brdf`,
 //!   textures and emission ([`Surface`]), lights of `lighting`. [`Scene::validate`] checks all that renderers rely on. [`builtin`]: a scene.
-//! - [`Animation`]: its motion; [`motion`]: the parts of that.
+//! - [`Animation`]: its motion; [`motion`]: the parts of that. [`Animation::validate`] checks these.
 //! - The inputs and results of renderers, the same for CPU and GPU: [`Shade`], [`ShadingPoints`], [`Frame`], [`BlockerSet`], [`Cancel`].
 //!
 //! ```
@@ -22,6 +22,9 @@
 //! Out of scope here: files (crate `scene-files`), pictures as output, sphere-set construction, threads.
 
 mod animation;
+mod animation_check;
+#[cfg(test)]
+mod animation_check_tests;
 mod animation_edits;
 mod bounds;
 mod builtin;

@@ -5,8 +5,8 @@
 //! a glTF file moves, or, without a [`Carrier`], the placement alone. Lights and the camera follow key frames or nodes. Values over
 //! time are [`Track`]s.
 //!
-//! The numbers of skeletons, nodes, joints and lights must exist, and tracks must have the widths that are stated: [`Animation::seek`] panics
-//! otherwise. Readers check these when they read.
+//! The skeletons, nodes and joints that parts refer to must exist, and tracks must have the widths that are stated:
+//! [`Animation::validate`] checks that, and renderers refuse animations for which it does not hold. [`Animation::seek`] panics for some of these.
 //!
 //! Numbers are relative to [`Origins`] where geometry is far from the origin of its file.
 

@@ -110,6 +110,12 @@ impl Track {
         Self::new(times, values, width, Interpolation::Cubic, meaning)
     }
 
+    /// Numbers a key.
+    #[must_use]
+    pub const fn width(&self) -> usize {
+        self.width
+    }
+
     /// The last key's time.
     #[must_use]
     pub fn end(&self) -> f32 {
