@@ -50,6 +50,7 @@ struct Side {
 }
 
 /// The vertices of a mesh that was split at its creases.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Split {
     /// The vertex that each came from.
     pub sources: Vec<u32>,

@@ -86,6 +86,7 @@ impl Mesh {
     /// # Panics
     /// When a corner does not exist.
     #[must_use]
+    #[inline]
     pub fn face_cross(&self, [a, b, c]: [u32; 3]) -> DVec3 {
         let p = |i: u32| self.positions[i as usize].as_dvec3();
         (p(b) - p(a)).cross(p(c) - p(a))
