@@ -171,7 +171,7 @@
 //!
 //! # Crates
 //!
-//! Each crate of the workspace is a module here. [`scene`]: scenes and their files. [`renderer`]: the front door; [`session`]: the same on a thread of its own. [`brdf`], [`lighting`]:
+//! Each crate of the workspace is a module here. [`scene`]: scenes, and their files (crates `scene` and `scene-files`). [`renderer`]: the front door; [`session`]: the same on a thread of its own. [`brdf`], [`lighting`]:
 //! materials and lights as lobes; [`lobe_core`]: lobes, their integrals and the traits. [`visibility_mask`], [`visibility_silhouettes`],
 //! [`visibility_spheres`], [`sphere_sets`], [`visibility_shadowmap`], [`visibility_rays`]: visibility. [`render_cpu`], `render_gpu`: shading. [`ray_tracing`]: rays
 //! and visible points. [`reference`](mod@reference): Monte Carlo. [`pictures`]: image files and comparison.
@@ -195,7 +195,6 @@ pub use render_cpu;
 #[cfg(feature = "gpu")]
 pub use render_gpu;
 pub use renderer;
-pub use scene;
 pub use session;
 pub use sphere_sets;
 pub use visibility_mask;
@@ -203,6 +202,15 @@ pub use visibility_rays;
 pub use visibility_shadowmap;
 pub use visibility_silhouettes;
 pub use visibility_spheres;
+
+/// Scenes (crate `scene`) and, with the feature `files`, their files (crate `scene-files`).
+pub mod scene {
+    #[doc(inline)]
+    pub use ::scene::*;
+    #[cfg(feature = "files")]
+    #[doc(inline)]
+    pub use scene_files::*;
+}
 
 pub use pictures::{
     Comparison, Display, FlipMap, ImageFileError, Output, Picture, PngDepth, RegionError, ShadowErrors, SizesDiffer,

@@ -12,7 +12,8 @@ use core::f32::consts::FRAC_1_PI;
 use core::ops::ControlFlow;
 use glam::Vec3;
 use renderer::{Renderer, Settings};
-use scene::{Animation, Cancel, GltfDocument, GltfPart, LoadOptions, Scene, SceneError};
+use scene::{Animation, Cancel, Scene, SceneError};
+use scene_files::{GltfDocument, GltfPart, LoadOptions};
 use std::path::{Path, PathBuf};
 
 /// A stage of baking.
@@ -51,9 +52,9 @@ pub struct Baked {
 fn load(path: &Path, options: &LoadOptions) -> Result<(Scene, Animation, GltfDocument, Vec<String>), SceneError> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     if ["gltf", "glb"].contains(&&*ending) {
-        return scene::load_document(path, options);
+        return scene_files::load_document(path, options);
     }
-    let (scene, animation, mut notes) = scene::load_with(path, options)?;
+    let (scene, animation, mut notes) = scene_files::load_with(path, options)?;
     let is_model = ending != "toml";
     if is_model {
         notes.push(format!("{}: is lit as pictures show it", path.display()));

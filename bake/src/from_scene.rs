@@ -4,7 +4,8 @@ use crate::look::diffuse;
 use brdf::Material;
 use glam::{Mat4, Vec2, Vec3};
 use pictures::{Picture, png_bytes, srgb_bytes};
-use scene::{Camera, GltfDocument, GltfPart, Mesh, Scene, Surface, TextureMap, TexturePlace, Wrap};
+use scene::{Camera, Mesh, Scene, Surface, TextureMap, TexturePlace, Wrap};
+use scene_files::{GltfDocument, GltfPart};
 use serde_json::{Map, Value, json};
 
 /// A document of the meshes of a scene that are seen, with its camera: one node an object, from the object `first` on. And a line about each

@@ -1,7 +1,7 @@
 //! A glTF document that things are added to, and the binary file that it is written as.
 
 use crate::json::Json;
-use scene::GltfDocument;
+use scene_files::GltfDocument;
 use serde_json::{Value, json};
 
 /// The kinds of a GLB's chunks.

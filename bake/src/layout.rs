@@ -6,7 +6,7 @@ use crate::{BakeError, BakeSettings};
 use core::ops::ControlFlow;
 use glam::Vec2;
 use renderer::RenderError;
-use scene::{GltfDocument, GltfPart};
+use scene_files::{GltfDocument, GltfPart};
 use std::path::Path;
 use uvunwrap::{Atlas, Density, MeshInput, Options, Packing};
 

@@ -23,7 +23,7 @@
 //! ```no_run
 //! use bake::{BakeSettings, Baker};
 //! use core::ops::ControlFlow;
-//! let options = scene::LoadOptions::new();
+//! let options = scene_files::LoadOptions::new();
 //! let mut baker = Baker::open("room.glb", &options, BakeSettings::default(), renderer::Settings::default())?;
 //! let baked = baker.bake(&mut |_stage, _done| ControlFlow::Continue(()))?;
 //! std::fs::write("baked.glb", baked.glb)?;

@@ -4,7 +4,8 @@ use crate::target::Face;
 use brdf::Material;
 use core::f32::consts::PI;
 use glam::{Mat2, Vec2, Vec3};
-use scene::{GltfPart, Scene, Surface, TexturePlace};
+use scene::{Scene, Surface, TexturePlace};
+use scene_files::GltfPart;
 
 /// The look of a part.
 pub(crate) struct Look<'a> {

@@ -4,7 +4,8 @@ use crate::glb::Document;
 use crate::json::Json;
 use crate::look::diffuse;
 use crate::target::material;
-use scene::{GltfPart, Scene};
+use scene::Scene;
+use scene_files::GltfPart;
 use serde_json::{Value, json};
 use std::collections::HashMap;
 

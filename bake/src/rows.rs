@@ -1,7 +1,7 @@
 //! The rows of accessors as bytes, to be written again in another order.
 
 use crate::glb::Document;
-use scene::GltfDocument;
+use scene_files::GltfDocument;
 use serde_json::{Map, Value, json};
 
 /// Targets of a GPU for buffer views (glTF 2.0, §5.11.5).

@@ -3,7 +3,7 @@
 use crate::page::{Page, State};
 use crate::target::Target;
 use glam::{DVec3, Vec2, Vec3};
-use scene::GltfPart;
+use scene_files::GltfPart;
 use std::collections::HashMap;
 
 /// Points on a seam, a texel of its length.

@@ -3,7 +3,8 @@
 use crate::BakeError;
 use glam::{DVec3, Vec2, Vec3};
 use lobe_core::{NO_OBJECT, Receiver};
-use scene::{GltfDocument, GltfPart, Mesh};
+use scene::Mesh;
+use scene_files::{GltfDocument, GltfPart};
 use serde_json::Value;
 use std::path::Path;
 

@@ -14,7 +14,7 @@ use core::ops::ControlFlow;
 use glam::{DVec3, Vec3};
 use lobe_core::Receiver;
 use renderer::{RenderError, Renderer};
-use scene::GltfDocument;
+use scene_files::GltfDocument;
 
 /// Points of a band of rows, about.
 const BAND: u64 = 1 << 19;

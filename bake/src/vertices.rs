@@ -8,7 +8,7 @@ use core::ops::ControlFlow;
 use glam::{DVec3, Vec3};
 use lobe_core::Receiver;
 use renderer::{RenderError, Renderer};
-use scene::GltfPart;
+use scene_files::GltfPart;
 
 /// How far from a corner its light is taken, as a part of the way to the triangle's middle: on the corner itself a wall may stand.
 const INSIDE: f64 = 0.02;

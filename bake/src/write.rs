@@ -6,7 +6,8 @@ use crate::materials::{Light, Materials};
 use crate::rows::{Rows, add_floats, add_indices};
 use crate::target::{Target, primitive};
 use glam::Vec3;
-use scene::{GltfDocument, GltfPart, Scene};
+use scene::Scene;
+use scene_files::{GltfDocument, GltfPart};
 use serde_json::{Value, json};
 use std::collections::HashMap;
 

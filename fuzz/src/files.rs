@@ -32,6 +32,7 @@ fn load(name: &str, data: &[u8]) {
     with_file(name, data, |file| match scene::load_animated(file) {
         Ok((mut scene, animation, warnings)) => {
             assert!(warnings.iter().all(|w| !w.is_empty() && !w.contains('\n')), "{warnings:?}");
+            animation.validate().unwrap_or_else(|e| panic!("an animation that can be sought: {e}"));
             for time in [0.0, 0.5 * animation.duration(), animation.duration(), f32::NAN, -1.0, f32::INFINITY] {
                 animation.seek(time, &mut scene);
                 scene.validate().unwrap_or_else(|e| panic!("valid before, at {time}: {e}"));

@@ -2,6 +2,8 @@
 //!
 //! Each class stands in a file of its own. Work that takes long goes through [`work::run`], which releases the GIL, hears Ctrl-C and
 //! reports progress; arrays and numbers come in through [`args`], which names the argument that is wrong.
+// `cargo test --lib` links a program of the library's tests, though there are none: without Python's symbols it must be empty.
+#![cfg(not(test))]
 
 mod args;
 mod camera;

@@ -11,7 +11,7 @@ const SIZE: u32 = 256;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     run("built-in", &scene::builtin());
     for file in std::env::args().skip(1) {
-        run(&file, &scene::load(&file)?);
+        run(&file, &scene_files::load(&file)?);
     }
     Ok(())
 }

@@ -26,7 +26,7 @@ const COUNT: usize = 600;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     run("fence", &fence());
     for file in std::env::args().skip(1) {
-        let mut scene = scene::load(&file)?;
+        let mut scene = scene_files::load(&file)?;
         scene.materials.fill(Material::lambert(Vec3::splat(0.5)));
         run(&file, &scene);
     }

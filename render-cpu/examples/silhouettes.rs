@@ -12,7 +12,8 @@ use lobe_core::{
     Visibility, VisibilityQuery,
 };
 use render_cpu::{GBuffer, SceneSilhouettes, SurfaceHits, World};
-use scene::{GROUP, Mesh, Scene, Shape, load_animated};
+use scene::{GROUP, Mesh, Scene, Shape};
+use scene_files::load_animated;
 use std::collections::HashMap;
 use std::error::Error;
 use std::path::Path;

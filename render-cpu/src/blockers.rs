@@ -85,7 +85,7 @@ mod tests {
         let turn = Quat::from_axis_angle(Vec3::new(1.0, 2.0, 3.0).normalize(), 40_f32.to_radians());
         for keys in ["", "keys = [{ time = 0 }, { time = 1, translate = [5, 7, 2] }]\n"] {
             write("scene.toml", &format!("{object}{keys}"));
-            let (mut scene, animation, _) = scene::load_animated(folder.join("scene.toml")).unwrap();
+            let (mut scene, animation, _) = scene_files::load_animated(folder.join("scene.toml")).unwrap();
             let go = &mut |_: &str, _| ControlFlow::Continue(());
             let spheres = SceneSpheres::new(&scene, Some(&animation), |_| SphereSource::Proxy, go).unwrap();
             let mut out = BlockerSet::default();
@@ -108,7 +108,7 @@ mod tests {
         }
         // The set of another mesh is none of a placed one either.
         write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
-        let scene = scene::load(folder.join("scene.toml")).unwrap();
+        let scene = scene_files::load(folder.join("scene.toml")).unwrap();
         assert!(matches!(make(&scene), Err(BlockersError::Misfit { .. })));
         std::fs::remove_dir_all(&folder).unwrap();
     }

@@ -198,7 +198,7 @@ fn the_turned_floor_under_a_bumpy_sphere() {
 #[cfg_attr(not(shared_assets), ignore = "needs ../shared/assets beside the repository")]
 fn the_floor_under_the_armadillo() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/armadillo.toml");
-    let scene = scene::load(path).expect("the armadillo");
+    let scene = scene_files::load(path).expect("the armadillo");
     let Shape::Mesh(mesh) = &scene.objects[1].shape else { panic!("a mesh") };
     let mut mesh = mesh.clone();
     mesh.transform(&Mat4::from_scale(Vec3::splat(0.5)));

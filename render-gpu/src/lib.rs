@@ -27,6 +27,8 @@ mod error;
 mod gbuffer;
 mod gpu;
 mod images;
+#[cfg(test)]
+mod inlined;
 mod kernel;
 mod kernels;
 mod layout;

@@ -73,7 +73,7 @@ impl Renderer {
     /// Takes a scene as loaded, at its first moment, with its animation, and opens the device.
     ///
     /// # Errors
-    /// [`RenderError`] if there is no such device, or it does not support the settings.
+    /// [`RenderError`] if there is no such device, or it does not support the settings; if the scene or the animation is not valid.
     pub fn new(scene: Scene, animation: Animation, settings: Settings) -> Result<Self, RenderError> {
         // Checked before opening a device, which is slow.
         settings.check_device(settings.device)?;
@@ -94,6 +94,7 @@ impl Renderer {
         settings.check_device(backend.device())?;
         settings.validate()?;
         scene.validate()?;
+        animation.validate()?;
         check_method(settings.method, &scene.lights)?;
         let plan = Plan::new(settings.strategy, &scene);
         let settings = Settings { device: backend.device(), ..settings };

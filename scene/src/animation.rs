@@ -15,31 +15,39 @@ use lobe_core::Sphere;
 /// `J` and morph weights `m` of a time, [`Animation::seek`] applies them. A rigid object hangs on one joint.
 ///
 /// Any moment may be requested, in any order: nothing is precomputed per pose. A clip and keys with `loop` start again
-/// after their end; all other motion stays at its end. [`load_animated`](crate::load_animated) makes an animation.
+/// after their end; all other motion stays at its end. Readers of files fill in the [parts](crate::motion); in code
+/// [`set_keys`](Self::set_keys) makes an animation:
 ///
 /// ```
-/// # let folder = std::env::temp_dir().join("cosine-lobes-doc-animation");
-/// # std::fs::create_dir_all(&folder)?;
-/// # let file = folder.join("ball.toml");
-/// # std::fs::write(&file, "[[objects]]\nsphere = { center = [0, 1, 0], radius = 1 }\n\
-/// # keys = [{ time = 0, translate = [0, 0, 0] }, { time = 2, translate = [4, 0, 0] }]\n")?;
-/// let (mut scene, animation, _warnings) = scene::load_animated(&file)?;
+/// use glam::Vec3;
+/// use scene::{Animation, KeyFrame, KeyFrames};
+/// let (mut scene, mut animation) = (scene::builtin(), Animation::default());
+/// let before = scene.objects[1].shape.bounds().center().x;
+/// let keys = vec![KeyFrame::at(0.0), KeyFrame { translation: 4.0 * Vec3::X, ..KeyFrame::at(2.0) }];
+/// animation.set_keys(1, &KeyFrames { keys, ..KeyFrames::default() }, &mut scene)?;
 /// assert_eq!(animation.duration(), 2.0);
 /// animation.seek(0.5, &mut scene);
-/// assert_eq!(scene.bounds().center().x, 1.0);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// assert!((scene.objects[1].shape.bounds().center().x - before - 1.0).abs() < 1e-5);
+/// # Ok::<(), scene::SceneError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Animation {
-    pub(crate) origin: DVec3,
-    pub(crate) duration: Option<f32>,
-    pub(crate) fps: f32,
-    pub(crate) clips: Vec<String>,
-    pub(crate) skeletons: Vec<Skeleton>,
-    /// The mover of each object, if it moves.
-    pub(crate) movers: Vec<Option<Mover>>,
-    pub(crate) lights: Vec<LightMover>,
-    pub(crate) camera: Option<CameraMover>,
+    /// As [`Self::origin`].
+    pub origin: DVec3,
+    /// Seconds; `None` for those until the last key and the end of the longest clip.
+    pub duration: Option<f32>,
+    /// As [`Self::fps`].
+    pub fps: f32,
+    /// As [`Self::clips`].
+    pub clips: Vec<String>,
+    /// The nodes of each glTF file with a clip that moves.
+    pub skeletons: Vec<Skeleton>,
+    /// The motion of each object, if it moves; objects beyond the end stand still.
+    pub movers: Vec<Option<Mover>>,
+    /// The lights that move.
+    pub lights: Vec<LightMover>,
+    /// The motion of the camera, if it moves.
+    pub camera: Option<CameraMover>,
 }
 
 /// The joints and weights that carry the points of a moving mesh; one entry a vertex in all of its slices.
@@ -64,17 +72,18 @@ pub struct Pose {
 
 /// The motion of one object.
 #[derive(Clone, Debug)]
-pub(crate) struct Mover {
+pub struct Mover {
     /// From the file's (or the shape's own) space to the world.
-    pub(crate) placement: Placement,
-    pub(crate) body: Body,
+    pub placement: Placement,
+    /// The geometry.
+    pub body: Body,
     /// The spheres of an explicit proxy.
-    pub(crate) proxy: Vec<BoundSphere>,
+    pub proxy: Vec<BoundSphere>,
 }
 
 /// The geometry that a mover moves.
 #[derive(Clone, Debug)]
-pub(crate) enum Body {
+pub enum Body {
     /// Spheres in own coordinates.
     Spheres(Vec<Sphere>),
     /// A mesh; without a carrier the placement is its only joint.
@@ -83,32 +92,41 @@ pub(crate) enum Body {
 
 /// Lights in a row that move as one.
 #[derive(Clone, Debug)]
-pub(crate) struct LightMover {
-    pub(crate) first: usize,
+pub struct LightMover {
+    /// The number of the first one in the scene.
+    pub first: usize,
     /// In own coordinates.
-    pub(crate) lights: Vec<Light>,
-    pub(crate) placement: LightPlace,
+    pub lights: Vec<Light>,
+    /// From own coordinates to the world.
+    pub placement: LightPlace,
 }
 
 /// How a light is placed.
 #[derive(Clone, Debug)]
-pub(crate) enum LightPlace {
+pub enum LightPlace {
+    /// By key frames.
     Keys(Placement),
     /// A node of a glTF file.
     Node {
+        /// The number of the skeleton in the animation.
         skeleton: usize,
+        /// The number of the node in the skeleton.
         node: usize,
     },
 }
 
 /// The motion of the camera.
 #[derive(Clone, Debug)]
-pub(crate) enum CameraMover {
+pub enum CameraMover {
+    /// By key frames.
     Keys(Box<CameraKeys>),
     /// A node of a glTF file, and the field of view.
     Node {
+        /// The number of the skeleton in the animation.
         skeleton: usize,
+        /// The number of the node in the skeleton.
         node: usize,
+        /// Full, in radians.
         vertical_fov: f32,
     },
 }
@@ -232,12 +250,14 @@ impl Animation {
         }
     }
 
-    /// World matrices of all nodes of all skeletons.
-    pub(crate) fn worlds(&self, time: f32) -> Vec<Vec<Mat4>> {
+    /// World matrices of all nodes of all skeletons at a time in seconds.
+    #[must_use]
+    pub fn worlds(&self, time: f32) -> Vec<Vec<Mat4>> {
         self.skeletons.iter().map(|s| s.worlds(time)).collect()
     }
 
-    pub(crate) fn move_objects(&self, time: f32, worlds: &[Vec<Mat4>], objects: &mut [Object]) {
+    /// Poses objects alone, as [`Self::seek`] does with those of a scene; `worlds` are the [world matrices](Self::worlds) of that time.
+    pub fn move_objects(&self, time: f32, worlds: &[Vec<Mat4>], objects: &mut [Object]) {
         let mut pose = Pose::default();
         for (object, mover) in objects.iter_mut().zip(&self.movers) {
             let Some(mover) = mover else { continue };
@@ -279,8 +299,9 @@ impl Default for Animation {
 }
 
 impl Mover {
-    /// Joint matrices from bind space to the world, and morph weights.
-    pub(crate) fn pose(&self, time: f32, skeleton: Option<&Skeleton>, worlds: &[Mat4], out: &mut Pose) {
+    /// Writes joint matrices from bind space to the world, and morph weights, of a time in seconds. `skeleton` is the one of the
+    /// mover's carrier, if it has one, and `worlds` are its matrices of that time.
+    pub fn pose(&self, time: f32, skeleton: Option<&Skeleton>, worlds: &[Mat4], out: &mut Pose) {
         out.joints.clear();
         out.morph.clear();
         let placement = self.placement.at(time);
@@ -310,7 +331,8 @@ fn tamed(time: f32) -> f32 {
 }
 
 /// The view of a glTF camera whose node has that world matrix.
-pub(crate) fn node_camera(world: &Mat4, vertical_fov: f32) -> Camera {
+#[must_use]
+pub fn node_camera(world: &Mat4, vertical_fov: f32) -> Camera {
     let eye = world.transform_point3(Vec3::ZERO);
     let forward = world.transform_vector3(Vec3::NEG_Z).normalize_or_zero();
     let up = world.transform_vector3(Vec3::Y).normalize_or_zero();

@@ -4,7 +4,7 @@ use crate::animation::{Body, Mover};
 use crate::camera_keys::MAX_SECONDS;
 use crate::deformer::{BoundSphere, Deformer};
 use crate::mesh::MAX_COORDINATE;
-use crate::origin::Origins;
+use crate::origins::Origins;
 use crate::placement::{Clock, Keyed, Placement, Turn};
 use crate::track::{Interpolation, Meaning, Track};
 use crate::{Animation, Object, Proxy, Scene, SceneError, Shape};

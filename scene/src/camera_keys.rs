@@ -6,20 +6,27 @@ use crate::track::Track;
 use glam::Vec3;
 
 /// Times beyond this are refused: eleven days.
-pub(crate) const MAX_SECONDS: f32 = 1e6;
+pub const MAX_SECONDS: f32 = 1e6;
 
 /// A camera over time.
 #[derive(Clone, Debug)]
-pub(crate) struct CameraKeys {
-    pub(crate) clock: Clock,
-    pub(crate) eye: Track,
-    pub(crate) target: Track,
-    pub(crate) up: Track,
-    pub(crate) fov: Track,
+pub struct CameraKeys {
+    /// The clock of the keys.
+    pub clock: Clock,
+    /// As [`Camera::eye`]: three numbers.
+    pub eye: Track,
+    /// As [`Camera::target`]: three numbers.
+    pub target: Track,
+    /// As [`Camera::up`]: three numbers.
+    pub up: Track,
+    /// As [`Camera::vertical_fov`]: one number.
+    pub fov: Track,
 }
 
 impl CameraKeys {
-    pub(crate) fn at(&self, time: f32) -> Camera {
+    /// The camera at a time in seconds. Not every camera between two keys is [valid](Camera::validate).
+    #[must_use]
+    pub fn at(&self, time: f32) -> Camera {
         let time = self.clock.local(time);
         let vector = |track| Vec3::from_array(sample(track, time));
         let [vertical_fov] = sample(&self.fov, time);

@@ -10,9 +10,6 @@ use std::fmt::Display;
 /// The most triangles of a scene, which are numbered: instances are many in little memory.
 const MOST_TRIANGLES: usize = 1 << 31;
 
-/// The largest image edge accepted, in pixels.
-pub(crate) const MAX_IMAGE: u32 = 16384;
-
 fn fault(thing: &dyn Display, error: &dyn Display) -> SceneError {
     SceneError::invalid(format!("{thing}: {error}"))
 }
@@ -29,8 +26,11 @@ fn is_color(color: Vec3) -> bool {
 }
 
 impl Scene {
+    /// The largest width and height of a picture, in pixels.
+    pub const MAX_SIDE: u32 = 16384;
+
     /// Checks everything that a renderer relies on: camera, image size, materials, meshes, spheres, proxies, lights.
-    /// [`load`](crate::load) has done so.
+    /// Readers of files have done so.
     ///
     /// A scene without lights is allowed: its picture is black. So is one without objects: its picture is the background.
     ///
@@ -53,10 +53,18 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Invalid`].
     pub fn check_size(width: u32, height: u32) -> Result<(), SceneError> {
-        if (1..=MAX_IMAGE).contains(&width) && (1..=MAX_IMAGE).contains(&height) {
+        if (1..=Self::MAX_SIDE).contains(&width) && (1..=Self::MAX_SIDE).contains(&height) {
             return Ok(());
         }
-        Err(SceneError::invalid(format!("image is {width}x{height}: both must lie in 1…{MAX_IMAGE}")))
+        Err(SceneError::invalid(format!("image is {width}x{height}: both must lie in 1…{}", Self::MAX_SIDE)))
+    }
+
+    /// Checks spheres: finite centres, and radii above 0.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`].
+    pub fn check_spheres(spheres: &[Sphere]) -> Result<(), SceneError> {
+        spheres.iter().try_for_each(Sphere::validate).map_err(SceneError::invalid)
     }
 
     /// Checks a background.
@@ -106,12 +114,12 @@ impl Scene {
                 return Err(SceneError::invalid(format!("{name} has no spheres")));
             }
             Shape::Spheres(spheres) => {
-                check_spheres(spheres).map_err(|e| fault(&name, &e))?;
+                Self::check_spheres(spheres).map_err(|e| fault(&name, &e))?;
                 Self::check_seen_object(&self.camera, object)?;
             }
         }
         if let Proxy::Spheres(spheres) = &object.proxy {
-            check_spheres(spheres).map_err(|e| fault(&format_args!("proxy of {name}"), &e))?;
+            Self::check_spheres(spheres).map_err(|e| fault(&format_args!("proxy of {name}"), &e))?;
         }
         Ok(())
     }
@@ -181,10 +189,6 @@ fn check_seen(camera: &Camera, sphere: &Sphere) -> Result<(), SceneError> {
 
 /// Radius over the eye's distance to its surface up to which single precision shows a sphere well: speckles begin at 5e6.
 const MAX_RADIUS_SEEN: f64 = 2e6;
-
-pub(crate) fn check_spheres(spheres: &[Sphere]) -> Result<(), SceneError> {
-    spheres.iter().try_for_each(Sphere::validate).map_err(SceneError::invalid)
-}
 
 #[cfg(test)]
 mod tests {

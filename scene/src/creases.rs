@@ -50,42 +50,45 @@ struct Side {
 }
 
 /// The vertices of a mesh that was split at its creases.
-pub(crate) struct Split {
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Split {
     /// The vertex that each came from.
-    pub(crate) sources: Vec<u32>,
+    pub sources: Vec<u32>,
     /// The number of the common normal of each, and whether it has the opposite one.
-    pub(crate) groups: Vec<(u32, bool)>,
+    pub groups: Vec<(u32, bool)>,
 }
 
-/// Splits the vertices of a mesh along the edges where faces meet at more than `crease` degrees, so that no normal is shared across
-/// them. Faces that meet there with opposite windings count as turned round.
-///
-/// # Panics
-/// When a triangle refers to a vertex that does not exist.
-pub(crate) fn split(mesh: &mut Mesh, crease: f32) -> Split {
-    let joined = joined_corners(mesh, f64::from(crease).to_radians().cos());
-    let mut split = Split { sources: Vec::new(), groups: Vec::new() };
-    let (mut vertices, mut numbers) = (HashMap::new(), HashMap::new());
-    let mut corner = 0;
-    for t in &mut mesh.triangles {
-        for vertex in t {
-            let (root, turned) = joined[corner];
-            corner += 1;
-            let next = numbers.len() as u32;
-            let group = *numbers.entry(root).or_insert(next);
-            *vertex = *vertices.entry((*vertex, group, turned)).or_insert_with(|| {
-                split.sources.push(*vertex);
-                split.groups.push((group, turned));
-                split.sources.len() as u32 - 1
-            });
+impl Mesh {
+    /// Splits the vertices along the edges where faces meet at more than `crease` degrees, so that no normal is shared across
+    /// them. Faces that meet there with opposite windings count as turned round.
+    ///
+    /// # Panics
+    /// When a triangle refers to a vertex that does not exist.
+    pub fn split_at_creases(&mut self, crease: f32) -> Split {
+        let joined = joined_corners(self, f64::from(crease).to_radians().cos());
+        let mut split = Split { sources: Vec::new(), groups: Vec::new() };
+        let (mut vertices, mut numbers) = (HashMap::new(), HashMap::new());
+        let mut corner = 0;
+        for t in &mut self.triangles {
+            for vertex in t {
+                let (root, turned) = joined[corner];
+                corner += 1;
+                let next = numbers.len() as u32;
+                let group = *numbers.entry(root).or_insert(next);
+                *vertex = *vertices.entry((*vertex, group, turned)).or_insert_with(|| {
+                    split.sources.push(*vertex);
+                    split.groups.push((group, turned));
+                    split.sources.len() as u32 - 1
+                });
+            }
         }
+        let sources = &split.sources;
+        self.positions = picked(&self.positions, sources);
+        self.colors = picked(&self.colors, sources);
+        self.uv_sets.iter_mut().for_each(|set| *set = picked(set, sources));
+        self.normals.clear();
+        split
     }
-    let sources = &split.sources;
-    mesh.positions = picked(&mesh.positions, sources);
-    mesh.colors = picked(&mesh.colors, sources);
-    mesh.uv_sets.iter_mut().for_each(|set| *set = picked(set, sources));
-    mesh.normals.clear();
-    split
 }
 
 /// The values of other vertices; none of none.
@@ -153,7 +156,7 @@ mod tests {
     }
 
     fn smoothed(mut mesh: Mesh, crease: f32) -> Mesh {
-        let groups = split(&mut mesh, crease).groups;
+        let groups = mesh.split_at_creases(crease).groups;
         mesh.smooth_normals_of(&groups);
         mesh.validate().unwrap();
         mesh

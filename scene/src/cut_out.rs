@@ -7,11 +7,13 @@ use std::collections::HashMap;
 
 /// A surface exists where its alpha is at least the limit: that of the image times the factor times that of the vertices.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct CutOut {
+pub struct CutOut {
     /// Its fourth channel is alpha; 1 without.
-    pub(crate) map: Option<TextureMap>,
-    pub(crate) factor: f32,
-    pub(crate) limit: f32,
+    pub map: Option<TextureMap>,
+    /// In [0, 1].
+    pub factor: f32,
+    /// In (0, 1].
+    pub limit: f32,
 }
 
 /// Triangles and halves that are looked at of a mesh, unless it had a quarter as many: outlines are followed by texels, else by twos, fours …
@@ -24,8 +26,12 @@ impl CutOut {
     /// Cuts a mesh, whose vertices have these alphas: one each, or none. Triangles are halved along their longest side in the image until
     /// each is inside, outside or smaller than a texel. The small ones are cut along alpha's line, as those without an image are. Halves
     /// that are wholly inside stay whole. Looks at no more than `most` triangles and halves. Returns false and leaves the mesh unchanged
-    /// where an image is repeated too often for that.
-    pub(crate) fn cut(&self, mesh: &mut Mesh, alphas: &[f32], bounds: Option<&AlphaBounds>, most: usize) -> bool {
+    /// where an image is repeated too often for that. `bounds` are those of the image.
+    ///
+    /// # Panics
+    /// When there are alphas, but not for each vertex.
+    #[must_use]
+    pub fn cut(&self, mesh: &mut Mesh, alphas: &[f32], bounds: Option<&AlphaBounds>, most: usize) -> bool {
         let most = MOST_TRIANGLES.max(4 * mesh.triangles.len()).min(most);
         let limit = self.limit / self.factor.max(f32::MIN_POSITIVE);
         let size = bounds.map_or([1.0; 2], |bounds| bounds.size);
@@ -217,13 +223,16 @@ impl Cutter<'_> {
 }
 
 /// Least and largest alpha of squares of texels, twice as many a side from level to level.
-pub(crate) struct AlphaBounds {
+#[derive(Clone, Debug)]
+pub struct AlphaBounds {
     size: [f32; 2],
     levels: Vec<([usize; 2], Vec<[u8; 2]>)>,
 }
 
 impl AlphaBounds {
-    pub(crate) fn new(texture: &Texture) -> Self {
+    /// Those of an image. Cost: about three passes over its alpha.
+    #[must_use]
+    pub fn new(texture: &Texture) -> Self {
         let [width, height] = texture.size();
         let mut levels = vec![([width, height], texture.alphas().into_iter().map(|a| [a; 2]).collect::<Vec<_>>())];
         while let Some(([w, h], last)) = levels.last().filter(|(size, _)| size[0].max(size[1]) > 1) {

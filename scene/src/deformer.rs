@@ -8,24 +8,27 @@ use lobe_core::Sphere;
 
 /// A mesh in bind space, with the joints and weights that carry its vertices.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Deformer {
-    pub(crate) positions: Vec<Vec3>,
+pub struct Deformer {
+    /// In bind space.
+    pub positions: Vec<Vec3>,
     /// One a vertex; none where the mesh has none or they are `smooth`.
-    pub(crate) normals: Vec<Vec3>,
-    pub(crate) joints: Vec<[u16; 4]>,
+    pub normals: Vec<Vec3>,
+    /// The four joints of each vertex.
+    pub joints: Vec<[u16; 4]>,
     /// Not negative, of sum 1.
-    pub(crate) weights: Vec<[f32; 4]>,
+    pub weights: Vec<[f32; 4]>,
     /// Displacements at weight 1, one a vertex.
-    pub(crate) targets: Vec<Vec<Vec3>>,
+    pub targets: Vec<Vec<Vec3>>,
     /// The same of the normals; empty for targets without.
-    pub(crate) normal_targets: Vec<Vec<Vec3>>,
+    pub normal_targets: Vec<Vec<Vec3>>,
     /// The groups of vertices with a common normal or its opposite, where normals follow from the triangles in every pose.
-    pub(crate) smooth: Option<Vec<(u32, bool)>>,
+    pub smooth: Option<Vec<(u32, bool)>>,
 }
 
 impl Deformer {
     /// All of a mesh on joint 0.
-    pub(crate) fn rigid(mesh: &Mesh) -> Self {
+    #[must_use]
+    pub fn rigid(mesh: &Mesh) -> Self {
         let n = mesh.positions.len();
         Self {
             positions: mesh.positions.clone(),
@@ -36,13 +39,14 @@ impl Deformer {
         }
     }
 
-    pub(crate) fn drop_normals(&mut self) {
+    /// Leaves the mesh without normals of its own.
+    pub fn drop_normals(&mut self) {
         self.normals.clear();
         self.normal_targets.clear();
     }
 
     /// Takes smooth normals instead of those of the file; `mesh` has the triangles.
-    pub(crate) fn smooth_normals(&mut self, mesh: &Mesh) {
+    pub fn smooth_normals(&mut self, mesh: &Mesh) {
         self.drop_normals();
         let triangles = mesh.triangles.clone();
         let mut bind = Mesh { positions: self.positions.clone(), triangles, ..Mesh::default() };
@@ -55,7 +59,7 @@ impl Deformer {
     }
 
     /// Takes the vertices of a mesh that was split, `mesh`, and smooth normals within its creases.
-    pub(crate) fn split(&mut self, split: &Split, mesh: &Mesh) {
+    pub fn split(&mut self, split: &Split, mesh: &Mesh) {
         self.drop_normals();
         let sources = &split.sources;
         self.positions = picked(&self.positions, sources);
@@ -84,7 +88,7 @@ impl Deformer {
 
     /// Poses the mesh, which has this one's vertices: `p = Σ_j w_j J_j (p_bind + Σ_k m_k Δ_k)`. Normals go with the
     /// inverse transpose of the blended matrix. Nothing is allocated, but for `smooth` normals one vector a vertex.
-    pub(crate) fn pose(&self, joints: &[Mat4], morph: &[f32], mesh: &mut Mesh) {
+    pub fn pose(&self, joints: &[Mat4], morph: &[f32], mesh: &mut Mesh) {
         mesh.positions.copy_from_slice(&self.positions);
         if self.smooth.is_none() {
             mesh.normals.clone_from(&self.normals);
@@ -123,13 +127,15 @@ impl Deformer {
     }
 
     /// Whether the first pose turns most vertices inside out.
-    pub(crate) fn mirrors(&self, joints: &[Mat4]) -> bool {
+    #[must_use]
+    pub fn mirrors(&self, joints: &[Mat4]) -> bool {
         let inside_out = |i: usize| Mat3::from_mat4(self.blended(i, joints)).determinant() < 0.0;
         2 * (0..self.positions.len()).filter(|&i| inside_out(i)).count() > self.positions.len()
     }
 
     /// A sphere of the posed mesh, bound to the vertex nearest to its centre.
-    pub(crate) fn bind_sphere(&self, sphere: Sphere, posed: &[Vec3], joints: &[Mat4]) -> BoundSphere {
+    #[must_use]
+    pub fn bind_sphere(&self, sphere: Sphere, posed: &[Vec3], joints: &[Mat4]) -> BoundSphere {
         let far = |&i: &usize| posed[i].as_dvec3().distance_squared(sphere.center.as_dvec3());
         let nearest = (0..posed.len()).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(0);
         BoundSphere::new(sphere, self.joints[nearest], self.weights[nearest], joints)
@@ -138,20 +144,26 @@ impl Deformer {
 
 /// A sphere that joints carry; its radius goes with the cube root of the determinant.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BoundSphere {
+pub struct BoundSphere {
     bind: Sphere,
     joints: [u16; 4],
     weights: [f32; 4],
 }
 
 impl BoundSphere {
-    /// Binds a sphere of the posed scene.
-    pub(crate) fn new(sphere: Sphere, on: [u16; 4], weights: [f32; 4], joints: &[Mat4]) -> Self {
+    /// Binds a sphere of the posed scene to four joints.
+    #[must_use]
+    pub fn new(sphere: Sphere, on: [u16; 4], weights: [f32; 4], joints: &[Mat4]) -> Self {
         let matrix = blend(on, weights, joints);
         let inverse = matrix.inverse();
         // Joints that flatten space have no inverse. Then the sphere keeps its size and moves as a point.
         let bind = if inverse.is_finite() { scaled(sphere, &inverse) } else { sphere };
         Self { bind, joints: on, weights }
+    }
+
+    /// The joints that carry it.
+    pub(crate) fn joints(&self) -> impl Iterator<Item = u16> {
+        joints_in_use(self.joints, self.weights)
     }
 
     pub(crate) fn at(&self, joints: &[Mat4]) -> Sphere {
@@ -165,6 +177,11 @@ pub(crate) fn scaled(sphere: Sphere, matrix: &Mat4) -> Sphere {
     let center = matrix.transform_point3(sphere.center).clamp(-limit, limit);
     let size = Mat3::from_mat4(*matrix).determinant().abs().cbrt();
     Sphere { center, radius: (sphere.radius * size).clamp(f32::MIN_POSITIVE, MAX_COORDINATE) }
+}
+
+/// The joints that [`blend`] looks at: the first one and those that have a weight.
+pub(crate) fn joints_in_use(on: [u16; 4], weights: [f32; 4]) -> impl Iterator<Item = u16> {
+    (0..4).filter(move |&k| k == 0 || weights[k] > 0.0).map(move |k| on[k])
 }
 
 fn blend(on: [u16; 4], weights: [f32; 4], joints: &[Mat4]) -> Mat4 {

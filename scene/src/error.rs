@@ -38,15 +38,21 @@ pub enum SceneError {
 }
 
 impl SceneError {
-    pub(crate) fn file(path: &Path, message: impl Into<String>) -> Self {
+    /// A file whose content is wrong.
+    #[must_use]
+    pub fn file(path: &Path, message: impl Into<String>) -> Self {
         Self::File { path: path.to_owned(), message: message.into() }
     }
 
-    pub(crate) fn at_line(path: &Path, line: usize, message: impl Into<String>) -> Self {
+    /// A line of a text file, counted from 1, that is wrong.
+    #[must_use]
+    pub fn at_line(path: &Path, line: usize, message: impl Into<String>) -> Self {
         Self::Parse { path: path.to_owned(), line, column: 0, message: message.into() }
     }
 
-    pub(crate) fn invalid(message: impl Into<String>) -> Self {
+    /// A scene made in memory that is wrong.
+    #[must_use]
+    pub fn invalid(message: impl Into<String>) -> Self {
         Self::Invalid { message: message.into() }
     }
 

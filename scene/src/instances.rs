@@ -42,14 +42,6 @@ impl PartialEq for Instances {
 /// The volume of a place's axes over the cube of the longest: flatter ones have no usable normals.
 const FLATTEST: f32 = 1e-4;
 
-/// Whether a mesh can stand at a place: the matrix is affine and not flat.
-pub(crate) fn is_place(matrix: &Mat4) -> bool {
-    let linear = Mat3::from_mat4(*matrix);
-    let longest = [linear.x_axis, linear.y_axis, linear.z_axis].map(Vec3::length).into_iter().fold(0.0, f32::max);
-    let is_affine = matrix.is_finite() && matrix.row(3) == glam::Vec4::W;
-    is_affine && longest > 1e-12 && longest < 1e12 && linear.determinant().abs() > FLATTEST * longest.powi(3)
-}
-
 impl Instances {
     /// A mesh at places, each of which maps the mesh's own coordinates to the world; equal ones count once.
     ///
@@ -58,14 +50,26 @@ impl Instances {
     /// mesh, for places beyond ±1e9, and for more than 2³⁰ triangles.
     pub fn new(mesh: Arc<Mesh>, places: Vec<Mat4>) -> Result<Self, SceneError> {
         mesh.validate()?;
-        if let Some(i) = places.iter().position(|matrix| !is_place(matrix)) {
+        if let Some(i) = places.iter().position(|matrix| !Self::is_place(matrix)) {
             return Err(SceneError::invalid(format!("place {i}: its matrix is not affine, or flattens the mesh")));
         }
         Self::of_valid(mesh, places)
     }
 
-    /// The same for a mesh and places that have been checked.
-    pub(crate) fn of_valid(mesh: Arc<Mesh>, mut places: Vec<Mat4>) -> Result<Self, SceneError> {
+    /// Whether a mesh can stand at a place: the matrix is affine and not flat.
+    #[must_use]
+    pub fn is_place(matrix: &Mat4) -> bool {
+        let linear = Mat3::from_mat4(*matrix);
+        let longest = [linear.x_axis, linear.y_axis, linear.z_axis].map(Vec3::length).into_iter().fold(0.0, f32::max);
+        let is_affine = matrix.is_finite() && matrix.row(3) == glam::Vec4::W;
+        is_affine && longest > 1e-12 && longest < 1e12 && linear.determinant().abs() > FLATTEST * longest.powi(3)
+    }
+
+    /// As [`Self::new`] for a mesh that is valid and places of which [`Self::is_place`] holds, without these checks.
+    ///
+    /// # Errors
+    /// As [`Self::new`], for no places, places beyond ±1e9 and too many triangles.
+    pub fn of_valid(mesh: Arc<Mesh>, mut places: Vec<Mat4>) -> Result<Self, SceneError> {
         let mut known = HashSet::with_capacity(places.len());
         places.retain(|matrix| known.insert((*matrix + Mat4::ZERO).to_cols_array().map(f32::to_bits)));
         let all = places.len().saturating_mul(mesh.triangles.len());
@@ -161,7 +165,7 @@ impl Instances {
     /// As [`new`](Self::new).
     pub fn moved(&self, matrix: &Mat4) -> Result<Self, SceneError> {
         let places: Vec<Mat4> = self.places.iter().map(|place| *matrix * *place).collect();
-        if !places.iter().all(is_place) {
+        if !places.iter().all(Self::is_place) {
             return Err(SceneError::invalid("the matrix flattens the mesh"));
         }
         Self::of_valid(Arc::clone(&self.mesh), places)

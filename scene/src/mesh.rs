@@ -20,7 +20,7 @@ pub struct Mesh {
 
 /// Larger coordinates are refused: single precision resolves 64 there, and squares of differences are far
 /// from overflow.
-pub(crate) const MAX_COORDINATE: f32 = lobe_core::Sphere::LARGEST;
+pub const MAX_COORDINATE: f32 = lobe_core::Sphere::LARGEST;
 
 impl Mesh {
     /// The smallest box that holds all vertices that a triangle uses.
@@ -82,7 +82,12 @@ impl Mesh {
     }
 
     /// Twice the area times the face normal, in f64: exact enough for needles and far away meshes.
-    pub(crate) fn face_cross(&self, [a, b, c]: [u32; 3]) -> DVec3 {
+    ///
+    /// # Panics
+    /// When a corner does not exist.
+    #[must_use]
+    #[inline]
+    pub fn face_cross(&self, [a, b, c]: [u32; 3]) -> DVec3 {
         let p = |i: u32| self.positions[i as usize].as_dvec3();
         (p(b) - p(a)).cross(p(c) - p(a))
     }
@@ -100,7 +105,7 @@ impl Mesh {
     }
 
     /// Removes the triangles that use a vertex twice and returns their number.
-    pub(crate) fn remove_repeated(&mut self) -> usize {
+    pub fn remove_repeated(&mut self) -> usize {
         let before = self.triangles.len();
         self.triangles.retain(|&[a, b, c]| a != b && b != c && c != a);
         before - self.triangles.len()
@@ -112,7 +117,7 @@ impl Mesh {
     ///
     /// # Panics
     /// When a triangle refers to a vertex that does not exist.
-    pub(crate) fn remove_doubles(&mut self, moves: bool) -> usize {
+    pub fn remove_doubles(&mut self, moves: bool) -> usize {
         let before = self.triangles.len();
         let places = if moves { Vec::new() } else { self.same_places() };
         let mut seen = QuickSet::with_capacity_and_hasher(before, QuickHash);
@@ -152,7 +157,7 @@ impl Mesh {
         if crease >= 180.0 {
             self.smooth_normals();
         } else {
-            let groups = crate::creases::split(self, crease).groups;
+            let groups = self.split_at_creases(crease).groups;
             self.smooth_normals_of(&groups);
         }
     }
@@ -170,13 +175,19 @@ impl Mesh {
     }
 
     /// Smooth normals, shared by the vertices of a group: numbers from 0, each less than the number of vertices.
-    pub(crate) fn smooth_normals_in(&mut self, groups: &[u32]) {
+    ///
+    /// # Panics
+    /// When a vertex has no group.
+    pub fn smooth_normals_in(&mut self, groups: &[u32]) {
         let groups: Vec<(u32, bool)> = groups.iter().map(|&group| (group, false)).collect();
         self.smooth_normals_of(&groups);
     }
 
     /// The same, where some vertices of a group have the opposite normal.
-    pub(crate) fn smooth_normals_of(&mut self, groups: &[(u32, bool)]) {
+    ///
+    /// # Panics
+    /// When a vertex has no group.
+    pub fn smooth_normals_of(&mut self, groups: &[(u32, bool)]) {
         let mut sums = vec![DVec3::ZERO; groups.iter().map(|&(g, _)| g as usize + 1).max().unwrap_or(0)];
         let mut some_face = vec![DVec3::Y; sums.len()];
         for &t in &self.triangles {
@@ -203,7 +214,7 @@ impl Mesh {
     }
 
     /// Makes given normals unit vectors; normals of length 0 or not finite become smooth normals. Returns their number.
-    pub(crate) fn repair_normals(&mut self) -> usize {
+    pub fn repair_normals(&mut self) -> usize {
         let broken = self.normals.iter().filter(|n| !is_usable(n)).count();
         if broken == 0 {
             self.normals.iter_mut().for_each(|n| *n = n.normalize());

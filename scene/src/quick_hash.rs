@@ -1,25 +1,26 @@
-//! A quick hash for maps of millions of small keys.
+//! A quick hash for maps of millions of small keys, as meshes have.
 
 use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::sync::LazyLock;
 
 /// A map whose keys are hashed in a few multiplications. Its order means nothing.
-pub(crate) type QuickMap<K, V> = HashMap<K, V, QuickHash>;
+pub type QuickMap<K, V> = HashMap<K, V, QuickHash>;
 /// A set whose keys are hashed in a few multiplications. Its order means nothing.
-pub(crate) type QuickSet<K> = HashSet<K, QuickHash>;
+pub type QuickSet<K> = HashSet<K, QuickHash>;
 
 /// Makes hashers of [`QuickMap`] and [`QuickSet`]: multiplications whose halves are folded together, from a start that differs from run to
 /// run, so that no file is slow in all of them.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct QuickHash;
+pub struct QuickHash;
 
 /// The state of a [`QuickHash`].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct QuickHasher(u64);
+pub struct QuickHasher(u64);
 
 const ODD: u64 = 0x9e37_79b9_7f4a_7c15;
 
+#[inline]
 fn folded(a: u64, b: u64) -> u64 {
     let product = u128::from(a) * u128::from(b);
     (product >> 64) as u64 ^ product as u64
@@ -28,6 +29,7 @@ fn folded(a: u64, b: u64) -> u64 {
 impl BuildHasher for QuickHash {
     type Hasher = QuickHasher;
 
+    #[inline]
     fn build_hasher(&self) -> QuickHasher {
         static SEED: LazyLock<u64> = LazyLock::new(|| RandomState::new().hash_one(ODD));
         QuickHasher(*SEED)
@@ -35,10 +37,12 @@ impl BuildHasher for QuickHash {
 }
 
 impl Hasher for QuickHasher {
+    #[inline]
     fn finish(&self) -> u64 {
         folded(self.0, ODD)
     }
 
+    #[inline]
     fn write(&mut self, bytes: &[u8]) {
         let (words, rest) = bytes.as_chunks::<8>();
         words.iter().for_each(|word| self.write_u64(u64::from_le_bytes(*word)));
@@ -49,14 +53,17 @@ impl Hasher for QuickHasher {
         }
     }
 
+    #[inline]
     fn write_u32(&mut self, number: u32) {
         self.write_u64(u64::from(number));
     }
 
+    #[inline]
     fn write_u64(&mut self, number: u64) {
         self.0 = folded(self.0 ^ number, ODD);
     }
 
+    #[inline]
     fn write_usize(&mut self, number: usize) {
         self.write_u64(number as u64);
     }

@@ -6,62 +6,89 @@ use glam::{DMat4, DQuat, DVec3, Mat4, Quat, Vec3};
 
 /// A node's matrix to its parent.
 #[derive(Clone, Debug)]
-pub(crate) enum Local {
+pub enum Local {
+    /// A matrix, which no clip moves.
     Matrix(Mat4),
-    Parts { scale: Vec3, rotation: Quat, translation: Vec3 },
+    /// Scaled first, then turned, then moved.
+    Parts {
+        /// Along the axes.
+        scale: Vec3,
+        /// A unit quaternion.
+        rotation: Quat,
+        /// A shift.
+        translation: Vec3,
+    },
 }
 
 /// The same in double precision.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum FineLocal {
+pub enum FineLocal {
+    /// As [`Local::Matrix`].
     Matrix(DMat4),
-    Parts { scale: DVec3, rotation: DQuat, translation: DVec3 },
+    /// As [`Local::Parts`].
+    Parts {
+        /// Along the axes.
+        scale: DVec3,
+        /// A unit quaternion.
+        rotation: DQuat,
+        /// A shift.
+        translation: DVec3,
+    },
 }
 
 /// One node.
 #[derive(Clone, Debug)]
-pub(crate) struct Bone {
-    pub(crate) parent: Option<usize>,
-    pub(crate) local: Local,
-    pub(crate) fine: FineLocal,
+pub struct Bone {
+    /// The number of the node above it.
+    pub parent: Option<usize>,
+    /// At rest.
+    pub local: Local,
+    /// At rest, for [`Skeleton::is_fine`].
+    pub fine: FineLocal,
     /// The world matrix at rest: finite.
-    pub(crate) rest: Mat4,
-    pub(crate) scale: Option<Track>,
-    pub(crate) rotation: Option<Track>,
-    pub(crate) translation: Option<Track>,
-    pub(crate) weights: Option<Track>,
+    pub rest: Mat4,
+    /// Three numbers, in place of [`Local::Parts`].
+    pub scale: Option<Track>,
+    /// Quaternions, in place of [`Local::Parts`].
+    pub rotation: Option<Track>,
+    /// Three numbers, in place of [`Local::Parts`].
+    pub translation: Option<Track>,
+    /// As many numbers as `rest_weights`, in place of these.
+    pub weights: Option<Track>,
     /// Morph weights at rest.
-    pub(crate) rest_weights: Vec<f32>,
+    pub rest_weights: Vec<f32>,
 }
 
 /// All nodes of a file and the clip that moves them.
 #[derive(Clone, Debug)]
-pub(crate) struct Skeleton {
+pub struct Skeleton {
     /// By the file's numbers.
-    pub(crate) bones: Vec<Bone>,
+    pub bones: Vec<Bone>,
     /// Parents before their children.
-    pub(crate) order: Vec<usize>,
+    pub order: Vec<usize>,
     /// World matrices are relative to it.
-    pub(crate) origin: DVec3,
+    pub origin: DVec3,
     /// Whether matrices are multiplied in double precision: some node is far from its parent.
-    pub(crate) is_fine: bool,
-    pub(crate) clock: Clock,
+    pub is_fine: bool,
+    /// The clock of the clip.
+    pub clock: Clock,
 }
 
 /// The part of a skeleton that carries a mesh.
 #[derive(Clone, Debug)]
-pub(crate) struct Carrier {
+pub struct Carrier {
     /// The number of the skeleton in the animation.
-    pub(crate) skeleton: usize,
+    pub skeleton: usize,
     /// Each joint's node and inverse bind matrix; no node for vertices that stay where they are.
-    pub(crate) joints: Vec<(Option<usize>, Mat4)>,
+    pub joints: Vec<(Option<usize>, Mat4)>,
     /// The node whose weights morph the mesh.
-    pub(crate) morph: Option<usize>,
+    pub morph: Option<usize>,
 }
 
 impl Local {
     /// The same in double precision.
-    pub(crate) fn fine(&self) -> FineLocal {
+    #[must_use]
+    pub fn fine(&self) -> FineLocal {
         match *self {
             Self::Matrix(matrix) => FineLocal::Matrix(matrix.as_dmat4()),
             Self::Parts { scale, rotation, translation } => FineLocal::Parts {
@@ -83,11 +110,15 @@ impl Local {
 }
 
 impl Bone {
-    pub(crate) fn moves(&self) -> bool {
+    /// Whether the clip moves it.
+    #[must_use]
+    pub fn moves(&self) -> bool {
         [&self.scale, &self.rotation, &self.translation].into_iter().flatten().any(|t| !t.is_constant())
     }
 
-    pub(crate) fn local(&self, time: f32) -> Mat4 {
+    /// The matrix to its parent, at a time on the clip's clock.
+    #[must_use]
+    pub fn local(&self, time: f32) -> Mat4 {
         match self.parts(time) {
             Err(matrix) => matrix,
             Ok((scale, rotation, translation)) => Mat4::from_scale_rotation_translation(scale, rotation, translation),
@@ -127,7 +158,7 @@ impl Bone {
 impl Skeleton {
     /// Takes transforms in double precision where some node is far from its parent: those of the document's JSON, whose numbers the typed
     /// document has rounded.
-    pub(crate) fn refine(&mut self, nodes: impl FnOnce() -> Option<Vec<Option<FineLocal>>>) {
+    pub fn refine(&mut self, nodes: impl FnOnce() -> Option<Vec<Option<FineLocal>>>) {
         self.is_fine = self.bones.iter().any(|bone| bone.local.is_far());
         if let Some(fine) = self.is_fine.then(nodes).flatten() {
             for (bone, fine) in self.bones.iter_mut().zip(fine) {
@@ -137,7 +168,8 @@ impl Skeleton {
     }
 
     /// World matrices of all nodes; a node beyond the range of single precision keeps its rest pose.
-    pub(crate) fn worlds(&self, time: f32) -> Vec<Mat4> {
+    #[must_use]
+    pub fn worlds(&self, time: f32) -> Vec<Mat4> {
         if self.is_fine || self.origin != DVec3::ZERO {
             return self.far_worlds(time);
         }
@@ -172,7 +204,10 @@ impl Skeleton {
     }
 
     /// Appends the morph weights of a node.
-    pub(crate) fn morph_weights(&self, node: usize, time: f32, out: &mut Vec<f32>) {
+    ///
+    /// # Panics
+    /// When there is no such node.
+    pub fn morph_weights(&self, node: usize, time: f32, out: &mut Vec<f32>) {
         let bone = &self.bones[node];
         let start = out.len();
         out.extend(&bone.rest_weights);
@@ -182,7 +217,8 @@ impl Skeleton {
     }
 
     /// For each node whether the clip moves it or a node above it.
-    pub(crate) fn moving(&self) -> Vec<bool> {
+    #[must_use]
+    pub fn moving(&self) -> Vec<bool> {
         let mut moving = vec![false; self.bones.len()];
         for &i in &self.order {
             moving[i] = self.bones[i].moves() || self.bones[i].parent.is_some_and(|p| moving[p]);
@@ -191,14 +227,15 @@ impl Skeleton {
     }
 
     /// Seconds until the clip's last key.
-    pub(crate) const fn end(&self) -> f32 {
+    #[must_use]
+    pub const fn end(&self) -> f32 {
         self.clock.last
     }
 }
 
 impl Carrier {
     /// From bind space to the file's world.
-    pub(crate) fn joints(&self, worlds: &[Mat4]) -> impl Iterator<Item = Mat4> {
+    pub fn joints(&self, worlds: &[Mat4]) -> impl Iterator<Item = Mat4> {
         self.joints.iter().map(|&(node, bind)| node.map_or(bind, |n| worlds[n] * bind))
     }
 }

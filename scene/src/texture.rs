@@ -12,6 +12,17 @@ pub enum Encoding {
     Linear,
 }
 
+impl Encoding {
+    /// The linear value of a number in [0, 1].
+    #[must_use]
+    pub fn linear(self, x: f32) -> f32 {
+        match self {
+            Self::Srgb => srgb_decoded(x),
+            Self::Linear => x,
+        }
+    }
+}
+
 /// An image for surfaces: 8 bits a channel, with a mip pyramid.
 ///
 /// Texture coordinates have their origin at the upper left corner, v downward, as in glTF. Copies share the texels.
@@ -131,8 +142,12 @@ impl Texture {
         Self { name: name.into(), encoding, levels: levels.into() }
     }
 
-    /// Grey and opaque.
-    pub(crate) fn grey(name: &str, size: [u32; 2], texels: Vec<u8>, encoding: Encoding) -> Self {
+    /// As [`Self::new`], of one grey number a texel, and opaque.
+    ///
+    /// # Panics
+    /// As [`Self::new`].
+    #[must_use]
+    pub fn grey(name: &str, size: [u32; 2], texels: Vec<u8>, encoding: Encoding) -> Self {
         let rows = Rows::new(size, texels);
         let levels = match encoding {
             Encoding::Linear => Levels::GreyBytes(rows.pyramid(encoding, |texel| texel)),
@@ -142,7 +157,8 @@ impl Texture {
     }
 
     /// The same image by another name.
-    pub(crate) fn named(&self, name: &str) -> Self {
+    #[must_use]
+    pub fn named(&self, name: &str) -> Self {
         Self { name: name.into(), ..self.clone() }
     }
 
@@ -159,7 +175,8 @@ impl Texture {
     }
 
     /// The texels' alpha, row after row from the top.
-    pub(crate) fn alphas(&self) -> Vec<u8> {
+    #[must_use]
+    pub fn alphas(&self) -> Vec<u8> {
         with!(&*self.levels, levels => levels[0].texels().map(Stored::alpha).collect())
     }
 
@@ -359,13 +376,8 @@ static DECODED: LazyLock<Decoded> = LazyLock::new(|| {
     }
 });
 
-/// Within [0, 1]; 0 for NaN.
-pub(crate) fn unit(x: f32) -> f32 {
-    if x > 0.0 { x.min(1.0) } else { 0.0 }
-}
-
 /// Linear value of an sRGB one in [0, 1].
-pub(crate) fn srgb_decoded(x: f32) -> f32 {
+fn srgb_decoded(x: f32) -> f32 {
     let x = f64::from(x);
     (if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }) as f32
 }

@@ -4,7 +4,7 @@ use glam::Quat;
 
 /// The interpolation between two keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Interpolation {
+pub enum Interpolation {
     /// The value of the key before.
     Step,
     /// Along a straight line; rotations along the shorter arc.
@@ -15,7 +15,8 @@ pub(crate) enum Interpolation {
 
 /// The meaning of the values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Meaning {
+pub enum Meaning {
+    /// Each for itself.
     Numbers,
     /// Unit quaternions x, y, z, w.
     Rotation,
@@ -23,7 +24,7 @@ pub(crate) enum Meaning {
 
 /// Rows of numbers at key times. Before the first key and after the last one it stands still.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Track {
+pub struct Track {
     times: Vec<f32>,
     values: Vec<f32>,
     width: usize,
@@ -33,7 +34,8 @@ pub(crate) struct Track {
 
 impl Track {
     /// Whether it has one value at all times.
-    pub(crate) fn is_constant(&self) -> bool {
+    #[must_use]
+    pub fn is_constant(&self) -> bool {
         // Tangents stand before and behind a cubic's values.
         let is_tangent = |i: usize| self.interpolation == Interpolation::Cubic && i % 3 != 1;
         let first = self.row(0, 0);
@@ -42,7 +44,11 @@ impl Track {
     }
 
     /// `times` don't fall and are at least one; `values` has `width` numbers a key, three times that when cubic; all finite.
-    pub(crate) fn new(
+    ///
+    /// # Panics
+    /// When there are no keys, or not as many values.
+    #[must_use]
+    pub fn new(
         times: Vec<f32>,
         mut values: Vec<f32>,
         width: usize,
@@ -58,14 +64,19 @@ impl Track {
     }
 
     /// A value that stays.
-    pub(crate) fn constant(value: &[f32]) -> Self {
+    #[must_use]
+    pub fn constant(value: &[f32]) -> Self {
         Self::new(vec![0.0], value.to_vec(), value.len(), Interpolation::Step, Meaning::Numbers)
     }
 
     /// Through the keys with continuous velocity and without overshoot: harmonic means of the slopes on both sides
     /// (F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5, 1984), 0 where they differ in sign. It starts and ends
     /// at rest; on a `closed` track the last key is followed by the first.
-    pub(crate) fn smooth(times: Vec<f32>, keys: &[f32], width: usize, closed: bool, meaning: Meaning) -> Self {
+    ///
+    /// # Panics
+    /// As [`Self::new`].
+    #[must_use]
+    pub fn smooth(times: Vec<f32>, keys: &[f32], width: usize, closed: bool, meaning: Meaning) -> Self {
         let n = times.len();
         let step = |i: usize| f64::from(times[i + 1]) - f64::from(times[i]);
         let slope = |i: usize, k: usize| {
@@ -99,18 +110,29 @@ impl Track {
         Self::new(times, values, width, Interpolation::Cubic, meaning)
     }
 
+    /// Numbers a key.
+    #[must_use]
+    pub const fn width(&self) -> usize {
+        self.width
+    }
+
     /// The last key's time.
-    pub(crate) fn end(&self) -> f32 {
+    #[must_use]
+    pub fn end(&self) -> f32 {
         self.times[self.times.len() - 1]
     }
 
     /// The first key's time.
-    pub(crate) fn start(&self) -> f32 {
+    #[must_use]
+    pub fn start(&self) -> f32 {
         self.times[0]
     }
 
     /// Writes the value at a time, `width` numbers.
-    pub(crate) fn sample(&self, time: f32, out: &mut [f32]) {
+    ///
+    /// # Panics
+    /// When `out` has another length.
+    pub fn sample(&self, time: f32, out: &mut [f32]) {
         let next = self.times.partition_point(|&k| k <= time);
         if next == 0 || next == self.times.len() {
             out.copy_from_slice(self.row(next.saturating_sub(1), 0));

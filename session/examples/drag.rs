@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let watch = Stopwatch::start();
     let (mut scene, animation) = match std::env::args().nth(1) {
         Some(path) => {
-            let (scene, animation, _) = scene::load_animated(path)?;
+            let (scene, animation, _) = scene_files::load_animated(path)?;
             (scene, animation)
         }
         None => (scene::builtin(), Animation::default()),

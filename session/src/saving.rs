@@ -6,7 +6,8 @@ use core::f32::consts::PI;
 use core::fmt;
 use glam::{DVec3, Mat4, Quat, Vec3};
 use lighting::Light;
-use scene::{Disk, Files, SceneError};
+use scene::SceneError;
+use scene_files::{Disk, Files};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -541,7 +542,7 @@ impl Files for Overlay {
 /// Whether a text is read as this scene.
 fn check(path: &Path, text: &str, now: &Snapshot) -> Result<(), SaveError> {
     let files = Overlay { path: path.to_owned(), text: text.to_owned() };
-    let (scene, animation, _) = scene::load_from(Arc::new(files), path, None).map_err(SaveError::Scene)?;
+    let (scene, animation, _) = scene_files::load_from(Arc::new(files), path, None).map_err(SaveError::Scene)?;
     let wrong = |what: &str| Err(change(format!("the file would give another {what}")));
     let extent = now.bounds().radius().max(1e-6);
     let is_near = |a: Vec3, b: Vec3| (a - b).abs().max_element() <= 1e-4 * (extent + b.length());

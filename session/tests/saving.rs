@@ -84,7 +84,7 @@ struct Opened {
 }
 
 fn open(path: &Path) -> Opened {
-    let (scene, animation, warnings) = scene::load_animated(path).unwrap();
+    let (scene, animation, warnings) = scene_files::load_animated(path).unwrap();
     assert!(warnings.is_empty(), "{warnings:?}");
     let session = Session::new(Renderer::new(scene, animation, Settings::default()).unwrap());
     drop(session.finished());

@@ -66,7 +66,7 @@ impl Desk {
     pub(crate) fn open(files: &Given, path: Option<&str>, columns: u32, leads: bool) -> Result<Self, String> {
         let (mut scene, animation, lines) = match path {
             None => (scene::builtin(), Animation::default(), Vec::new()),
-            Some(path) => scene::load_from(files.all(), path, None).map_err(|error| error.to_string())?,
+            Some(path) => scene_files::load_from(files.all(), path, None).map_err(|error| error.to_string())?,
         };
         let aspect = scene.height as f32 / scene.width.max(1) as f32;
         [scene.width, scene.height] = size_of(columns, aspect);

@@ -75,7 +75,7 @@ fn the_rest_stays_byte_for_byte() {
             // The result is a file that loads, and bakes again.
             let again = folder.path().join("again.glb");
             std::fs::write(&again, &baked.glb).unwrap();
-            scene::load(&again).unwrap();
+            scene_files::load(&again).unwrap();
         }
     }
 }
@@ -122,7 +122,7 @@ fn files_beside_it_are_taken_in() {
     let other = tempfile::tempdir().unwrap();
     let path = other.path().join("alone.glb");
     std::fs::write(&path, &baked.glb).unwrap();
-    let (scene, warnings) = scene::load_with_warnings(&path).unwrap();
+    let (scene, warnings) = scene_files::load_with_warnings(&path).unwrap();
     assert!(warnings.iter().all(|line| line.contains("MOZ_lightmap")), "{warnings:?}");
     assert_eq!(scene.lights.len(), 1);
 }

@@ -214,7 +214,8 @@ fn baking_stops_on_request() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("floor.glb");
     std::fs::write(&path, floor(None).glb()).unwrap();
-    let open = || bake::Baker::open(&path, &scene::LoadOptions::new(), MAPS, renderer::Settings::default()).unwrap();
+    let open =
+        || bake::Baker::open(&path, &scene_files::LoadOptions::new(), MAPS, renderer::Settings::default()).unwrap();
     for stage in [bake::Stage::Coordinates, bake::Stage::Light] {
         let mut baker = open();
         let stopped =

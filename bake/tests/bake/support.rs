@@ -4,7 +4,7 @@ use bake::{BakeError, BakeSettings, Baked, Baker};
 use core::ops::ControlFlow;
 use glam::{Vec2, Vec3};
 use renderer::Settings;
-use scene::LoadOptions;
+use scene_files::LoadOptions;
 use serde_json::{Value, json};
 use std::path::Path;
 

@@ -1,0 +1,127 @@
+//! Clips of a glTF document.
+
+use crate::gltf_buffers::Buffers;
+use glam::Vec4;
+use gltf::json::accessor::Type;
+use gltf::json::animation::{Channel, Property, Sampler};
+use gltf::json::validation::Checked;
+use gltf::json::{Root, animation};
+use scene::MAX_COORDINATE;
+use scene::motion::{Clock, Interpolation, Local, MAX_SECONDS, Meaning, Skeleton, Track};
+
+/// The name of a clip: its number where it has none.
+pub(crate) fn clip_name(root: &Root, clip: usize) -> String {
+    root.animations[clip].name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| clip.to_string())
+}
+
+/// The clip of that name, else of that number.
+pub(crate) fn find_clip(root: &Root, wanted: &str) -> Result<usize, String> {
+    let count = root.animations.len();
+    let number = || wanted.parse().ok().filter(|&i: &usize| i < count);
+    (0..count).find(|&i| clip_name(root, i) == wanted).or_else(number).ok_or_else(|| {
+        if count == 0 {
+            return format!("there is no clip \"{wanted}\": the file has no animations");
+        }
+        let list: Vec<String> = (0..count).map(|i| format!("\"{}\"", clip_name(root, i))).collect();
+        format!("there is no clip \"{wanted}\": expected one of {}", list.join(", "))
+    })
+}
+
+/// The unsupported features of a clip, one line each.
+pub(crate) struct Played {
+    pub(crate) notes: Vec<String>,
+    /// Whether at least one of its channels is supported.
+    pub(crate) usable: bool,
+}
+
+/// Gives the nodes the tracks of a clip. A fault leaves the nodes in an unspecified state.
+pub(crate) fn play(root: &Root, buffers: &Buffers<'_>, clip: usize, skeleton: &mut Skeleton) -> Result<Played, String> {
+    let animation = &root.animations[clip];
+    let mut notes = Vec::new();
+    let (mut first, mut last) = (f32::INFINITY, 0.0_f32);
+    for (c, channel) in animation.channels.iter().enumerate() {
+        let fault = |e: String| format!("animation {clip}, channel {c}: {e}");
+        let s = channel.sampler.value();
+        let sampler = animation.samplers.get(s).ok_or_else(|| {
+            fault(format!("there is no sampler {s}: expected one of the {} that it has", animation.samplers.len()))
+        })?;
+        match add(buffers, channel, sampler, skeleton).map_err(fault)? {
+            Ok((start, end)) => (first, last) = (first.min(start), last.max(end)),
+            Err(note) => notes.push(fault(note)),
+        }
+    }
+    let usable = notes.len() < animation.channels.len();
+    skeleton.clock = Clock { first: first.clamp(0.0, last), last, repeats: true };
+    Ok(Played { notes, usable })
+}
+
+/// The first and the last key's time of the channel, or why it is left out.
+fn add(
+    buffers: &Buffers<'_>,
+    channel: &Channel,
+    sampler: &Sampler,
+    skeleton: &mut Skeleton,
+) -> Result<Result<(f32, f32), String>, String> {
+    let node = channel.target.node.value();
+    let nodes = skeleton.bones.len();
+    let bone = skeleton
+        .bones
+        .get_mut(node)
+        .ok_or_else(|| format!("there is no node {node}: expected one of the {nodes} that the file has"))?;
+    let (kind, width, meaning) = match &channel.target.path {
+        Checked::Invalid => return Ok(Err("unknown path: left out".to_owned())),
+        Checked::Valid(Property::Rotation) => (Type::Vec4, 4, Meaning::Rotation),
+        Checked::Valid(Property::Translation | Property::Scale) => (Type::Vec3, 3, Meaning::Numbers),
+        Checked::Valid(Property::MorphTargetWeights) => (Type::Scalar, bone.rest_weights.len(), Meaning::Numbers),
+    };
+    if width == 0 {
+        return Ok(Err(format!("node {node} has no morph targets: left out")));
+    }
+    let interpolation = match sampler.interpolation {
+        Checked::Valid(animation::Interpolation::Linear) => Interpolation::Linear,
+        Checked::Valid(animation::Interpolation::Step) => Interpolation::Step,
+        Checked::Valid(animation::Interpolation::CubicSpline) => Interpolation::Cubic,
+        Checked::Invalid => return Err("unknown interpolation: expected LINEAR, STEP or CUBICSPLINE".to_owned()),
+    };
+    let times = buffers.floats(sampler.input, Type::Scalar)?;
+    if let Some(t) = times.iter().find(|t| t.is_nan() || t.abs() > MAX_SECONDS) {
+        return Err(format!("key at {t:e} s: times must lie within ±{MAX_SECONDS} s"));
+    }
+    // Equal times are a jump, which does no harm.
+    if let Some(pair) = times.windows(2).find(|pair| pair[1] < pair[0]) {
+        return Err(format!("key times are not in order: {} s after {} s", pair[1], pair[0]));
+    }
+    let values = buffers.floats(sampler.output, kind)?;
+    let rows = if interpolation == Interpolation::Cubic { 3 } else { 1 };
+    if values.len() != times.len() * width * rows {
+        let (n, keys) = (values.len() / kind.multiplicity(), times.len());
+        return Err(format!("{n} values for {keys} keys: expected {}", keys * rows * width / kind.multiplicity()));
+    }
+    if let Some(v) = values.iter().find(|v| v.is_nan() || v.abs() > MAX_COORDINATE) {
+        return Err(format!("value {v}: keys must lie within ±1e9"));
+    }
+    if meaning == Meaning::Rotation {
+        // Of a cubic key's three rows the middle one is the rotation.
+        let quaternions = values.chunks_exact(4).skip(rows / 2).step_by(rows);
+        if let Some(k) = quaternions.map(Vec4::from_slice).position(|q| q.length() < 1e-6) {
+            return Err(format!("rotation key {k} has length 0: expected a unit quaternion"));
+        }
+    }
+    let track = Track::new(times, values, width, interpolation, meaning);
+    let span = (track.start(), track.end());
+    if let (Local::Matrix(m), true) = (&bone.local, kind != Type::Scalar) {
+        let (scale, rotation, translation) = m.to_scale_rotation_translation();
+        if !(scale.is_finite() && rotation.is_finite() && translation.is_finite()) {
+            return Err(format!("node {node} has a matrix that is no scale, rotation and translation"));
+        }
+        bone.local = Local::Parts { scale, rotation, translation };
+    }
+    let slot = match channel.target.path {
+        Checked::Valid(Property::Rotation) => &mut bone.rotation,
+        Checked::Valid(Property::Translation) => &mut bone.translation,
+        Checked::Valid(Property::Scale) => &mut bone.scale,
+        _ => &mut bone.weights,
+    };
+    *slot = Some(track);
+    Ok(Ok(span))
+}

@@ -1,0 +1,275 @@
+//! The data behind glTF accessors, every length checked before anything is read or reserved.
+
+use crate::files::Source;
+use crate::unit::unit;
+use glam::Vec3;
+use gltf::json::accessor::{ComponentType, Type};
+use gltf::json::validation::Checked;
+use gltf::json::{Accessor, Index, Root, buffer};
+use std::path::{Component, Path};
+
+/// Buffers of a document.
+pub(crate) struct Buffers<'a> {
+    root: &'a Root,
+    data: Vec<Vec<u8>>,
+}
+
+/// The most elements that an accessor may claim without data behind them.
+const MAX_WITHOUT_DATA: usize = 1 << 24;
+
+impl<'a> Buffers<'a> {
+    /// Reads all buffers: from the file's own binary chunk, data URIs and files beside `path`.
+    pub(crate) fn load(files: &Source, path: &Path, root: &'a Root, mut chunk: Option<&[u8]>) -> Result<Self, String> {
+        let mut data = Vec::new();
+        for (i, buffer) in root.buffers.iter().enumerate() {
+            let fault = |message: String| format!("buffer {i}: {message}");
+            let mut bytes = match &buffer.uri {
+                Some(uri) => read_uri(files, path, uri).map_err(fault)?,
+                None => chunk.take().filter(|_| i == 0).ok_or_else(|| fault("has no data".to_owned()))?.to_vec(),
+            };
+            let (wanted, found) = (buffer.byte_length.0, bytes.len());
+            if (found as u64) < wanted {
+                return Err(fault(format!("has {found} bytes, byteLength says {wanted}")));
+            }
+            bytes.truncate(wanted as usize);
+            data.push(bytes);
+        }
+        Ok(Self { root, data })
+    }
+
+    /// All bytes, buffer by buffer.
+    pub(crate) fn into_data(self) -> Vec<Vec<u8>> {
+        self.data
+    }
+
+    /// The bytes of a view, and their stride.
+    pub(crate) fn view(&self, index: Index<buffer::View>) -> Result<(&[u8], Option<usize>), String> {
+        let i = index.value();
+        let view = self.root.buffer_views.get(i).ok_or_else(|| format!("there is no buffer view {i}"))?;
+        let b = view.buffer.value();
+        let data = self.data.get(b).ok_or_else(|| format!("buffer view {i}: there is no buffer {b}"))?;
+        let start = view.byte_offset.map_or(0, |o| o.0);
+        let range = start.checked_add(view.byte_length.0).and_then(|end| data.get(start as usize..end as usize));
+        let bytes =
+            range.ok_or_else(|| format!("buffer view {i} is longer than its buffer of {} bytes", data.len()))?;
+        Ok((bytes, view.byte_stride.map(|s| s.0)))
+    }
+
+    /// The numbers of an accessor, row after row; integers that are `normalized` in [−1, 1].
+    pub(crate) fn floats(&self, index: Index<Accessor>, kind: Type) -> Result<Vec<f32>, String> {
+        let (accessor, component) = self.accessor(index, kind)?;
+        let scale = match (accessor.normalized, component) {
+            (true, ComponentType::I8) => 127.0,
+            (true, ComponentType::U8) => 255.0,
+            (true, ComponentType::I16) => 32767.0,
+            (true, ComponentType::U16) => 65535.0,
+            _ => 1.0,
+        };
+        let to_float = |bytes: &[u8]| {
+            let x = number(bytes, component);
+            if scale == 1.0 { x as f32 } else { (x / scale).max(-1.0) as f32 }
+        };
+        self.read(index, accessor, component, kind, to_float)
+    }
+
+    /// Colours of an accessor, within [0, 1], and their alphas; none of these where all are 1.
+    pub(crate) fn colors(&self, index: Index<Accessor>) -> Result<(Vec<Vec3>, Vec<f32>), String> {
+        let has_alpha = self.root.accessors.get(index.value()).is_some_and(|a| a.type_ == Checked::Valid(Type::Vec4));
+        let values = self.floats(index, if has_alpha { Type::Vec4 } else { Type::Vec3 })?;
+        let rows = values.chunks_exact(if has_alpha { 4 } else { 3 });
+        let color = |row: &[f32]| Vec3::new(unit(row[0]), unit(row[1]), unit(row[2]));
+        let is_clear = has_alpha && rows.clone().any(|row| row[3] < 1.0 || row[3].is_nan());
+        let alphas = if is_clear { rows.clone().map(|row| unit(row[3])).collect() } else { Vec::new() };
+        Ok((rows.map(color).collect(), alphas))
+    }
+
+    /// The whole numbers of an accessor.
+    pub(crate) fn integers(&self, index: Index<Accessor>, kind: Type) -> Result<Vec<u32>, String> {
+        let (accessor, component) = self.accessor(index, kind)?;
+        if !matches!(component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32) {
+            return Err(format!("accessor {}: expected unsigned integers", index.value()));
+        }
+        self.read(index, accessor, component, kind, |bytes| number(bytes, component) as u32)
+    }
+
+    fn accessor(&self, index: Index<Accessor>, kind: Type) -> Result<(&'a Accessor, ComponentType), String> {
+        let i = index.value();
+        let accessor = self.root.accessors.get(i).ok_or_else(|| format!("there is no accessor {i}"))?;
+        let Checked::Valid(component) = &accessor.component_type else {
+            return Err(format!("accessor {i}: unknown componentType"));
+        };
+        match accessor.type_ {
+            Checked::Valid(found) if found == kind => Ok((accessor, component.0)),
+            Checked::Valid(found) => Err(format!("accessor {i}: is {found:?}, expected {kind:?}")),
+            Checked::Invalid => Err(format!("accessor {i}: unknown type")),
+        }
+    }
+
+    fn read<T: Copy + Default>(
+        &self,
+        index: Index<Accessor>,
+        accessor: &Accessor,
+        component: ComponentType,
+        kind: Type,
+        convert: impl Fn(&[u8]) -> T,
+    ) -> Result<Vec<T>, String> {
+        let i = index.value();
+        let fault = |message: String| format!("accessor {i}: {message}");
+        let (width, size) = (kind.multiplicity(), component.size());
+        let row = width * size;
+        let count = usize::try_from(accessor.count.0).map_err(|e| fault(e.to_string()))?;
+        if count == 0 {
+            return Err(fault("count is 0".to_owned()));
+        }
+        let mut out = Vec::new();
+        let push_row = |out: &mut Vec<T>, bytes: &[u8]| out.extend(bytes.chunks_exact(size).map(&convert));
+        if let Some(view) = accessor.buffer_view {
+            let (bytes, stride) = self.view(view).map_err(fault)?;
+            let stride = stride.unwrap_or(row);
+            if stride < row {
+                return Err(fault(format!("byteStride {stride} is less than an element's {row} bytes")));
+            }
+            let start = accessor.byte_offset.map_or(0, |o| o.0);
+            let view_start = self.root.buffer_views[view.value()].byte_offset.map_or(0, |o| o.0);
+            let at = view_start.saturating_add(start);
+            if !start.is_multiple_of(size as u64) || !at.is_multiple_of(size as u64) {
+                return Err(fault(format!("begins at byte {at} of its buffer: expected a multiple of {size}")));
+            }
+            if !stride.is_multiple_of(size) {
+                return Err(fault(format!("byteStride {stride}: expected a multiple of {size}")));
+            }
+            let end = (count as u64 - 1).checked_mul(stride as u64).and_then(|n| n.checked_add(start + row as u64));
+            if start > bytes.len() as u64 || end.is_none_or(|end| end > bytes.len() as u64) {
+                return Err(fault(format!("{count} elements do not fit into a view of {} bytes", bytes.len())));
+            }
+            out.reserve_exact(count * width);
+            for k in 0..count {
+                let at = start as usize + k * stride;
+                push_row(&mut out, &bytes[at..at + row]);
+            }
+        } else {
+            if accessor.sparse.is_none() {
+                return Err(fault("has no data (compressed meshes are not supported)".to_owned()));
+            }
+            if count > MAX_WITHOUT_DATA {
+                return Err(fault(format!("{count} elements without data")));
+            }
+            out.resize(count * width, T::default());
+        }
+        if let Some(sparse) = &accessor.sparse {
+            let Checked::Valid(index_kind) = &sparse.indices.component_type else {
+                return Err(fault("unknown componentType of sparse indices".to_owned()));
+            };
+            let index_size = index_kind.0.size();
+            let take = |view, offset: u64, bytes_each: usize| -> Result<&[u8], String> {
+                let (bytes, _) = self.view(view)?;
+                let length = sparse.count.0.checked_mul(bytes_each as u64);
+                length
+                    .and_then(|n| n.checked_add(offset))
+                    .and_then(|end| bytes.get(usize::try_from(offset).ok()?..usize::try_from(end).ok()?))
+                    .ok_or_else(|| format!("{} sparse elements do not fit into their view", sparse.count.0))
+            };
+            let indices = take(sparse.indices.buffer_view, sparse.indices.byte_offset.0, index_size).map_err(fault)?;
+            let values = take(sparse.values.buffer_view, sparse.values.byte_offset.0, row).map_err(fault)?;
+            for (at, value) in indices.chunks_exact(index_size).zip(values.chunks_exact(row)) {
+                let at = number(at, index_kind.0) as usize;
+                let slots = out.get_mut(at * width..(at + 1) * width);
+                let slots = slots.ok_or_else(|| fault(format!("sparse index {at} of {count}")))?;
+                for (slot, bytes) in slots.iter_mut().zip(value.chunks_exact(size)) {
+                    *slot = convert(bytes);
+                }
+            }
+        }
+        Ok(out)
+    }
+}
+
+fn number(bytes: &[u8], component: ComponentType) -> f64 {
+    let mut raw = [0_u8; 4];
+    raw[..bytes.len()].copy_from_slice(bytes);
+    match component {
+        ComponentType::I8 => f64::from(raw[0] as i8),
+        ComponentType::U8 => f64::from(raw[0]),
+        ComponentType::I16 => f64::from(i16::from_le_bytes([raw[0], raw[1]])),
+        ComponentType::U16 => f64::from(u16::from_le_bytes([raw[0], raw[1]])),
+        ComponentType::U32 => f64::from(u32::from_le_bytes(raw)),
+        ComponentType::F32 => f64::from(f32::from_le_bytes(raw)),
+    }
+}
+
+/// A data URI, or a file beside the document: nothing else is ever opened.
+pub(crate) fn read_uri(files: &Source, path: &Path, uri: &str) -> Result<Vec<u8>, String> {
+    if let Some(data) = uri.strip_prefix("data:") {
+        let encoded = data.split_once(";base64,").ok_or("data URI is not base64")?.1;
+        return base64(encoded).ok_or_else(|| "data URI is not valid base64".to_owned());
+    }
+    if uri.contains("://") {
+        return Err(format!("{uri}: only files and data URIs are read"));
+    }
+    let name = percent_decoded(uri).ok_or_else(|| format!("cannot read uri \"{uri}\""))?;
+    let name = if Path::new(&name).is_absolute() { name } else { name.replace('\\', "/") };
+    let relative = Path::new(&name);
+    if !relative.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir)) {
+        return Err(format!("\"{name}\" lies outside the file's folder"));
+    }
+    let file = files.beside(path, &name).unwrap_or_else(|| path.with_file_name("").join(relative));
+    files.read(&file).map_err(|e| e.to_string())
+}
+
+pub(crate) fn percent_decoded(text: &str) -> Option<String> {
+    let mut out = Vec::new();
+    let mut bytes = text.bytes();
+    while let Some(b) = bytes.next() {
+        if b == b'%' {
+            let hex = [bytes.next()?, bytes.next()?];
+            out.push(u8::from_str_radix(std::str::from_utf8(&hex).ok()?, 16).ok()?);
+        } else {
+            out.push(b);
+        }
+    }
+    String::from_utf8(out).ok()
+}
+
+fn base64(text: &str) -> Option<Vec<u8>> {
+    let digits = text.trim_end_matches('=').as_bytes();
+    let mut out = Vec::with_capacity(digits.len() * 3 / 4);
+    for chunk in digits.chunks(4) {
+        let mut word = 0_u32;
+        for &c in chunk {
+            let value = match c {
+                b'A'..=b'Z' => c - b'A',
+                b'a'..=b'z' => c - b'a' + 26,
+                b'0'..=b'9' => c - b'0' + 52,
+                b'+' | b'-' => 62,
+                b'/' | b'_' => 63,
+                _ => return None,
+            };
+            word = word << 6 | u32::from(value);
+        }
+        if chunk.len() == 1 {
+            return None;
+        }
+        word <<= 6 * (4 - chunk.len());
+        out.extend_from_slice(&word.to_be_bytes()[1..chunk.len()]);
+    }
+    Some(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_of_known_texts() {
+        for (text, want) in [("", ""), ("Zg==", "f"), ("Zm8=", "fo"), ("Zm9v", "foo"), ("Zm9vYmE", "fooba")] {
+            assert_eq!(base64(text).unwrap(), want.as_bytes());
+        }
+        assert!(base64("Zm9?").is_none() && base64("Z").is_none());
+    }
+
+    #[test]
+    fn percent_signs() {
+        assert_eq!(percent_decoded("Box%20With%20Spaces.bin").unwrap(), "Box With Spaces.bin");
+        assert!(percent_decoded("a%2").is_none() && percent_decoded("a%zz").is_none());
+    }
+}

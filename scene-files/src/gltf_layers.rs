@@ -1,0 +1,96 @@
+//! Extensions of glTF materials that the document reader does not know: KHR_materials_anisotropy and KHR_materials_clearcoat.
+
+use crate::gltf_buffers::Buffers;
+use crate::gltf_texture::{Images, Reference};
+use crate::look::Look;
+use crate::unit::unit;
+use brdf::Material;
+use gltf::json::Value;
+use gltf::json::deserialize::from_value;
+use gltf::json::material::NormalTexture;
+use gltf::json::texture::Info;
+use scene::{Channel, Encoding, Surface};
+
+/// A look with the clear coat that an extension's object says; numbers out of range are taken as the nearest that are not.
+pub(crate) fn coated(
+    clearcoat: &Value,
+    look: Look,
+    buffers: &Buffers<'_>,
+    images: &mut Images<'_>,
+) -> Result<Look, String> {
+    let fault = |e: String| format!("KHR_materials_clearcoat: {e}");
+    let [weight, roughness] = [number(clearcoat, "clearcoatFactor"), number(clearcoat, "clearcoatRoughnessFactor")];
+    let (weight, roughness) = (unit(weight.map_err(fault)?), unit(roughness.map_err(fault)?));
+    let mut channel = |name: &str, index: usize| {
+        let Some(info) = texture(clearcoat, name)? else { return Ok(None) };
+        images.source(info.index.value())?;
+        let map = images.map(buffers, Some(Reference::from(&info)), Encoding::Linear)?;
+        Ok(map.map(|map| Channel { map, index }))
+    };
+    let of_weight = channel("clearcoatTexture", 0).map_err(fault)?;
+    let of_roughness = channel("clearcoatRoughnessTexture", 1).map_err(fault)?;
+    let normal = normal_texture(clearcoat).map_err(fault)?;
+    let (scale, reference) = match &normal {
+        Some(normal) => (normal.scale, Some(Reference::new(normal.index, normal.tex_coord))),
+        None => (1.0, None),
+    };
+    if !scale.is_finite() {
+        return Err(fault(format!("normal texture has scale {scale}")));
+    }
+    let of_normal = images.map(buffers, reference, Encoding::Linear).map_err(fault)?;
+    let Material::MetallicRoughness(metal) = look.material else { return Ok(look) };
+    let metal = metal.with_clearcoat(weight, roughness).map_err(|e| fault(e.to_string()))?;
+    if metal.clearcoat().is_none() {
+        return Ok(Look { material: metal.into(), ..look });
+    }
+    let surface = Surface {
+        clearcoat: of_weight,
+        clearcoat_roughness: of_roughness,
+        clearcoat_normal: of_normal.map(|map| (map, scale)),
+        ..look.surface
+    };
+    Ok(Look { material: metal.into(), surface, ..look })
+}
+
+/// A look with the anisotropy that an extension's object says, in the same way.
+pub(crate) fn brushed(
+    anisotropy: &Value,
+    look: Look,
+    buffers: &Buffers<'_>,
+    images: &mut Images<'_>,
+) -> Result<Look, String> {
+    let fault = |e: String| format!("KHR_materials_anisotropy: {e}");
+    let strength = unit(number(anisotropy, "anisotropyStrength").map_err(fault)?);
+    let turn = number(anisotropy, "anisotropyRotation").map_err(fault)?;
+    let info = texture(anisotropy, "anisotropyTexture").map_err(fault)?;
+    let map = info.as_ref().map(|info| {
+        images.source(info.index.value())?;
+        images.map(buffers, Some(Reference::from(info)), Encoding::Linear)
+    });
+    let map = map.transpose().map_err(fault)?.flatten();
+    let Material::MetallicRoughness(metal) = look.material else { return Ok(look) };
+    let metal = metal.with_anisotropy(strength).map_err(|e| fault(e.to_string()))?;
+    if metal.anisotropy() == 0.0 {
+        return Ok(Look { material: metal.into(), ..look });
+    }
+    let surface = Surface { anisotropy: map, anisotropy_turn: turn, follows_u: true, ..look.surface };
+    Ok(Look { material: metal.into(), surface, ..look })
+}
+
+/// A number; 0 without one.
+fn number(of: &Value, name: &str) -> Result<f32, String> {
+    let Some(value) = of.get(name) else { return Ok(0.0) };
+    let number = value.as_f64().ok_or_else(|| format!("{name} is {value}: expected a number"))? as f32;
+    if number.is_finite() { Ok(number) } else { Err(format!("{name} is {value}: expected a finite number")) }
+}
+
+fn texture(clearcoat: &Value, name: &str) -> Result<Option<Info>, String> {
+    let read = |value: &Value| from_value(value.clone()).map_err(|e| format!("{name}: {e}"));
+    clearcoat.get(name).map(read).transpose()
+}
+
+fn normal_texture(clearcoat: &Value) -> Result<Option<NormalTexture>, String> {
+    let name = "clearcoatNormalTexture";
+    let read = |value: &Value| from_value(value.clone()).map_err(|e| format!("{name}: {e}"));
+    clearcoat.get(name).map(read).transpose()
+}

@@ -1,0 +1,95 @@
+//! The lights of a glTF file (KHR_lights_punctual).
+
+use glam::{Mat4, Vec3};
+use gltf::json::Root;
+use gltf::json::extensions::scene::khr_lights_punctual::{Light as Punctual, Type};
+use gltf::json::validation::Checked;
+use lighting::{Light, SphereLight, SpotLight, SunLight};
+use lobe_core::Sphere;
+use scene::Bounds;
+
+/// Radius of a light that has none, as a part of the radius of all that is shown: its shadows are as good as hard.
+const POINT: f32 = 1e-3;
+
+/// A light at the origin of its node.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum NodeLight {
+    /// Intensity.
+    Point(Vec3),
+    /// Intensity along the axis, and the cosines of the angles between which it falls.
+    Spot(Vec3, [f32; 2]),
+    /// Irradiance.
+    Sun(Vec3),
+}
+
+/// A light, its node and the skeleton's number, where the node moves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlacedLight {
+    pub(crate) light: NodeLight,
+    pub(crate) world: Mat4,
+    pub(crate) mover: Option<(usize, usize)>,
+}
+
+/// The light of a node, if it has one.
+pub(crate) fn read_light(root: &Root, node: usize) -> Result<Option<NodeLight>, String> {
+    let Some(named) = root.nodes[node].extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref()) else {
+        return Ok(None);
+    };
+    let index = named.light.value();
+    let all = root.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
+    let light =
+        all.and_then(|all| all.lights.get(index)).ok_or_else(|| format!("node {node}: there is no light {index}"))?;
+    parse(light).map(Some).map_err(|fault| format!("light {index}: {fault}"))
+}
+
+fn parse(light: &Punctual) -> Result<NodeLight, String> {
+    let (color, intensity) = (Vec3::from_array(light.color), light.intensity);
+    if !(color.is_finite() && color.min_element() >= 0.0) {
+        return Err(format!("found color {color}: expected finite numbers that are not negative"));
+    }
+    if !(intensity.is_finite() && intensity >= 0.0) {
+        return Err(format!("found intensity {intensity}: expected a finite number that is not negative"));
+    }
+    if let Some(range) = light.range
+        && (range.is_nan() || range <= 0.0)
+    {
+        return Err(format!("found range {range}: expected a number above 0"));
+    }
+    let value = color * intensity;
+    // Of finite numbers: infinite at worst.
+    if value.max_element() > 1e20 {
+        return Err(format!("found color {color} and intensity {intensity}: expected a product of 1e20 at most"));
+    }
+    match light.type_ {
+        Checked::Invalid => Err("expected the type \"point\", \"spot\" or \"directional\"".to_owned()),
+        Checked::Valid(Type::Point) => Ok(NodeLight::Point(value)),
+        Checked::Valid(Type::Directional) => Ok(NodeLight::Sun(value)),
+        Checked::Valid(Type::Spot) => {
+            let spot = light.spot.as_ref().ok_or("a spot without its angles")?;
+            let (inner, outer) = (spot.inner_cone_angle, spot.outer_cone_angle);
+            if !(inner >= 0.0 && inner < outer && outer <= core::f32::consts::FRAC_PI_2 + 1e-6) {
+                return Err(format!(
+                    "found innerConeAngle {inner} and outerConeAngle {outer}: expected 0 ≤ inner < outer ≤ π/2"
+                ));
+            }
+            Ok(NodeLight::Spot(value, [inner.cos(), outer.cos()]))
+        }
+    }
+}
+
+impl NodeLight {
+    /// The light at the origin, shining along −z.
+    pub(crate) fn at_origin(self, shown: &Bounds) -> Light {
+        let sphere = Sphere { center: Vec3::ZERO, radius: POINT * shown.radius().max(f32::MIN_POSITIVE.sqrt()) };
+        match self {
+            Self::Point(intensity) => SphereLight::with_intensity(sphere, intensity).into(),
+            Self::Spot(intensity, cos) => {
+                SpotLight { light: SphereLight::with_intensity(sphere, intensity), axis: Vec3::NEG_Z, cos }.into()
+            }
+            Self::Sun(irradiance) => {
+                let world = Sphere { center: shown.center(), radius: shown.radius() };
+                SunLight::new(Vec3::Z, SunLight::HALF_ANGLE, irradiance, world).into()
+            }
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Materials of a glTF document.
+
+use crate::gltf_buffers::Buffers;
+use crate::gltf_layers;
+use crate::gltf_texture::{Images, Reference};
+use crate::look::Look;
+use crate::unit::unit;
+use brdf::{Material, MetallicRoughness};
+use glam::Vec3;
+use gltf::json::material::{AlphaMode, Material as Document};
+use gltf::json::validation::Checked;
+use gltf::json::{Root, Value};
+use scene::cut_out::CutOut;
+use scene::{Channel, Encoding, Surface};
+
+/// Reads a material; numbers out of range are taken as the nearest that are not.
+pub(crate) fn read_material(
+    root: &Root,
+    index: usize,
+    extensions: Option<&Value>,
+    buffers: &Buffers<'_>,
+    images: &mut Images<'_>,
+) -> Result<Look, String> {
+    let material = root.materials.get(index).ok_or_else(|| format!("there is no material {index}"))?;
+    let mut of_material = || {
+        let look = look(material, buffers, images)?;
+        // Not of surfaces that are not lit.
+        let of = |name| extensions.filter(|_| !look.surface.is_unlit).and_then(|e| e.get(name));
+        let (anisotropy, clearcoat) = (of("KHR_materials_anisotropy"), of("KHR_materials_clearcoat"));
+        let look = anisotropy.map_or(Ok(look.clone()), |own| gltf_layers::brushed(own, look, buffers, images))?;
+        clearcoat.map_or(Ok(look.clone()), |own| gltf_layers::coated(own, look, buffers, images))
+    };
+    of_material().map_err(|e: String| format!("material {index}: {e}"))
+}
+
+fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> Result<Look, String> {
+    let limit = match material.alpha_mode {
+        Checked::Invalid => return Err("unknown alphaMode".to_owned()),
+        Checked::Valid(AlphaMode::Opaque) => None,
+        Checked::Valid(AlphaMode::Mask) => Some(cut_off(material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0))),
+        Checked::Valid(AlphaMode::Blend) => {
+            images.note("surfaces that are blended are cut out where their alpha is below a half".to_owned());
+            Some(0.5)
+        }
+    };
+    let pbr = &material.pbr_metallic_roughness;
+    let extensions = material.extensions.as_ref();
+    let specular = extensions.and_then(|e| e.specular.as_ref());
+    // Those that mean nothing here, too.
+    let textures = [
+        specular.and_then(|s| s.specular_texture.as_ref()).map(|t| t.index),
+        specular.and_then(|s| s.specular_color_texture.as_ref()).map(|t| t.index),
+        pbr.base_color_texture.as_ref().map(|t| t.index),
+        pbr.metallic_roughness_texture.as_ref().map(|t| t.index),
+        material.normal_texture.as_ref().map(|t| t.index),
+        material.occlusion_texture.as_ref().map(|t| t.index),
+        material.emissive_texture.as_ref().map(|t| t.index),
+    ];
+    textures.into_iter().flatten().try_for_each(|index| images.source(index.value()).map(|_| ()))?;
+    let color = images.map(buffers, pbr.base_color_texture.as_ref().map(Into::into), Encoding::Srgb)?;
+    let [r, g, b, factor] = pbr.base_color_factor.0;
+    let cut_out = limit.map(|limit| CutOut { map: color.clone(), factor: unit(factor), limit });
+    let base = Vec3::new(unit(r), unit(g), unit(b));
+    if extensions.is_some_and(|e| e.unlit.is_some()) {
+        let surface = Surface { emission: base, emission_map: color, is_unlit: true, ..Surface::default() };
+        return Ok(Look { material: Material::lambert(Vec3::ZERO), surface, cut_out });
+    }
+    let numbers = images.map(buffers, pbr.metallic_roughness_texture.as_ref().map(Into::into), Encoding::Linear)?;
+    let channel = |index| numbers.clone().map(|map| Channel { map, index });
+    let normal = material.normal_texture.as_ref();
+    let normal_map = images.map(buffers, normal.map(|n| Reference::new(n.index, n.tex_coord)), Encoding::Linear)?;
+    let scale = normal.map_or(1.0, |n| n.scale);
+    if !scale.is_finite() {
+        return Err(format!("normal texture has scale {scale}"));
+    }
+    let emission_map = images.map(buffers, material.emissive_texture.as_ref().map(Into::into), Encoding::Srgb)?;
+    let strength = extensions.and_then(|e| e.emissive_strength.as_ref()).map_or(1.0, |e| e.emissive_strength.0);
+    let positive = |x: f32| if x > 0.0 { x.min(MAX_EMISSION) } else { 0.0 };
+    let emission = material.emissive_factor.0.map(unit).map(|e| positive(e * positive(strength)));
+
+    let (metallic, roughness) = (unit(pbr.metallic_factor.0), unit(pbr.roughness_factor.0));
+    let mut metal = MetallicRoughness::new(base, metallic, roughness).map_err(|e| e.to_string())?;
+    let ior = extensions.and_then(|e| e.ior.as_ref());
+    if ior.is_some() || specular.is_some() {
+        let n = ior.map_or(1.5, |ior| ior.ior.0);
+        // An index below 1 is none, but 0 stands for a reflectance of 1.
+        let n = if n == 0.0 { f32::INFINITY } else { n.max(1.0) };
+        let normal = if n.is_finite() { ((n - 1.0) / (n + 1.0)).powi(2) } else { 1.0 };
+        let weight = specular.map_or(1.0, |s| unit(s.specular_factor.0));
+        let tint = specular.map_or([1.0; 3], |s| s.specular_color_factor.0);
+        let f0 = Vec3::from_array(tint.map(|c| unit(normal * c.max(0.0)))) * weight;
+        metal = metal.with_coat(f0, weight).map_err(|e| e.to_string())?;
+    }
+    let of_coat = specular.and_then(|s| s.specular_texture.as_ref()).map(Into::into);
+    // Alpha is linear in either encoding: as the colour's, it may be one image with that.
+    let of_coat = images.map(buffers, of_coat, Encoding::Srgb)?;
+    let coat_color = specular.and_then(|s| s.specular_color_texture.as_ref()).map(Into::into);
+    let surface = Surface {
+        color,
+        specular: images.map(buffers, coat_color, Encoding::Srgb)?,
+        coat: of_coat.map(|map| Channel { map, index: 3 }),
+        metallic: channel(2),
+        roughness: channel(1),
+        normal: normal_map.map(|map| (map, scale)),
+        emission: Vec3::from_array(emission),
+        emission_map,
+        ..Surface::default()
+    };
+    Ok(Look { material: metal.into(), surface, cut_out })
+}
+
+/// Nothing is opaque enough for one above 1.
+fn cut_off(x: f32) -> f32 {
+    if x > 0.0 { x } else { 0.0 }
+}
+
+/// The largest emission that is taken.
+const MAX_EMISSION: f32 = 1e12;

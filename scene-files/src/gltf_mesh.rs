@@ -1,0 +1,210 @@
+//! Meshes of a glTF document, and the joints that carry their vertices.
+
+use crate::gltf_buffers::Buffers;
+use glam::{Mat4, Vec2, Vec3};
+use gltf::json::accessor::Type;
+use gltf::json::mesh::{Mode, Primitive, Semantic};
+use gltf::json::validation::Checked;
+use gltf::json::{Index, Node, Root};
+use scene::{MAX_COORDINATE, Mesh};
+
+/// A mesh and the shapes that it morphs to.
+#[derive(Clone)]
+pub(crate) struct Shapes {
+    pub(crate) mesh: Mesh,
+    /// Alphas of the vertices; none where all are 1.
+    pub(crate) alphas: Vec<f32>,
+    /// Displacements, one a vertex.
+    pub(crate) targets: Vec<Vec<Vec3>>,
+    /// The same of the normals; empty for targets without.
+    pub(crate) normal_targets: Vec<Vec<Vec3>>,
+    /// Normals that had no direction.
+    pub(crate) broken: usize,
+}
+
+/// The joints that carry the vertices of a primitive.
+pub(crate) struct Influences {
+    pub(crate) joints: Vec<[u16; 4]>,
+    /// Of sum 1.
+    pub(crate) weights: Vec<[f32; 4]>,
+    /// Whether some vertex has no joint: such vertices use the joint after the last one.
+    pub(crate) unbound: bool,
+    /// Vertices that had more than four joints.
+    pub(crate) reduced: usize,
+    /// Vertices whose weights did not add up to 1.
+    pub(crate) uneven: usize,
+}
+
+/// The triangles of a primitive in bind space; none for points, lines and primitives without positions.
+pub(crate) fn read_primitive(buffers: &Buffers<'_>, primitive: &Primitive) -> Result<Option<Shapes>, String> {
+    let Checked::Valid(mode) = primitive.mode else { return Err("unknown mode".to_owned()) };
+    let attribute = |s| primitive.attributes.get(&Checked::Valid(s)).copied();
+    let Some(positions) = attribute(Semantic::Positions) else { return Ok(None) };
+    if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
+        return Ok(None);
+    }
+    let vectors = |index| -> Result<Vec<Vec3>, String> {
+        Ok(buffers.floats(index, Type::Vec3)?.chunks_exact(3).map(Vec3::from_slice).collect())
+    };
+    let positions = vectors(positions)?;
+    let vertices = positions.len();
+    let normals = match attribute(Semantic::Normals) {
+        Some(index) => vectors(index)?,
+        None => Vec::new(),
+    };
+    if !normals.is_empty() && normals.len() != vertices {
+        return Err(format!("{} normals for {vertices} positions", normals.len()));
+    }
+    let (mut targets, mut normal_targets) = (Vec::new(), Vec::new());
+    for (k, target) in primitive.targets.iter().flatten().enumerate() {
+        let read = |index: Option<_>, default| -> Result<Vec<Vec3>, String> {
+            let Some(index) = index else { return Ok(vec![Vec3::ZERO; default]) };
+            let moved = vectors(index)?;
+            if moved.len() != vertices {
+                return Err(format!("morph target {k} of {} positions for {vertices}", moved.len()));
+            }
+            if moved.iter().any(|d| d.is_nan() || d.abs().max_element() > MAX_COORDINATE) {
+                return Err(format!("morph target {k}: displacements must lie within ±1e9"));
+            }
+            Ok(moved)
+        };
+        targets.push(read(target.positions, vertices)?);
+        normal_targets.push(read(target.normals.filter(|_| !normals.is_empty()), 0)?);
+    }
+    let indices = match primitive.indices {
+        Some(index) => buffers.integers(index, Type::Scalar)?,
+        None => (0..vertices as u32).collect(),
+    };
+    if let Some(i) = indices.iter().find(|&&i| i as usize >= vertices) {
+        return Err(format!("uses vertex {i} of {vertices}"));
+    }
+    let triangles = match mode {
+        Mode::TriangleStrip => indices
+            .windows(3)
+            .enumerate()
+            .map(|(i, w)| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] })
+            .collect(),
+        Mode::TriangleFan => indices.get(1..).unwrap_or(&[]).windows(2).map(|w| [indices[0], w[0], w[1]]).collect(),
+        _ => indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
+    };
+    let mut uv_sets = Vec::new();
+    for set in 0.. {
+        let Some(index) = attribute(Semantic::TexCoords(set)) else { break };
+        let pairs = buffers.floats(index, Type::Vec2)?;
+        let pairs: Vec<Vec2> = pairs.chunks_exact(2).map(Vec2::from_slice).collect();
+        if pairs.len() != vertices {
+            return Err(format!("{} texture coordinates for {vertices} positions", pairs.len()));
+        }
+        uv_sets.push(pairs);
+    }
+    let (colors, alphas) = match attribute(Semantic::Colors(0)) {
+        Some(index) => buffers.colors(index)?,
+        None => (Vec::new(), Vec::new()),
+    };
+    if !colors.is_empty() && colors.len() != vertices {
+        return Err(format!("{} colours for {vertices} positions", colors.len()));
+    }
+    let mut mesh = Mesh { positions, normals, triangles, uv_sets, colors };
+    if let Some(bad) = mesh.positions.iter().position(|p| !p.is_finite()) {
+        return Err(format!("position {bad} is not finite"));
+    }
+    let broken = mesh.repair_normals();
+    Ok(Some(Shapes { mesh, alphas, targets, normal_targets, broken }))
+}
+
+/// The joints of a skin and their inverse bind matrices.
+pub(crate) fn read_skin(root: &Root, buffers: &Buffers<'_>, skin: usize) -> Result<Vec<(usize, Mat4)>, String> {
+    let fault = |e: String| format!("skin {skin}: {e}");
+    let data = root.skins.get(skin).ok_or_else(|| format!("there is no skin {skin}"))?;
+    if data.joints.is_empty() {
+        return Err(fault("has no joints".to_owned()));
+    }
+    let inverse = match data.inverse_bind_matrices {
+        None => vec![Mat4::IDENTITY; data.joints.len()],
+        Some(index) => {
+            let values = buffers.floats(index, Type::Mat4).map_err(fault)?;
+            values.chunks_exact(16).map(Mat4::from_cols_slice).collect()
+        }
+    };
+    if inverse.len() < data.joints.len() {
+        return Err(fault(format!("{} inverse bind matrices for {} joints", inverse.len(), data.joints.len())));
+    }
+    // One number is for vertices without a joint.
+    if data.joints.len() > usize::from(u16::MAX) {
+        return Err(fault(format!("{} joints: at most {} are read", data.joints.len(), u16::MAX)));
+    }
+    let joint = |(joint, inverse): (&Index<Node>, Mat4)| {
+        let j = joint.value();
+        if j >= root.nodes.len() {
+            return Err(fault(format!("there is no node {j}")));
+        }
+        let usable = inverse.to_cols_array().iter().all(|v| v.abs() <= MAX_COORDINATE);
+        if usable { Ok((j, inverse)) } else { Err(fault(format!("the matrix of joint {j} is not finite"))) }
+    };
+    data.joints.iter().zip(inverse).map(joint).collect()
+}
+
+/// The joints that carry the vertices; `None` for a primitive without joints. Of more than four joints a vertex
+/// keeps the four with the largest weights.
+pub(crate) fn read_influences(
+    buffers: &Buffers<'_>,
+    primitive: &Primitive,
+    vertices: usize,
+    joint_count: usize,
+) -> Result<Option<Influences>, String> {
+    let attribute = |s| primitive.attributes.get(&Checked::Valid(s)).copied();
+    let mut sets = Vec::new();
+    for set in 0.. {
+        let pair = (attribute(Semantic::Joints(set)), attribute(Semantic::Weights(set)));
+        let (Some(joints), Some(weights)) = pair else { break };
+        let (joints, weights) = (buffers.integers(joints, Type::Vec4)?, buffers.floats(weights, Type::Vec4)?);
+        if joints.len() != 4 * vertices || weights.len() != 4 * vertices {
+            let (j, w) = (joints.len() / 4, weights.len() / 4);
+            return Err(format!("{j} joints and {w} weights for {vertices} positions"));
+        }
+        sets.push((joints, weights));
+    }
+    if sets.is_empty() {
+        return Ok(None);
+    }
+    let mut out = Influences { joints: Vec::new(), weights: Vec::new(), unbound: false, reduced: 0, uneven: 0 };
+    let mut all: Vec<(u16, f32)> = Vec::new();
+    for vertex in 0..vertices {
+        all.clear();
+        for (joints, weights) in &sets {
+            for k in 4 * vertex..4 * vertex + 4 {
+                let (joint, weight) = (joints[k], weights[k]);
+                if !weight.is_finite() || weight < 0.0 {
+                    return Err(format!("vertex {vertex} has the joint weight {weight}"));
+                }
+                if weight > 0.0 {
+                    if joint as usize >= joint_count {
+                        return Err(format!("vertex {vertex} uses joint {joint} of {joint_count}"));
+                    }
+                    all.push((joint as u16, weight));
+                }
+            }
+        }
+        let sum: f32 = all.iter().map(|(_, w)| w).sum();
+        // Bytes round each of four weights by up to 1/510.
+        out.uneven += usize::from(!all.is_empty() && (sum - 1.0).abs() > 0.02);
+        if all.len() > 4 {
+            out.reduced += 1;
+            all.sort_by(|a, b| b.1.total_cmp(&a.1));
+            all.truncate(4);
+        }
+        if all.is_empty() {
+            out.unbound = true;
+            all.push((joint_count as u16, 1.0));
+        }
+        // In f64: the sum of four floats may leave f32.
+        let sum: f64 = all.iter().map(|(_, w)| f64::from(*w)).sum();
+        let (mut joints, mut weights) = ([0; 4], [0.0; 4]);
+        for (k, &(joint, weight)) in all.iter().enumerate() {
+            (joints[k], weights[k]) = (joint, (f64::from(weight) / sum) as f32);
+        }
+        out.joints.push(joints);
+        out.weights.push(weights);
+    }
+    Ok(Some(out))
+}

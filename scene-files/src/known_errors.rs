@@ -1,0 +1,152 @@
+//! Lines about things that a picture shows with a known error.
+
+use brdf::Material;
+use core::cell::OnceCell;
+use lighting::Light;
+use lobe_core::{LightLobes, Sphere};
+use scene::{Bounds, Scene};
+
+/// Exponents of Neumann's metals and the mean difference of a floor, a sphere and a box under a sphere light of 8° from the reference,
+/// as a part of the mean (docs/limits.md).
+const NEUMANN: [(f32, f32); 6] = [(2.0, 0.14), (5.0, 0.19), (10.0, 0.19), (20.0, 0.12), (50.0, 0.02), (100.0, 0.01)];
+/// Errors that are worth a line.
+const WORTH: f32 = 0.02;
+/// Lights are compared with each other up to so many.
+const MOST: usize = 4096;
+
+/// One line for each kind of error in a scene.
+pub(crate) fn lines(scene: &Scene) -> Vec<String> {
+    let metals = scene.materials.iter().enumerate().filter_map(|(i, material)| metal(i, material));
+    metals.chain(twice(&scene.lights)).chain(tiny(scene)).collect()
+}
+
+/// The half-angle, in radians, from which on lights are exact: of flat ones and tubes, whose corners are rounded, and of spheres.
+const SMALLEST: [f32; 2] = [2e-5, 5e-7];
+
+/// Lights that all objects see smaller than that.
+fn tiny(scene: &Scene) -> Option<String> {
+    // Of all vertices: once, and only where a light may be so small.
+    let bounds: OnceCell<Vec<Bounds>> = OnceCell::new();
+    let is_tiny = |light: &&Light| {
+        let least = match light {
+            Light::Flat(_) | Light::Tube(_) => SMALLEST[0],
+            Light::Sphere(_) | Light::Spot(_) => SMALLEST[1],
+            _ => return false,
+        };
+        let Sphere { center, radius } = light.bounds();
+        let bounds = bounds.get_or_init(|| scene.objects.iter().map(|object| object.shape.bounds()).collect());
+        let distances = bounds.iter().map(|b| center.distance(center.clamp(b.min, b.max)));
+        let nearest = distances.fold(f32::INFINITY, f32::min);
+        nearest.is_finite() && radius < least * nearest
+    };
+    let count = scene.lights.iter().take(MOST).filter(is_tiny).count();
+    let of = if count == 1 { "1 light is" } else { &format!("{count} lights are") };
+    let advice = "tens of per cent off: a light of kind \"point\" and a radius of 1e-4 of its distance is exact";
+    (count > 0).then(|| format!("{of} seen under less than 1e-5 radians, and may be {advice}"))
+}
+
+fn metal(number: usize, material: &Material) -> Option<String> {
+    let Material::Neumann(metal) = material else { return None };
+    let e = metal.exponent;
+    let next = NEUMANN.iter().position(|(exponent, _)| *exponent >= e)?;
+    let error = match next {
+        0 => NEUMANN[0].1,
+        next => {
+            let ((low, a), (high, b)) = (NEUMANN[next - 1], NEUMANN[next]);
+            a + (b - a) * (e / low).ln() / (high / low).ln()
+        }
+    };
+    let percent = 100.0 * error;
+    (error >= WORTH && metal.ks.max_element() > 0.0).then(|| {
+        format!(
+            "material {number} (neumann of exponent {e}) is about {percent:.0} % off: its lobes suit exponents from 100"
+        )
+    })
+}
+
+/// Lights in one place.
+fn twice(lights: &[Light]) -> Vec<String> {
+    let lights = &lights[..lights.len().min(MOST)];
+    let sphere = |light: &Light| match light {
+        Light::Sphere(light) => Some(light.sphere),
+        Light::Enclosed(light) => light.light.sphere(),
+        _ => None,
+    };
+    let spheres: Vec<Option<Sphere>> = lights.iter().map(sphere).collect();
+    let (mut equal, mut overlapping) = (0, 0);
+    for (i, light) in lights.iter().enumerate() {
+        let (mut is_equal, mut overlaps) = (false, false);
+        for j in 0..i {
+            match (spheres[i], spheres[j]) {
+                (Some(a), Some(b)) if a == b => is_equal = true,
+                // Those that touch shine as they are.
+                (Some(a), Some(b)) => {
+                    let apart = a.center.as_dvec3().distance(b.center.as_dvec3());
+                    overlaps |= apart < 0.999 * (f64::from(a.radius) + f64::from(b.radius));
+                }
+                (None, None) if !matches!(light, Light::Sky(_) | Light::Ambient(_)) => is_equal |= *light == lights[j],
+                _ => {}
+            }
+        }
+        equal += usize::from(is_equal);
+        overlapping += usize::from(overlaps && !is_equal);
+    }
+    let mut all = Vec::new();
+    if equal > 0 {
+        let are = if equal == 1 { "1 light is" } else { &format!("{equal} lights are") };
+        all.push(format!("{are} in the place of an equal one: it is as bright as both"));
+    }
+    if overlapping > 0 {
+        let overlap =
+            if overlapping == 1 { "1 light sphere overlaps" } else { &format!("{overlapping} light spheres overlap") };
+        all.push(format!("{overlap} others: the parts inside these shine as well, so all are too bright together"));
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use brdf::Neumann;
+    use glam::Vec3;
+    use lighting::SphereLight;
+
+    #[test]
+    fn metals_are_told_with_their_error() {
+        let of = |exponent| metal(0, &Neumann { kd: Vec3::ZERO, ks: Vec3::ONE, exponent }.into());
+        for (exponent, words) in [(1.0, "14 %"), (5.0, "19 %"), (20.0, "12 %"), (31.6, "7 %")] {
+            assert!(of(exponent).is_some_and(|line| line.contains(words)), "{:?}", of(exponent));
+        }
+        assert!(of(80.0).is_none() && of(1000.0).is_none());
+    }
+
+    #[test]
+    fn lights_too_small_for_single_precision_are_told() {
+        let scene = |light: Light| Scene { lights: vec![light], ..scene::builtin() };
+        let flat = |size: f32| lighting::FlatLight::rectangle(Vec3::Y * 9.0, Vec3::X * size, Vec3::Z * size, Vec3::ONE);
+        let sphere = |radius| SphereLight::new(Sphere { center: Vec3::Y * 9.0, radius }, Vec3::ONE);
+        assert!(tiny(&scene(flat(1e-5).expect("a rectangle").into())).is_some());
+        assert!(tiny(&scene(flat(1e-2).expect("a rectangle").into())).is_none());
+        assert!(tiny(&scene(sphere(1e-7).into())).is_some() && tiny(&scene(sphere(1e-4).into())).is_none());
+    }
+
+    #[test]
+    fn lights_in_one_place_are_told() {
+        let at = |x: f32, radius: f32| -> Light {
+            SphereLight::new(Sphere { center: Vec3::X * x, radius }, Vec3::ONE).into()
+        };
+        let sun: Light =
+            lighting::SunLight::new(Vec3::Y, 0.3, Vec3::ONE, Sphere { center: Vec3::ZERO, radius: 1.0 }).into();
+        for (lights, words) in [
+            (vec![at(0.0, 1.0), at(2.0, 1.0)], &[][..]),
+            (vec![at(0.0, 1.0), at(1.5, 1.0)], &["1 light sphere overlaps"]),
+            (vec![at(0.0, 1.0), at(0.0, 1.0)], &["1 light is in the place"]),
+            (vec![at(0.0, 1.0), at(0.1, 0.1), at(0.0, 1.0)], &["1 light is", "1 light sphere"]),
+            (vec![sun.clone(), sun.clone(), sun], &["2 lights are"]),
+        ] {
+            let told = twice(&lights);
+            assert_eq!(told.len(), words.len(), "{told:?}");
+            assert!(told.iter().zip(words).all(|(line, words)| line.starts_with(words)), "{told:?}");
+        }
+    }
+}

@@ -1,0 +1,165 @@
+use crate::context::Context;
+use crate::{obj, ply};
+use glam::Vec3;
+use scene::{Encoding, Mesh};
+use std::path::Path;
+
+fn read_obj(text: &str) -> Result<Mesh, String> {
+    obj::parse(Path::new("m.obj"), text, &mut Context::default())
+        .map(|mut parts| parts.remove(0).mesh)
+        .map_err(|e| e.to_string())
+}
+
+fn read_ply(bytes: &[u8]) -> Result<Mesh, String> {
+    ply::parse(Path::new("m.ply"), bytes, &mut Context::default())
+        .map(|mut parts| parts.remove(0).mesh)
+        .map_err(|e| e.to_string())
+}
+
+const CUBE: &str = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\
+    f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 1 5 8 4\nf 2 3 7 6\n";
+
+#[test]
+fn obj_polygons_relative_indices_and_normals() {
+    let mesh = read_obj("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 2\nf -4//1 -3//1 -2//1 -1//1\n").unwrap();
+    assert_eq!((mesh.triangles.len(), mesh.positions.len()), (2, 4));
+    assert_eq!(mesh.normals, [Vec3::Z; 4]);
+    // An L of area 3: a fan would cover more.
+    let mesh = read_obj("v 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 0\nv 2 0 0\nf 1 2 3 4 5 6\n").unwrap();
+    assert_eq!(mesh.triangles.len(), 4);
+    assert!((mesh.area() - 3.0).abs() < 1e-6);
+}
+
+#[test]
+fn a_material_library_that_is_not_used_is_told() {
+    let mut context = Context::default();
+    obj::parse(Path::new("m.obj"), &format!("mtllib no-such.mtl\nusemtl x\n{CUBE}"), &mut context).unwrap();
+    assert!(context.warnings.len() == 1 && context.warnings[0].contains("no-such.mtl does not exist"));
+}
+
+#[test]
+fn bad_obj_names_its_line() {
+    for (text, line, words) in [
+        ("v 0 0 0\nv 1 0 0\nf 1 2 3\n", 3, "vertex 3, there are 2"),
+        ("v 0 0\n", 1, "three numbers"),
+        ("# x\nv 0,5 0 0\n", 2, "'0,5'"),
+        ("v 0 0 0\nf 0 1 1\n", 2, "vertex 0"),
+        ("v 0 0 0\nf 1//2 1 1\n", 2, "normal 2"),
+        ("v 0 0 0\nf a b c\n", 2, "'a'"),
+    ] {
+        let message = read_obj(text).unwrap_err();
+        assert!(message.starts_with(&format!("m.obj:{line}: ")) && message.contains(words), "{message}");
+    }
+}
+
+#[test]
+fn ply_ascii_and_both_byte_orders_agree() {
+    let head = |format: &str| {
+        format!(
+            "ply\nformat {format} 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+             element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        )
+    };
+    let positions = [0.0_f32, 0.0, 0.0, 1.5, 0.0, 0.0, 0.0, -2.5, 0.0];
+    let mut ascii = head("ascii").into_bytes();
+    ascii.extend(b"0 0 0\n1.5 0 0\n0 -2.5 0\n3 0 1 2\n");
+    let (mut little, mut big) = (head("binary_little_endian").into_bytes(), head("binary_big_endian").into_bytes());
+    for x in positions {
+        little.extend(x.to_le_bytes());
+        big.extend(x.to_be_bytes());
+    }
+    little.push(3);
+    big.push(3);
+    for i in 0..3_i32 {
+        little.extend(i.to_le_bytes());
+        big.extend(i.to_be_bytes());
+    }
+    let mesh = read_ply(&ascii).unwrap();
+    assert_eq!(mesh.triangles, [[0, 1, 2]]);
+    assert_eq!(mesh.positions[2], Vec3::new(0.0, -2.5, 0.0));
+    assert_eq!(read_ply(&little).unwrap(), mesh);
+    assert_eq!(read_ply(&big).unwrap(), mesh);
+    // Every cut gives an error, never a panic.
+    for bytes in [&ascii, &little] {
+        for end in 0..bytes.len() - 2 {
+            assert!(read_ply(&bytes[..end]).is_err(), "{end}");
+        }
+    }
+}
+
+#[test]
+fn a_mesh_of_text_is_the_mesh_of_the_file() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/assets/spot.obj");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let objects = crate::load(&file).unwrap().objects;
+    let mesh = crate::obj_mesh("spot.obj", &text).unwrap();
+    assert!(objects.iter().any(|o| matches!(&o.shape, scene::Shape::Mesh(read) if *read == mesh)));
+    let error = crate::obj_mesh("short", "v 0 0 0\nf 1 2 3\n").unwrap_err().to_string();
+    assert!(error.starts_with("short:2:"), "{error}");
+}
+
+/// The parts of a PLY text of a square, with these properties and values beside positions and corners, and the warnings.
+fn square(header: [&str; 3], vertex: [&str; 4], face: [&str; 2]) -> (Vec<crate::part::Part>, Vec<String>) {
+    let [comments, of_vertices, of_faces] = header;
+    let places = ["-1 0 1", "1 0 1", "1 0 -1", "-1 0 -1"];
+    let vertices: String = places.iter().zip(vertex).map(|(p, more)| format!("{p} {more}\n")).collect();
+    let text = format!(
+        "ply\nformat ascii 1.0\n{comments}element vertex 4\nproperty float x\nproperty float y\nproperty float z\n{of_vertices}\
+         element face 2\nproperty list uchar int vertex_indices\n{of_faces}end_header\n{vertices}3 0 1 2 {}\n3 0 2 3 {}\n",
+        face[0], face[1]
+    );
+    let mut context = Context::default();
+    (ply::parse(Path::new("m.ply"), text.as_bytes(), &mut context).unwrap(), context.warnings)
+}
+
+#[test]
+fn colours_of_ply_are_read_by_all_their_names_and_ranges() {
+    let want = [128.0_f32, 64.0, 191.0].map(|x| Encoding::Srgb.linear(x / 255.0));
+    let near = |c: Vec3| (c - Vec3::from_array(want)).abs().max_element() < 2e-3;
+    for (names, kind, value, notes) in [
+        (["red", "green", "blue"], "uchar", "128 64 191", 0),
+        (["diffuse_red", "diffuse_green", "diffuse_blue"], "uchar", "128 64 191", 0),
+        (["r", "g", "b"], "float", "0.50196 0.25098 0.74902", 0),
+        (["red", "green", "blue"], "float", "128 64 191", 1),
+        (["red", "green", "blue"], "int", "128 64 191", 1),
+    ] {
+        let properties: String = names.iter().map(|name| format!("property {kind} {name}\n")).collect();
+        let (parts, warnings) = square(["", &properties, ""], [value; 4], [""; 2]);
+        assert!(parts[0].mesh.colors.iter().all(|c| near(*c)), "{names:?} {kind}: {:?}", parts[0].mesh.colors);
+        assert_eq!(warnings.len(), notes, "{warnings:?}");
+        // Of faces: one vertex for each colour.
+        let (parts, _) = square(["", "", &properties], [""; 4], [value, "0 0 0"]);
+        let mesh = &parts[0].mesh;
+        assert_eq!(mesh.positions.len(), 6);
+        assert!(mesh.triangles[0].iter().all(|i| near(mesh.colors[*i as usize])));
+        assert!(mesh.triangles[1].iter().all(|i| mesh.colors[*i as usize] == Vec3::ZERO));
+    }
+    let (_, warnings) = square(["", "property uchar alpha\n", ""], ["255", "255", "9", "255"], [""; 2]);
+    assert!(warnings.len() == 1 && warnings[0].contains("alpha"), "{warnings:?}");
+}
+
+#[test]
+fn texture_coordinates_of_ply_faces_part_their_corners() {
+    let list = "property list uchar float texcoord\nproperty int texnumber\n";
+    let (parts, warnings) =
+        square(["comment TextureFile no such.png\n", "", list], [""; 4], ["6 0 0 1 0 1 1 0", "6 0 0 1 1 0.5 1 0"]);
+    let mesh = &parts[0].mesh;
+    assert!(warnings.len() == 1 && warnings[0].contains("no such.png"), "{warnings:?}");
+    // The first two corners of the second triangle are those of the first.
+    assert_eq!((mesh.positions.len(), mesh.uv_sets[0][3]), (4, glam::Vec2::new(0.5, 0.0)));
+    // Two images are two parts.
+    let two = "comment TextureFile a.png\ncomment TextureFile b.png\n";
+    let (parts, _) = square([two, "", list], [""; 4], ["6 0 0 1 0 1 1 0", "6 0 0 1 1 0 1 1"]);
+    assert_eq!(parts.iter().map(|p| p.mesh.triangles.len()).collect::<Vec<_>>(), [1, 1]);
+    let (_, warnings) = square(["comment TextureFile a.png\n", "", ""], [""; 4], [""; 2]);
+    assert!(warnings.len() == 1 && warnings[0].contains("no texture coordinates"), "{warnings:?}");
+}
+
+#[test]
+fn colours_of_obj_vertices_may_be_bytes() {
+    let text = "v 0 0 0 128 64 191\nv 1 0 0 128 64 191 255\nv 0 1 0 128 64 191\nf 1 2 3\n";
+    let mut context = Context::default();
+    let parts = obj::parse(Path::new("m.obj"), text, &mut context).unwrap();
+    assert!((parts[0].mesh.colors[1] - Vec3::new(0.2159, 0.0513, 0.5210)).length() < 1e-3);
+    assert!(context.warnings.len() == 1 && context.warnings[0].contains("255"), "{:?}", context.warnings);
+}

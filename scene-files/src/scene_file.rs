@@ -1,0 +1,188 @@
+//! The scene file.
+
+use crate::context::Context;
+use crate::defaults::{DEFAULT_FOV, DEFAULT_SIZE, default_camera};
+use crate::keys::Keys;
+use crate::look::Look;
+use crate::scene_light::{Around, SceneLights};
+use crate::scene_material::{ImageFiles, Materials, read_material};
+use crate::scene_object::read_object;
+use crate::toml_reader::{Source, Table, Value};
+use glam::{DVec3, Vec3};
+use lighting::Light;
+use lobe_core::LightLobes;
+use scene::motion::{CameraKeys, CameraMover, MAX_SECONDS};
+use scene::{Animation, Bounds, Camera, MAX_COORDINATE, Scene, SceneError, Strategy};
+use std::cell::RefCell;
+use std::path::Path;
+use toml::de::DeTable;
+
+/// Every key of a scene file, with its meaning and its default: a complete file, as an example and as the reference.
+pub const SCHEMA_EXAMPLE: &str = include_str!("example.toml");
+
+/// Lights in place of a mesh are worth a warning from this error on.
+const WORTH_SAYING: f32 = 0.02;
+
+/// Reads the text of a scene file. Messages name `path`, and relative paths start from it. A scene far from the
+/// origin, most of its objects and lights too, is read relative to a point near the first target of its camera.
+pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
+    let mark = context.files.budget.mark();
+    let (scene, animation) = parse_from(path, text, DVec3::ZERO, context)?;
+    let mut camera = scene.camera;
+    if let Some(CameraMover::Keys(keys)) = &animation.camera {
+        camera = keys.at(0.0);
+    }
+    let origin = crate::origin::near(camera.target, camera.eye.distance(camera.target));
+    // A camera may be far from all that it sees, and its target be next to it.
+    let centers =
+        scene.objects.iter().map(|o| o.shape.bounds().center()).chain(scene.lights.iter().filter_map(place_of));
+    let nearer = |p: &Vec3| p.as_dvec3().distance_squared(origin) < p.as_dvec3().length_squared();
+    let (all, count) = (centers.clone().count(), centers.filter(nearer).count());
+    if origin == DVec3::ZERO || 2 * count <= all {
+        return Ok((scene, animation));
+    }
+    drop(scene);
+    context.files.budget.back_to(mark);
+    *context = context.anew();
+    parse_from(path, text, origin, context)
+}
+
+fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
+    let source = Source { path, text };
+    let root = DeTable::parse(text)
+        .map_err(|e| source.error(e.span().map_or(text.len(), |s| s.start), e.message().to_owned()))?;
+    let mut root = Table::new(source, 0, "scene", root.get_ref());
+
+    let (width, height) = match root.get("image") {
+        None => DEFAULT_SIZE,
+        Some(value) => {
+            let mut t = value.table()?;
+            let edge = |v: Option<Value<'_>>, default| v.map_or(Ok(default), |v| v.whole(1, Scene::MAX_SIDE));
+            let size = (edge(t.get("width"), DEFAULT_SIZE.0)?, edge(t.get("height"), DEFAULT_SIZE.1)?);
+            t.finish()?;
+            size
+        }
+    };
+    let background = root.get("background").map_or(Ok(Vec3::ZERO), |v| v.color())?;
+
+    let mut materials = Materials::default();
+    let mut images = ImageFiles::new(&context.files);
+    if let Some(value) = root.get("materials") {
+        for entry in value.table()?.entries() {
+            let look = read_material(entry.table()?, path, &mut images, context)?;
+            look.material.validate().map_err(|e| entry.error(e))?;
+            materials.names.insert(entry.name().to_owned(), materials.all.len());
+            materials.all.push(look);
+        }
+    }
+
+    let (duration, fps) = match root.get("animation") {
+        None => (None, Animation::DEFAULT_FPS),
+        Some(value) => {
+            let mut t = value.table()?;
+            let seconds = |v: Value<'_>| match v.positive()? {
+                s if s <= MAX_SECONDS => Ok(s),
+                s => Err(v.error(format!("{s} is more than {MAX_SECONDS} seconds"))),
+            };
+            let duration = t.get("duration").map(seconds).transpose()?;
+            let fps = t.get("fps").map_or(Ok(Animation::DEFAULT_FPS), |v| match v.positive()? {
+                fps if (1e-3..=1e4).contains(&fps) => Ok(fps),
+                fps => Err(v.error(format!("{fps} must lie between 0.001 and 10000"))),
+            })?;
+            t.finish()?;
+            (duration, fps)
+        }
+    };
+
+    let (mut objects, mut movers) = (Vec::new(), Vec::new());
+    let mut emitters = Vec::new();
+    if let Some(value) = root.get("objects") {
+        for (i, entry) in value.elements("[[objects]]")?.into_iter().enumerate() {
+            let read = read_object(entry.table()?, i, path, origin, &mut materials, context)?;
+            for (object, mover) in read.objects {
+                if let Some((key, is_light)) = read.light {
+                    context.emitters.push(objects.len());
+                    emitters.extend(is_light.then_some((objects.len(), key)));
+                }
+                objects.push(object);
+                movers.push(mover);
+            }
+        }
+    }
+    let bounds = objects.iter().fold(Bounds::EMPTY, |b, o| b.union(o.shape.bounds()));
+    let mut lit = SceneLights::default();
+    if let Some(value) = root.get("lights") {
+        let notes = RefCell::default();
+        for entry in value.elements("[[lights]]")? {
+            lit.read(entry.table()?, &Around { path, files: &context.files, origin, bounds: &bounds, notes: &notes })?;
+        }
+        notes.into_inner().into_iter().for_each(|note| context.warn(path, note));
+    }
+    for (object, key) in emitters {
+        let surface = materials.surface(&objects[object]);
+        if let Some(error) = lit.emit((object, &objects[object]), surface, key, movers[object].as_ref())? {
+            objects[object].strategy = Some(Strategy::None);
+            if error > WORTH_SAYING {
+                let (name, percent) = (&objects[object].name, 100.0 * error);
+                context.warn(path, format!("object \"{name}\" lights as spheres and tubes, about {percent:.0} % off"));
+            }
+        }
+    }
+    let camera = root.get("camera");
+    root.finish()?;
+    if objects.is_empty() {
+        return Err(source.error(text.len(), "scene has no objects: expected [[objects]]"));
+    }
+    let (camera, camera_keys) = match camera {
+        Some(value) => read_camera(value, origin)?,
+        None => (default_camera(bounds, width, height), None),
+    };
+    let animation = Animation {
+        origin,
+        duration,
+        fps,
+        movers,
+        lights: lit.movers,
+        camera: camera_keys.map(|keys| CameraMover::Keys(Box::new(keys))),
+        ..context.animation()
+    };
+    let (materials, surfaces) = Look::parted(materials.all);
+    let SceneLights { lights, environment, .. } = lit;
+    let scene = Scene { camera, width, height, background, environment, materials, surfaces, objects, lights };
+    scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
+    Ok((scene, animation))
+}
+
+/// The position of a light; suns and skies have none.
+pub(crate) fn place_of(light: &Light) -> Option<Vec3> {
+    let is_nowhere = matches!(light, Light::Sun(_) | Light::Sky(_) | Light::Ambient(_));
+    (!is_nowhere).then(|| light.bounds().center)
+}
+
+fn read_camera(value: Value<'_>, origin: DVec3) -> Result<(Camera, Option<CameraKeys>), SceneError> {
+    let mut t = value.table()?;
+    let (eye, target) = (t.require("eye")?, t.require("target")?);
+    let up = t.get("up");
+    let fov = t.get("fov");
+    let degrees = fov.map_or(Ok(DEFAULT_FOV), |v| v.number())?;
+    let camera = Camera {
+        eye: eye.relative(origin)?,
+        target: target.relative(origin)?,
+        up: up.map_or(Ok(Vec3::Y), |v| v.direction())?,
+        vertical_fov: degrees.to_radians(),
+    };
+    let keys = Keys::read(&mut t)?;
+    t.finish()?;
+    if !(degrees > 0.0 && degrees < 180.0) {
+        let place = fov.unwrap_or(value);
+        return Err(place.error(format!("{degrees} must lie between 0 and 180 degrees")));
+    }
+    let far = |v: Vec3| v.abs().max_element() > MAX_COORDINATE;
+    let place = match (far(camera.eye), far(camera.target) || camera.eye == camera.target) {
+        (true, _) => eye,
+        (_, true) => target,
+        _ => up.unwrap_or(value),
+    };
+    camera.validate().map_err(|e| place.error(e))?;
+    Ok((camera, keys.map(|keys| keys.camera(camera, origin)).transpose()?))
+}

@@ -1,0 +1,377 @@
+//! The objects of a scene file.
+
+use crate::Normals;
+use crate::context::Context;
+use crate::defaults::DEFAULT_SPHERES;
+use crate::keys::{Keys, Stand, read_rotation, read_scale};
+use crate::mesh_file::mesh_parts;
+use crate::origin::relative;
+use crate::part::{Part, share_out};
+use crate::scene_material::Materials;
+use crate::toml_reader::{Table, Value};
+use glam::{DVec3, Mat4, Vec3};
+use lobe_core::Sphere;
+use scene::motion::{Body, BoundSphere, Mover, Origins, Placement};
+use scene::{Mesh, Object, Proxy, Scene, SceneError, Shape, Strategy};
+use std::collections::HashMap;
+use std::path::Path;
+
+/// The geometry of an object before it is placed.
+enum Geometry {
+    Spheres(Vec<Sphere>),
+    Flat(Mesh),
+    Solid(Vec<Part>),
+}
+
+const UNEVEN: &str = "spheres can only be scaled uniformly";
+
+/// Objects of a scene file, their motion, and the key that says whether their emission is light.
+pub(crate) struct Read<'s> {
+    pub(crate) objects: Vec<(Object, Option<Mover>)>,
+    pub(crate) light: Option<(Value<'s>, bool)>,
+}
+
+/// Reads one of `[[objects]]`: several objects where a glTF file has several parts.
+pub(crate) fn read_object<'s>(
+    mut t: Table<'s>,
+    index: usize,
+    path: &Path,
+    origin: DVec3,
+    materials: &mut Materials,
+    context: &mut Context,
+) -> Result<Read<'s>, SceneError> {
+    let light = t.get("light").map(|key| key.boolean().map(|is_light| (key, is_light))).transpose()?;
+    let objects = objects(t, index, path, origin, materials, context)?;
+    Ok(Read { objects, light })
+}
+
+fn objects(
+    mut t: Table<'_>,
+    index: usize,
+    path: &Path,
+    origin: DVec3,
+    materials: &mut Materials,
+    context: &mut Context,
+) -> Result<Vec<(Object, Option<Mover>)>, SceneError> {
+    let name = t.get("name").map_or(Ok(format!("object {index}")), |v| v.string().map(str::to_owned))?;
+    let wish = read_normals(&mut t)?;
+    let normals = wish.unwrap_or(context.normals);
+    let (shape, value) = t.one_of(&["quad", "plane", "box", "sphere", "spheres", "mesh"])?;
+    let clip = t.get("clip").map(|v| read_clip(v).map(|name| (v, name))).transpose()?;
+    let first_clip = context.clips.len();
+    let (geometry, origins) = geometry(shape, value, path, clip, origin, context)?;
+    for clip in &mut context.clips[first_clip..] {
+        *clip = format!("{name}/{clip}");
+    }
+    let material = match t.get("material") {
+        None => None,
+        Some(v) => {
+            let wanted = v.string()?;
+            Some(*materials.names.get(wanted).ok_or_else(|| v.error(format!("there is no [materials.{wanted}]")))?)
+        }
+    };
+    let visible = t.get("visible").map_or(Ok(true), |v| v.boolean())?;
+    let mut strategy = t.get("visibility").map(read_strategy).transpose()?;
+    let (stand, place) = transform(&mut t, &origins)?;
+    let proxy_key = t.get("proxy");
+    let proxy = proxy_key.map(|v| read_proxy(v, path, origins.own)).transpose()?;
+    if proxy == Some(Proxy::None) {
+        // Who says that nothing stands for it says that it blocks nothing.
+        strategy = strategy.or(Some(Strategy::None));
+    }
+    let keys = Keys::read(&mut t)?;
+    t.finish()?;
+
+    let round = matches!(geometry, Geometry::Spheres(_)) || matches!(proxy, Some(Proxy::Spheres(_)));
+    let placement = match (keys, stand) {
+        (None, stand) => Placement::Fixed(stand.matrix(&origins)),
+        (Some(keys), Stood::Matrix(..)) => {
+            return Err(keys.error("an object with a matrix takes no keys: give scale, rotate and translate"));
+        }
+        (Some(keys), Stood::Parts(own)) => keys.placement(own, origins, |v, s| {
+            let even = (s - s.x).abs().max_element() <= 1e-4 * s.x.abs();
+            if round && !even { Err(v.error(UNEVEN)) } else { Ok(()) }
+        })?,
+    };
+    let matrix = placement.at(0.0);
+    let moves = !placement.is_fixed();
+
+    // A uniform scale: all that spheres can follow.
+    let scale = || -> Result<f32, SceneError> {
+        let scales = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|a| a.truncate().length());
+        let skew = [(0, 1), (1, 2), (2, 0)]
+            .iter()
+            .any(|&(i, j)| matrix.col(i).truncate().dot(matrix.col(j).truncate()).abs() > 1e-4 * scales[i] * scales[j]);
+        let uneven = scales.iter().any(|s| (s - scales[0]).abs() > 1e-4 * scales[0]);
+        match place.or(proxy_key) {
+            Some(place) if skew || uneven => Err(place.error(UNEVEN)),
+            _ => Ok(scales[0]),
+        }
+    };
+    let move_spheres = |spheres: &[Sphere]| -> Result<Vec<Sphere>, SceneError> {
+        let scale = scale()?;
+        let moved = |b: &Sphere| Sphere { center: matrix.transform_point3(b.center), radius: b.radius * scale };
+        Ok(spheres.iter().map(moved).collect())
+    };
+    let proxy = match proxy {
+        Some(Proxy::Spheres(spheres)) => {
+            let spheres = move_spheres(&spheres)?;
+            Scene::check_spheres(&spheres).map_err(|e| proxy_key.unwrap_or(value).error(e))?;
+            Some(Proxy::Spheres(spheres))
+        }
+        Some(Proxy::File { path, .. }) => {
+            // Sets in files are in the coordinates that the mesh's file means.
+            let own = relative(-origins.own, DVec3::ZERO);
+            let placement = if own == Vec3::ZERO { matrix } else { matrix * Mat4::from_translation(own) };
+            scale().map(|_| Some(Proxy::File { path, placement }))?
+        }
+        other => other,
+    };
+
+    match geometry {
+        Geometry::Spheres(own) => {
+            let spheres = move_spheres(&own)?;
+            Scene::check_spheres(&spheres).map_err(|e| value.error(e))?;
+            let proxy = match proxy {
+                Some(Proxy::Count(_)) => return Err(value.error("exact spheres need no built proxy")),
+                Some(Proxy::File { .. }) if moves => {
+                    return Err(value.error("a set in a file does not follow them: spheres that move need no proxy"));
+                }
+                other => other.unwrap_or_else(|| Proxy::Spheres(spheres.clone())),
+            };
+            let material = material.unwrap_or_else(|| materials.fallback());
+            let mover = moves.then(|| Mover { placement, body: Body::Spheres(own), proxy: bind(&proxy, &matrix) });
+            Ok(vec![(Object { name, shape: Shape::Spheres(spheres), material, proxy, visible, strategy }, mover)])
+        }
+        Geometry::Flat(mesh) => {
+            let mut part = Part::fixed(name, mesh, None);
+            let mover = part.place(Normals::Face, &placement);
+            part.mesh.validate().map_err(|e| value.error(e))?;
+            let material = material.unwrap_or_else(|| materials.fallback());
+            if let Some(cut_out) = materials.cut_out(material) {
+                context.cut_out(path, &part.name, cut_out, (&mut part.mesh, &[]), mover.is_some());
+            }
+            if part.mesh.triangles.is_empty() {
+                return Err(value.error(context.cut_away()));
+            }
+            let proxy = proxy.unwrap_or(Proxy::None);
+            let mover = mover.map(|m| Mover { proxy: bind(&proxy, &matrix), ..m });
+            let shape = Shape::Mesh(part.mesh);
+            Ok(vec![(Object { name: part.name, shape, material, proxy, visible, strategy }, mover)])
+        }
+        Geometry::Solid(parts) => {
+            let normals = if shape == "box" { wish.unwrap_or_default() } else { normals };
+            let mut placed = Vec::new();
+            let mut movers = Vec::new();
+            for mut part in parts {
+                let mover = part.place(normals, &placement);
+                if let Some(cut_out) = material.and_then(|material| materials.cut_out(material)) {
+                    let name = part.name.clone();
+                    context.cut_out(path, &name, cut_out, (part.own(), &[]), mover.is_some());
+                }
+                if !part.is_empty() {
+                    part.validate().map_err(|e| value.error(e))?;
+                    placed.push(part);
+                    movers.push(mover);
+                }
+            }
+            if shape == "mesh" {
+                context.tell_smoothed(&path.with_file_name("").join(value.string()?), &placed, normals, wish.is_some());
+            }
+            let cut_away = context.cut_away();
+            if placed.is_empty() {
+                let why = if cut_away.is_empty() { "mesh has no triangles once it is placed" } else { &cut_away };
+                return Err(value.error(why));
+            }
+            if !cut_away.is_empty() {
+                context.warn(path, cut_away);
+            }
+            let single = placed.len() == 1;
+            let counts = match &proxy {
+                Some(Proxy::Count(n)) => share_out(*n, &placed),
+                None => share_out(DEFAULT_SPHERES, &placed),
+                Some(_) => vec![0; placed.len()],
+            };
+            if !single && matches!(proxy, Some(Proxy::Spheres(_) | Proxy::File { .. })) {
+                return Err(value.error(format!(
+                    "a mesh of {} parts takes no single sphere set: expected \"none\" or a number of spheres",
+                    placed.len()
+                )));
+            }
+            let mut own: HashMap<usize, usize> = HashMap::new();
+            let mut out = Vec::new();
+            for ((mut part, mover), count) in placed.into_iter().zip(movers).zip(counts) {
+                let material = match (material, part.material.take()) {
+                    (Some(index), _) => index,
+                    (None, Some((key, m))) => *own.entry(key).or_insert_with(|| materials.push(m)),
+                    (None, None) => materials.fallback(),
+                };
+                let proxy = match &proxy {
+                    Some(Proxy::Count(_)) | None => Proxy::Count(count),
+                    Some(other) => other.clone(),
+                };
+                let name = if single { name.clone() } else { format!("{name}/{}", part.name) };
+                let mover = mover.map(|mover| {
+                    let proxy = context.bind_proxy(&mover, &part.mesh, &proxy);
+                    Mover { proxy, ..mover }
+                });
+                out.push((Object { name, shape: part.into_shape(), material, proxy, visible, strategy }, mover));
+            }
+            Ok(out)
+        }
+    }
+}
+
+/// The spheres of an explicit proxy, carried by a placement that is `matrix` now.
+fn bind(proxy: &Proxy, matrix: &Mat4) -> Vec<BoundSphere> {
+    let Proxy::Spheres(spheres) = proxy else { return Vec::new() };
+    spheres.iter().map(|&b| BoundSphere::new(b, [0; 4], [1.0, 0.0, 0.0, 0.0], std::slice::from_ref(matrix))).collect()
+}
+
+/// The normals that a mesh gets, where its table says so.
+fn read_normals(t: &mut Table<'_>) -> Result<Option<Normals>, SceneError> {
+    let (normals, crease) = (t.get("normals"), t.get("crease"));
+    let wish = match normals.map(|v| v.string().map(|name| (v, name))).transpose()? {
+        None => None,
+        Some((_, "file")) => Some(Normals::File),
+        Some((_, "face")) => Some(Normals::Face),
+        Some((_, "smooth")) => Some(Normals::SMOOTH),
+        Some((v, _)) => return Err(v.error("expected \"file\", \"face\" or \"smooth\"")),
+    };
+    let Some(crease) = crease else { return Ok(wish) };
+    if !matches!(wish, Some(Normals::Smooth { .. })) {
+        return Err(crease.error("a crease angle is for normals = \"smooth\""));
+    }
+    match crease.positive()? {
+        degrees if degrees <= 180.0 => Ok(Some(Normals::Smooth { crease: degrees })),
+        degrees => Err(crease.error(format!("{degrees} must lie between 0 and 180 degrees"))),
+    }
+}
+
+/// The name or number of a clip.
+fn read_clip(v: Value<'_>) -> Result<String, SceneError> {
+    if v.is_string() { v.string().map(str::to_owned) } else { v.whole(0, u32::MAX).map(|n| n.to_string()) }
+}
+
+fn geometry(
+    shape: &str,
+    value: Value<'_>,
+    path: &Path,
+    clip: Option<(Value<'_>, String)>,
+    origin: DVec3,
+    context: &mut Context,
+) -> Result<(Geometry, Origins), SceneError> {
+    if let (Some((place, _)), true) = (&clip, shape != "mesh") {
+        return Err(place.error("only meshes of glTF files have clips"));
+    }
+    if shape == "spheres" {
+        let origins = Origins::of(origin, value.first_place()?);
+        return Ok((Geometry::Spheres(value.spheres(origins.own)?), origins));
+    }
+    if shape == "mesh" {
+        let file = path.with_file_name("").join(value.string()?);
+        let (place, clip) = clip.map_or((value, None), |(place, name)| (place, Some(name)));
+        let parts = mesh_parts(&file, clip.as_deref(), context).map_err(|e| place.error(e))?;
+        return Ok((Geometry::Solid(parts), Origins { own: context.origin, world: origin }));
+    }
+    let mut t = value.table()?;
+    let center = t.require(if shape == "plane" { "point" } else { "center" })?;
+    let origins = Origins::of(origin, center.place()?);
+    let center = center.relative(origins.own)?;
+    let geometry = match shape {
+        "quad" => {
+            let (u, v) = (t.require("u")?, t.require("v")?);
+            let (u, place) = (u.nonzero_vec3()?, v);
+            let v = v.nonzero_vec3()?;
+            if u.normalize().cross(v.normalize()).length() < 1e-6 {
+                return Err(place.error("u and v are parallel"));
+            }
+            Geometry::Flat(Mesh::quad(center, u, v))
+        }
+        "plane" => {
+            let normal = t.require("normal")?.direction()?;
+            let half = 0.5 * t.get("size").map_or(Ok(100.0), |v| v.positive())?;
+            let (u, v) = lobe_core::orthonormal_basis(normal);
+            Geometry::Flat(Mesh::quad(center, u * half, v * half))
+        }
+        "box" => {
+            let size = t.require("size")?;
+            let edges = size.vec3()?;
+            if edges.min_element() <= 0.0 {
+                return Err(size.error("all edges must be greater than 0"));
+            }
+            let mesh = Mesh::cuboid(center, edges);
+            Geometry::Solid(vec![Part::fixed("box".to_owned(), mesh, None)])
+        }
+        _ => Geometry::Spheres(vec![Sphere { center, radius: t.require("radius")?.positive()? }]),
+    };
+    t.finish()?;
+    Ok((geometry, origins))
+}
+
+/// How an object is placed at rest.
+enum Stood {
+    /// The matrix, and its translation in double precision.
+    Matrix(Mat4, DVec3),
+    Parts(Stand),
+}
+
+impl Stood {
+    fn matrix(&self, origins: &Origins) -> Mat4 {
+        match self {
+            Self::Matrix(matrix, translation) => origins.place_matrix(*matrix, *translation),
+            Self::Parts(stand) => stand.matrix(origins),
+        }
+    }
+}
+
+/// The placement of the object, and the key to report if it does not suit the shape.
+fn transform<'s>(t: &mut Table<'s>, origins: &Origins) -> Result<(Stood, Option<Value<'s>>), SceneError> {
+    let (scale, rotate, translate, matrix) = (t.get("scale"), t.get("rotate"), t.get("translate"), t.get("matrix"));
+    if let Some(m) = matrix {
+        if scale.or(rotate).or(translate).is_some() {
+            return Err(m.error("either a matrix or scale, rotate and translate, not both"));
+        }
+        return Ok((Stood::Matrix(m.mat4()?, m.translation()?), Some(m)));
+    }
+    let own = Stand::ORIGIN;
+    let (axis, degrees) = rotate.map_or(Ok((own.axis, own.degrees)), read_rotation)?;
+    let stand = Stand {
+        scale: scale.map_or(Ok(own.scale), read_scale)?,
+        axis,
+        degrees,
+        translation: translate.map_or(Ok(relative(DVec3::ZERO, origins.shift())), |v| v.relative(origins.shift()))?,
+    };
+    Ok((Stood::Parts(stand), scale))
+}
+
+fn read_strategy(value: Value<'_>) -> Result<Strategy, SceneError> {
+    let name = value.string()?;
+    Strategy::named(name).ok_or_else(|| {
+        value.error(format!(
+            "unknown strategy \"{name}\": expected \"spheres\", \"shadow-map\", \"silhouettes\", \"rays\" or \"none\""
+        ))
+    })
+}
+
+fn read_proxy(value: Value<'_>, path: &Path, origin: DVec3) -> Result<Proxy, SceneError> {
+    let what = "expected \"none\", { spheres = N }, { file = \"set.json\" } or { explicit = [[x, y, z, radius], …] }";
+    if value.is_string() {
+        return if value.string()? == "none" { Ok(Proxy::None) } else { Err(value.error(what)) };
+    }
+    let mut t = value.table().map_err(|_| value.error(what))?;
+    let proxy = match t.one_of(&["spheres", "file", "explicit"])? {
+        ("spheres", v) => Proxy::Count(v.whole(1, 100_000)? as usize),
+        ("file", v) => {
+            let file = path.with_file_name("").join(v.string()?);
+            if !file.is_file() {
+                let what = if file.exists() { "a folder or a device, but no file:" } else { "there is no file" };
+                return Err(v.error(format!("{what} {}", file.display())));
+            }
+            Proxy::File { path: file, placement: Mat4::IDENTITY }
+        }
+        (_, v) => Proxy::Spheres(v.spheres(origin)?),
+    };
+    t.finish()?;
+    Ok(proxy)
+}
