@@ -39,6 +39,9 @@ impl Region {
                 for (n, offset) in planes {
                     let most = middle.dot_one(*n) + half.dot_one(n.abs());
                     outside &= most.simd_lt(f32x8::splat(simd, *offset));
+                    if !outside.any_true() {
+                        break;
+                    }
                 }
                 outside
             }
@@ -60,6 +63,9 @@ impl Region {
                 let mut outside = mask32x8::splat(simd, true);
                 for (n, offset) in planes {
                     outside &= a.dot_one(*n).max(b.dot_one(*n)).simd_lt(f32x8::splat(simd, *offset));
+                    if !outside.any_true() {
+                        break;
+                    }
                 }
                 outside
             }

@@ -11,8 +11,10 @@ use lobe_core::Receiver;
 use lobe_core::vec3x8::Vec3x8;
 use visibility_mask::sky::{Horizon, Meridians, SkyArcs, SkyBlockers, SkyBuffer, SkyTile};
 
-/// Receivers that share a list, next to each other in the tile.
+/// Receivers that share a list: those of a tile that are near each other.
 const PART: usize = 8;
+/// Parts that share a longer list, between that of the tile and theirs.
+const PARTS: usize = 2;
 /// Details smaller than this part of the angle between meridians may be left out, root mean square.
 const DETAIL: f32 = 0.05;
 
@@ -29,10 +31,12 @@ pub struct SkySilhouetteScratch<H> {
     normals: Vec<Vec3>,
     /// Edges that may be silhouettes for any of them.
     edges: EdgeList,
-    /// The part that has lists of its own, and these: edges that are silhouettes for all of its receivers, and those that may be.
-    part: usize,
-    known: Columns<KNOWN>,
-    open: EdgeList,
+    /// The receivers in an order in which those of a part follow each other, and the place of each in it.
+    order: Vec<usize>,
+    places: Vec<usize>,
+    parts: Vec<Part>,
+    /// Of so many parts each: edges that may be silhouettes for any of their receivers, once they are listed.
+    groups: Vec<(bool, EdgeList)>,
     /// The silhouettes of one receiver among the latter.
     found: Columns<KNOWN>,
     arcs: SkyArcs,
@@ -40,7 +44,80 @@ pub struct SkySilhouetteScratch<H> {
     hits: H,
 }
 
+/// Receivers that share lists.
+#[derive(Clone, Debug, Default)]
+struct Part {
+    is_listed: bool,
+    /// Edges that are silhouettes for all of its receivers, and those that may be for some.
+    known: Columns<KNOWN>,
+    open: EdgeList,
+}
+
+/// Orders receivers so that each run of [`PART`] of them is close together: halves of halves, along the longest side of the box around
+/// them.
+fn divide(order: &mut [usize], origins: &[Vec3]) {
+    if order.len() <= PART {
+        return;
+    }
+    let none = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+    let [low, high] = order.iter().map(|i| origins[*i]).fold(none, |[low, high], p| [low.min(p), high.max(p)]);
+    let axis = (high - low).max_position();
+    let unit = if order.len() > PART * PARTS { PART * PARTS } else { PART };
+    let half = (order.len() / 2).next_multiple_of(unit);
+    let place = |i: &usize| origins[*i][axis];
+    // Less than all: there are more than a unit.
+    order.select_nth_unstable_by(half, |a, b| place(a).total_cmp(&place(b)).then(a.cmp(b)));
+    let (one, other) = order.split_at_mut(half);
+    divide(one, origins);
+    divide(other, origins);
+}
+
+impl<H> SkySilhouetteScratch<H> {
+    /// Divides the receivers into parts without lists.
+    fn divide(&mut self) {
+        let count = self.origins.len();
+        self.order.clear();
+        self.order.extend(0..count);
+        divide(&mut self.order, &self.origins);
+        self.places.resize(count, 0);
+        for (place, receiver) in self.order.iter().enumerate() {
+            self.places[*receiver] = place;
+        }
+        self.parts.resize_with(count.div_ceil(PART), Part::default);
+        self.parts.iter_mut().for_each(|part| part.is_listed = false);
+        self.groups.resize_with(count.div_ceil(PART * PARTS), Default::default);
+        self.groups.iter_mut().for_each(|group| group.0 = false);
+    }
+
+    /// The hull of the run of receivers of that number.
+    fn hull_of(&self, number: usize, size: usize, scale: Option<f32>) -> Hull {
+        let run = &self.order[number * size..((number + 1) * size).min(self.order.len())];
+        let [origins, normals] =
+            [&self.origins, &self.normals].map(|all| run.iter().map(|i| all[*i]).collect::<Vec<Vec3>>());
+        Hull::of_sky(&origins, &normals, scale)
+    }
+}
+
 impl<H: AnyHit> SilhouetteBlockers<'_, H> {
+    /// Makes the lists of a part.
+    fn list_part(&self, tile: &SkyTile<'_>, number: usize, scratch: &mut SkySilhouetteScratch<H::Scratch>) {
+        let scale = self.sky_scale(tile.meridians);
+        let group = number / PARTS;
+        if !scratch.groups[group].0 {
+            let hull = scratch.hull_of(group, PART * PARTS, scale);
+            let SkySilhouetteScratch { groups, edges, .. } = scratch;
+            dispatch!(Level::new(), simd => hull.narrow(simd, edges, &mut groups[group].1));
+            groups[group].0 = true;
+        }
+        let hull = scratch.hull_of(number, PART, scale);
+        let SkySilhouetteScratch { order, parts, groups, .. } = scratch;
+        let own = &order[number * PART..((number + 1) * PART).min(order.len())];
+        let sift = Sift::new(&hull, tile.meridians, own.iter().map(|i| &tile.horizons[*i]));
+        let Part { is_listed, known, open } = &mut parts[number];
+        dispatch!(Level::new(), simd => sift.narrow(simd, &groups[group].1, known, open));
+        *is_listed = true;
+    }
+
     /// The scale of the simplified forms that a sky's meridians allow.
     fn sky_scale(&self, meridians: &Meridians) -> Option<f32> {
         (self.meshes.fineness != Fineness::default()).then(|| 1.0 / (DETAIL * meridians.resolution().pitch()))
@@ -55,9 +132,10 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
             origins: Vec::new(),
             normals: Vec::new(),
             edges: EdgeList::default(),
-            part: usize::MAX,
-            known: Columns::default(),
-            open: EdgeList::default(),
+            order: Vec::new(),
+            places: Vec::new(),
+            parts: Vec::new(),
+            groups: Vec::new(),
             found: Columns::default(),
             arcs: SkyArcs::default(),
             memory: Memory::default(),
@@ -70,12 +148,12 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
     }
 
     fn enter(&self, tile: &SkyTile<'_>, scratch: &mut Self::Scratch) {
-        scratch.part = usize::MAX;
         scratch.origins.clear();
         scratch.origins.extend(tile.receivers.iter().map(|at| self.hits.leave(at.position, at.face)));
         scratch.normals.clear();
         scratch.normals.extend(tile.horizons.iter().map(Horizon::normal));
         let hull = Hull::of_sky(&scratch.origins, &scratch.normals, self.sky_scale(tile.meridians));
+        scratch.divide();
         // Of any number of leaves.
         let _ = self.meshes.list(&hull, usize::MAX, &mut scratch.memory, &mut scratch.edges);
     }
@@ -85,13 +163,9 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
             return false;
         }
         let scale = self.sky_scale(tile.meridians);
-        let part = number / PART;
-        if scratch.part != part {
-            scratch.part = part;
-            let range = part * PART..((part + 1) * PART).min(scratch.origins.len());
-            let hull = Hull::of_sky(&scratch.origins[range.clone()], &scratch.normals[range.clone()], scale);
-            let sift = Sift::new(&hull, tile.meridians, &tile.horizons[range]);
-            dispatch!(Level::new(), simd => sift.narrow(simd, &scratch.edges, &mut scratch.known, &mut scratch.open));
+        let part = scratch.places[number] / PART;
+        if !scratch.parts[part].is_listed {
+            self.list_part(tile, part, scratch);
         }
         let look = Look {
             meshes: &self.meshes,
@@ -100,7 +174,8 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
             origin: scratch.origins[number],
             scale: scale.unwrap_or_default(),
         };
-        let SkySilhouetteScratch { known, open, found, arcs, .. } = scratch;
+        let SkySilhouetteScratch { parts, found, arcs, .. } = scratch;
+        let Part { known, open, .. } = &parts[part];
         arcs.clear();
         arcs.reserve(known.len() + open.len());
         dispatch!(Level::new(), simd => {
@@ -142,8 +217,9 @@ struct Sift<'a> {
 }
 
 impl<'a> Sift<'a> {
-    fn new(hull: &'a Hull, meridians: &'a Meridians, horizons: &[Horizon]) -> Self {
-        let horizon = horizons.first().filter(|first| horizons.iter().all(|other| other.pole() == first.pole()));
+    fn new<'h>(hull: &'a Hull, meridians: &'a Meridians, horizons: impl Iterator<Item = &'h Horizon> + Clone) -> Self {
+        let mut others = horizons.clone();
+        let horizon = others.next().filter(|first| others.all(|other| other.pole() == first.pole()));
         Self { hull, meridians, horizon: horizon.copied() }
     }
 
