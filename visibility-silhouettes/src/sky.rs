@@ -217,9 +217,8 @@ struct Sift<'a> {
 }
 
 impl<'a> Sift<'a> {
-    fn new<'h>(hull: &'a Hull, meridians: &'a Meridians, horizons: impl Iterator<Item = &'h Horizon> + Clone) -> Self {
-        let mut others = horizons.clone();
-        let horizon = others.next().filter(|first| others.all(|other| other.pole() == first.pole()));
+    fn new<'h>(hull: &'a Hull, meridians: &'a Meridians, mut horizons: impl Iterator<Item = &'h Horizon>) -> Self {
+        let horizon = horizons.next().filter(|first| horizons.all(|other| other.pole() == first.pole()));
         Self { hull, meridians, horizon: horizon.copied() }
     }
 
