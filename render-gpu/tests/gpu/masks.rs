@@ -193,6 +193,7 @@ fn pieces(header: &str) -> Vec<&str> {
         wgsl::EDGES,
         wgsl::VISIBILITY,
         wgsl::LOBES,
+        wgsl::ALIKE,
     ];
     [header, GEOMETRY, LOBE, SPECIAL].into_iter().chain(masks).collect()
 }
@@ -344,14 +345,14 @@ fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: 
         }";
     let body = format!(
         "{CASE}
-        let window = visibility_window(lane, 0u, at, light, x(16u));
-        let coverage = visibility_coverage(lane);
+        _ = visible_fraction(lane, 0u, at, light, x(16u), true, lobe);
+        let coverage = visibility_coverage();
         for (var k = 0u; k < 2u; k++) {{
             var own = lobe;
             if (k == 1u) {{
                 own = Lobe(at.normal, 1.0, vec3f(1.0), 1.0);
             }}
-            let seen = lobe_fraction(lane, 0u, at, light, x(16u), window, own);
+            let seen = visible_fraction(lane, 0u, at, light, x(16u), false, own);
             if (lane == 0u) {{
                 y(1u + k, seen);
             }}
