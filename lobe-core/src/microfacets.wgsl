@@ -38,6 +38,11 @@ fn microfacets_of(normal: vec3f, lobe: Lobe) -> MicrofacetsAt {
     return MicrofacetsAt(normal, alpha_sq, normal * seen.x + tangent_toward(normal, lobe.axis) * seen.y, shadowing);
 }
 
+// The eye's direction mirrored by the normal.
+fn microfacets_mirror(microfacets: MicrofacetsAt) -> vec3f {
+    return 2.0 * dot(microfacets.normal, microfacets.view) * microfacets.normal - microfacets.view;
+}
+
 // `D·W·(1 − s)` and `D·W·s`.
 fn microfacets_both(microfacets: MicrofacetsAt, v: vec3f) -> vec2f {
     let h = microfacets.view + v;

@@ -9,7 +9,7 @@
 //! ```
 //! # let folder = std::env::temp_dir().join("cosine-lobes-doc-files");
 //! # std::fs::create_dir_all(&folder)?;
-//! # let file = folder.join("ball.toml");
+//! # let file = folder.join("sphere.toml");
 //! # std::fs::write(&file, "[[objects]]\nsphere = { center = [0, 1, 0], radius = 1 }\n\
 //! # keys = [{ time = 0, translate = [0, 0, 0] }, { time = 2, translate = [4, 0, 0] }]\n")?;
 //! let (mut scene, animation, _warnings) = scene_files::load_animated(&file)?;

@@ -19,10 +19,9 @@ fn masks_of_lobe(at: Receiver, light: Cone, tolerance: f32, lobe: Lobe, is_narro
 fn masks_fraction(lobe: Lobe) -> vec3f {
     let all = image_sums[1];
     // If all weights vanish, every sample counts alike.
-    let alike = select(0.0, visibility_areas.x / visibility_areas.y, visibility_areas.y > 0.0);
     let fraction = image_sums[0] / all;
     let is_known = (all > vec3f(0.0)) & (all < vec3f(3e38)) & (abs(fraction) < vec3f(3e38));
-    return clamp(select(vec3f(alike), fraction, is_known), vec3f(0.0), vec3f(1.0));
+    return clamp(select(vec3f(visibility_alike()), fraction, is_known), vec3f(0.0), vec3f(1.0));
 }
 
 // Adds all rows, in steradians of samples: the lit part, and the emitting part. Of the whole light's masks the samples in the

@@ -29,9 +29,8 @@ fn microfacet_fraction(sums: vec4f, lobe: Lobe) -> f32 {
     let is_edge = lobe.kind == LOBE_MICROFACETS_F90;
     var fractions = sums.xy / sums.zw;
     // If all weights vanish, every sample counts alike.
-    let alike = select(0.0, visibility_areas.x / visibility_areas.y, visibility_areas.y > 0.0);
     let is_known = (sums.zw > vec2f(0.0)) & (sums.zw < vec2f(3e38)) & (abs(fractions) < vec2f(3e38));
-    fractions = clamp(select(vec2f(alike), fractions, is_known), vec2f(0.0), vec2f(1.0));
+    fractions = clamp(select(vec2f(visibility_alike()), fractions, is_known), vec2f(0.0), vec2f(1.0));
     known_edge = vec2f(select(lobe.exponent, -1.0, is_edge), fractions.y);
     return select(fractions.x, fractions.y, is_edge);
 }
@@ -39,7 +38,7 @@ fn microfacet_fraction(sums: vec4f, lobe: Lobe) -> f32 {
 // The part of the window that shows the highlight, along its cells; the whole window if the part is most of it.
 fn microfacets_highlight(whole: UnitSquare, microfacets: MicrofacetsAt, normal: vec3f, tolerance: f32) -> UnitSquare {
     let widths = clamp(HIGHLIGHT / sqrt(max(tolerance, 1e-6)), 1.5, 20.0);
-    let mirror = 2.0 * dot(microfacets.normal, microfacets.view) * microfacets.normal - microfacets.view;
+    let mirror = microfacets_mirror(microfacets);
     let peak = square_peak(whole, Lobe(mirror, 1.0, vec3f(1.0), LOBE_PLAIN), normal).point;
     let along = dot(whole.axis, mirror);
     let aside = vec2f(dot(whole.right, mirror), dot(whole.up, mirror));

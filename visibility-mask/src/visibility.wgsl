@@ -59,7 +59,7 @@ var<private> visibility_areas: vec2f;
 // `is_own`, `is_broad` and `is_turned` of the first thread.
 var<workgroup> visibility_plan: vec3u;
 
-// All masks are drawn here, in one place: drivers compile a function anew for each call of it, and blockers are most of a kernel.
+// All masks are drawn here, in one place: drivers compile a function again for each call of it, and blockers are most of a kernel.
 // First draws the masks of the whole light, if `is_whole`; then, for each lobe, returns the visible fraction of the light, with
 // masks of its own where it needs these. Requires uniform control flow.
 fn visible_fraction(
@@ -134,6 +134,9 @@ fn visibility_coverage() -> u32 {
     }
     return select(PARTIAL, DARK, visibility_areas.x == 0.0);
 }
+
+// The lit part of the light if every sample counts alike.
+fn visibility_alike() -> f32 { return select(0.0, visibility_areas.x / visibility_areas.y, visibility_areas.y > 0.0); }
 
 // The direction across most edges in a window: those of blockers and, if it cuts the light, the horizon.
 fn visibility_across(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec3f {

@@ -35,8 +35,8 @@ pub struct SkySilhouetteScratch<H> {
     order: Vec<usize>,
     places: Vec<usize>,
     parts: Vec<Part>,
-    /// Of so many parts each: edges that may be silhouettes for any of their receivers, once they are listed.
-    groups: Vec<(bool, EdgeList)>,
+    /// Of [`PARTS`] parts each.
+    groups: Vec<Group>,
     /// The silhouettes of one receiver among the latter.
     found: Columns<KNOWN>,
     arcs: SkyArcs,
@@ -51,6 +51,19 @@ struct Part {
     /// Edges that are silhouettes for all of its receivers, and those that may be for some.
     known: Columns<KNOWN>,
     open: EdgeList,
+}
+
+/// Parts that share a list.
+#[derive(Clone, Debug, Default)]
+struct Group {
+    is_listed: bool,
+    /// Edges that may be silhouettes for any of their receivers.
+    edges: EdgeList,
+}
+
+/// The run of `size` receivers of that number.
+fn run(order: &[usize], number: usize, size: usize) -> &[usize] {
+    &order[number * size..((number + 1) * size).min(order.len())]
 }
 
 /// Orders receivers so that each run of [`PART`] of them is close together: halves of halves, along the longest side of the box around
@@ -85,13 +98,13 @@ impl<H> SkySilhouetteScratch<H> {
         }
         self.parts.resize_with(count.div_ceil(PART), Part::default);
         self.parts.iter_mut().for_each(|part| part.is_listed = false);
-        self.groups.resize_with(count.div_ceil(PART * PARTS), Default::default);
-        self.groups.iter_mut().for_each(|group| group.0 = false);
+        self.groups.resize_with(count.div_ceil(PART * PARTS), Group::default);
+        self.groups.iter_mut().for_each(|group| group.is_listed = false);
     }
 
     /// The hull of the run of receivers of that number.
     fn hull_of(&self, number: usize, size: usize, scale: Option<f32>) -> Hull {
-        let run = &self.order[number * size..((number + 1) * size).min(self.order.len())];
+        let run = run(&self.order, number, size);
         let [origins, normals] =
             [&self.origins, &self.normals].map(|all| run.iter().map(|i| all[*i]).collect::<Vec<Vec3>>());
         Hull::of_sky(&origins, &normals, scale)
@@ -103,18 +116,18 @@ impl<H: AnyHit> SilhouetteBlockers<'_, H> {
     fn list_part(&self, tile: &SkyTile<'_>, number: usize, scratch: &mut SkySilhouetteScratch<H::Scratch>) {
         let scale = self.sky_scale(tile.meridians);
         let group = number / PARTS;
-        if !scratch.groups[group].0 {
+        if !scratch.groups[group].is_listed {
             let hull = scratch.hull_of(group, PART * PARTS, scale);
             let SkySilhouetteScratch { groups, edges, .. } = scratch;
-            dispatch!(Level::new(), simd => hull.narrow(simd, edges, &mut groups[group].1));
-            groups[group].0 = true;
+            dispatch!(Level::new(), simd => hull.narrow(simd, edges, &mut groups[group].edges));
+            groups[group].is_listed = true;
         }
         let hull = scratch.hull_of(number, PART, scale);
         let SkySilhouetteScratch { order, parts, groups, .. } = scratch;
-        let own = &order[number * PART..((number + 1) * PART).min(order.len())];
-        let sift = Sift::new(&hull, tile.meridians, own.iter().map(|i| &tile.horizons[*i]));
+        let own = run(order, number, PART).iter();
+        let sift = Sift::new(&hull, tile.meridians, own.map(|i| &tile.horizons[*i]));
         let Part { is_listed, known, open } = &mut parts[number];
-        dispatch!(Level::new(), simd => sift.narrow(simd, &groups[group].1, known, open));
+        dispatch!(Level::new(), simd => sift.narrow(simd, &groups[group].edges, known, open));
         *is_listed = true;
     }
 

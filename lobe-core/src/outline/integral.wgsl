@@ -68,7 +68,7 @@ struct OutlineTerm {
     value: OutlineValue,
 }
 
-// The integral of a lobe of flux 1 over the outline. One cubature for all kinds: drivers compile a function anew for each call of it.
+// The integral of a lobe of flux 1 over the outline. One cubature for all kinds: drivers compile a function again for each call of it.
 fn outline_integral(at: Receiver, lobe: Lobe) -> OutlineSum {
     let is_diffuse = is_lambert(at, lobe);
     let is_facets = lobe.kind >= LOBE_MICROFACETS_F0;

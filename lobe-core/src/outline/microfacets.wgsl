@@ -11,8 +11,7 @@ fn outline_facets(v: vec3f) -> f32 {
 
 // Rows across the plane of incidence: highlights are longer along it.
 fn outline_facets_turn(normal: vec3f, lobe: Lobe) -> vec3f {
-    let view = microfacets_of(normal, lobe).view;
-    let mirror = 2.0 * dot(normal, view) * normal - view;
+    let mirror = microfacets_mirror(microfacets_of(normal, lobe));
     let seen = seen_from(normal, lobe.axis);
     let turn = normal * seen.y + tangent_toward(normal, lobe.axis) * seen.x;
     let toward = dot(outline.axis, mirror);
@@ -22,7 +21,7 @@ fn outline_facets_turn(normal: vec3f, lobe: Lobe) -> vec3f {
 fn outline_microfacets(right: vec3f, normal: vec3f, lobe: Lobe) -> OutlineTerm {
     let surface = microfacets_of(normal, lobe);
     let alpha = sqrt(surface.alpha_sq);
-    let mirror = 2.0 * dot(normal, surface.view) * normal - surface.view;
+    let mirror = microfacets_mirror(surface);
     let seen = seen_from(normal, lobe.axis);
     let axis = outline_local(right, mirror);
     let length = sqrt(dot(axis.xy, axis.xy));
