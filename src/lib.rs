@@ -172,7 +172,7 @@
 //! # Crates
 //!
 //! Each crate of the workspace is a module here. [`scene`]: scenes, and their files (crates `scene` and `scene-files`). [`renderer`]: the front door; [`session`]: the same on a thread of its own. [`brdf`], [`lighting`]:
-//! materials and lights as lobes; [`lobe_core`]: lobes, their integrals and the traits. [`visibility_mask`], [`visibility_silhouettes`],
+//! materials and lights as lobes; [`lobe_core`]: lobes, their integrals and the traits; [`paper`]: the paper's own method. [`visibility_mask`], [`visibility_silhouettes`],
 //! [`visibility_spheres`], [`sphere_sets`], [`visibility_shadowmap`], [`visibility_rays`]: visibility. [`render_cpu`], `render_gpu`: shading. [`ray_tracing`]: rays
 //! and visible points. [`reference`](mod@reference): Monte Carlo. [`pictures`]: image files and comparison.
 //!
@@ -188,6 +188,7 @@ pub use brdf;
 pub use glam;
 pub use lighting;
 pub use lobe_core;
+pub use paper;
 pub use pictures;
 pub use ray_tracing;
 pub use reference;

@@ -66,7 +66,7 @@ pub struct Interaction<'a> {
 /// A way to integrate reflectance × light × visibility (Eq. 21) over one light.
 ///
 /// [`FractionIntegrator`] is the default; [`LobeIntegrator`] writes visibility as lobes;
-/// [`paper::PaperIntegrator`](crate::paper::PaperIntegrator) is the paper's. Each has a form for one receiver and one for a
+/// `PaperIntegrator` of the crate `paper` is the paper's. Each has a form for one receiver and one for a
 /// tile of receivers, with the same results to the bit.
 pub trait Integrator<V: Visibility + ?Sized>: Sync {
     /// Working memory, one a thread.

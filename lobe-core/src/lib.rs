@@ -5,8 +5,7 @@
 //! - closed integrals: one lobe, the product of two ([`product_integral`]), a lobe over a uniform disc of light ([`cap_integral`]);
 //! - the moment lobe of a cone, which keeps its total and mean vector exactly ([`cone_lobe`]);
 //! - the contracts of reflectance, light and visibility ([`BrdfLobes`], [`LightLobes`], [`Visibility`], [`VisibilityLobes`]) and the
-//!   [`Integrator`]s that put them together; [`gpu`]: the parts that they bring to a GPU;
-//! - [`paper`]: the least-squares lobes and the product table of the paper that this project starts from.
+//!   [`Integrator`]s that put them together; [`gpu`]: the parts that they bring to a GPU.
 //!
 //! # The sum
 //! [`FractionIntegrator`] computes
@@ -54,7 +53,6 @@ mod moments;
 pub mod oracle;
 mod outline;
 mod packed_lobe;
-pub mod paper;
 mod product;
 mod random;
 mod seen;

@@ -14,8 +14,8 @@ use core::num::NonZeroU64;
 use core::ops::Range;
 use glam::{Mat4, Vec3};
 use lobe_core::gpu::{GPU_SHAPE, GpuLight, GpuMaterialSet, GpuMaterials};
-use lobe_core::paper::Tables;
 use lobe_core::{Accuracy, LightLobes};
+use paper::Tables;
 use rayon::prelude::*;
 use scene::{Cancel, Frame, Shade, ShadeStats, ShadingPoints, Stopwatch};
 use visibility_mask::{Fineness, MAX_DEPTH};
@@ -149,7 +149,7 @@ impl GpuShader {
     }
 
     /// Uses the paper's method and uploads its tables (4.3 MB): the same as `PaperVisibility` with
-    /// [`PaperIntegrator`](lobe_core::paper::PaperIntegrator) on the CPU. The first frame of a depth solves for the weights.
+    /// [`PaperIntegrator`](paper::PaperIntegrator) on the CPU. The first frame of a depth solves for the weights.
     #[must_use]
     pub fn with_paper(mut self, tables: &Tables) -> Self {
         self.set_paper(Some(tables));

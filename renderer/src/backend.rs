@@ -12,7 +12,7 @@ use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 use {
     crate::error::LAYERS,
     lobe_core::gpu::GpuBlockers,
-    lobe_core::paper::Tables,
+    paper::Tables,
     ray_tracing::World,
     render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion, ShadowCasting},
     visibility_rays::GpuRays,

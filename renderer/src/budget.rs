@@ -5,7 +5,7 @@ use crate::{
 };
 use glam::Vec3;
 use lobe_core::Accuracy;
-use lobe_core::paper::Tables;
+use paper::Tables;
 use render_cpu::{SceneSilhouettes, ShadeRequest, World};
 use scene::{Cancel, Frame, ShadingPoints};
 use visibility_shadowmap::ShadowMap;

@@ -1,10 +1,11 @@
 use crate::on_objects::OnObjects;
 use crate::{Backend, CustomStrategy, KeptSky, Method, Plan, RenderError, Settings, Shader, SkyFrame};
-use lobe_core::paper::{PaperIntegrator, Tables};
 use lobe_core::{Accuracy, Coverage, LightId, LobeIntegrator, Unshadowed, VisibilityQuery};
+use paper::PaperVisibility;
+use paper::{PaperIntegrator, Tables};
 use render_cpu::{CpuShader, SceneSilhouettes, SkyShader, SurfaceHits, World};
 use scene::{Frame, Object, Shape, Strategy};
-use visibility_mask::{Blockers, DynMixture, LookAgain, Mask, MaskVisibility, Mixture, PaperVisibility};
+use visibility_mask::{Blockers, DynMixture, LookAgain, Mask, MaskVisibility, Mixture};
 use visibility_rays::RayBlockers;
 use visibility_shadowmap::{ShadowMap, ShadowMapBlockers};
 use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};

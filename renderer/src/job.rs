@@ -11,7 +11,7 @@ use crate::{
     MapReduction, Plan, RenderError, Settings, Sink,
 };
 use lobe_core::Accuracy;
-use lobe_core::paper::Tables;
+use paper::Tables;
 use pictures::Window;
 use render_cpu::{SceneSilhouettes, World};
 use scene::{Cancel, Frame};

@@ -15,7 +15,7 @@ use core::ops::ControlFlow;
 use glam::Vec3;
 use lighting::Light;
 use lobe_core::Accuracy;
-use lobe_core::paper::Tables;
+use paper::Tables;
 use pictures::Window;
 use render_cpu::{Hierarchy, Looks, SceneSilhouettes, SceneSpheres, Update, World};
 use scene::{Animation, BlockerSet, Bounds, Cancel, Scene};

@@ -62,7 +62,7 @@ const PAIRS: &[Pair] = &[
     // π/6 over its sine, which Rust works out.
     ("lighting/src/plane_lights.wgsl", "TUBE_REACH", Number(consts::FRAC_PI_3)),
     ("visibility-mask/src/flat.wgsl", "FLAT_WIDE", Is("visibility-mask/src/visibility.rs", "WIDE")),
-    ("lobe-core/src/paper/paper.wgsl", "PAPER_LAST", Is("lobe-core/src/paper/product_table.rs", "LAST")),
+    ("paper/src/tables.wgsl", "PAPER_LAST", Is("paper/src/product_table.rs", "LAST")),
     // In 127ths of a cell.
     ("visibility-mask/src/contour.wgsl", "CONTOUR_WHOLE", Number(i8::MAX as f64)),
     ("visibility-mask/src/edges.wgsl", "EDGES_PLANE", Is("visibility-mask/src/edges.rs", "PLANE")),

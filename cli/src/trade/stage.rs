@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::teller::Teller;
 use cosine_lobes::Picture;
 use cosine_lobes::lobe_core::Accuracy;
-use cosine_lobes::lobe_core::paper::Tables;
+use cosine_lobes::paper::Tables;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::RayShader;
 use cosine_lobes::render_cpu::SceneSilhouettes;

@@ -10,15 +10,16 @@ use core::sync::atomic::AtomicBool;
 use glam::{Mat4, Vec3};
 use libtest_mimic::Trial;
 use lighting::{Light, SphereLight};
-use lobe_core::paper::{PaperIntegrator, ProductTable, Resolution, Tables};
 use lobe_core::{Accuracy, Coverage, LightLobes, Receiver, Sphere, Unshadowed};
+use paper::PaperVisibility;
+use paper::{PaperIntegrator, ProductTable, Resolution, Tables};
 use ray_tracing::{GBuffer, World};
 use reference::{Geometry, Reference, ReferenceJob};
 use render_cpu::{CpuShader, blockers};
 use render_gpu::{Gpu, GpuGBuffer, GpuShader, GpuWorld, Occlusion, ShadowCasting};
 use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
 use test_scenes::globe;
-use visibility_mask::{LookAgain, MaskVisibility, Mixture, PaperVisibility, facet_coverage};
+use visibility_mask::{LookAgain, MaskVisibility, Mixture, facet_coverage};
 use visibility_rays::{GpuRays, RayBlockers};
 use visibility_spheres::SphereBlockers;
 

@@ -2,12 +2,12 @@
 
 use super::super::canvas::failed;
 use crate::failure::Failure;
-use cosine_lobes::lobe_core::paper::Tables;
 use cosine_lobes::lobe_core::{
     Accuracy, Cone, Coverage, LightCoverage, LightId, LightVisibility, Lobe, Receiver, Sphere, Visibility,
     VisibilityQuery, VisibilitySum,
 };
-use cosine_lobes::visibility_mask::{PaperVisibility, ShadowNode};
+use cosine_lobes::paper::Tables;
+use cosine_lobes::paper::{PaperVisibility, ShadowNode};
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use glam::{Vec2, Vec3};
 use plotters::coord::Shift;
@@ -150,7 +150,7 @@ pub(super) fn three() -> Vec<Sphere> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use cosine_lobes::lobe_core::paper::{CapTable, ProductTable, Resolution};
+    use cosine_lobes::paper::{CapTable, ProductTable, Resolution};
 
     /// Quick to build; nodes do not depend on products.
     pub(in crate::figures::masks) fn coarse() -> Tables {

@@ -1,5 +1,5 @@
-use super::ProductTable;
-use super::profile::Profile;
+use crate::ProductTable;
+use crate::profile::Profile;
 use core::f64::consts::{PI, TAU};
 
 /// Which pairs of lobes [`table_error`] draws; the angle is always uniform in [0, π].
@@ -37,7 +37,7 @@ pub struct TableError {
 ///
 /// The paper prints mean 7.1379e-4, variance 1.2091e-8 and median 0 and does not say how its pairs were drawn. (They
 /// cannot belong to one population: mean and median are never further apart than the standard deviation, here 1.1e-4.)
-/// The table of [`Resolution::PAPER`](super::Resolution::PAPER) has mean 9.4e-8 over exponents uniform in [0, 1e5],
+/// The table of [`Resolution::PAPER`](crate::Resolution::PAPER) has mean 9.4e-8 over exponents uniform in [0, 1e5],
 /// 6.1e-5 in [0, 100], 1.5e-3 in [0, 10], and 9.2e-4 drawn as [`Population::Samples`]. The largest error, 0.2, is the
 /// fit's own: two nearly constant lobes at 150–170°, whose product is a thin lune that no lobe resembles.
 ///
@@ -88,9 +88,9 @@ impl Population {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Resolution;
     use super::*;
-    use crate::oracle::{Random, product};
+    use crate::Resolution;
+    use lobe_core::oracle::{Random, product};
 
     const WHOLE: Population = Population::Uniform { max: 1e5 };
 

@@ -1,14 +1,13 @@
-use super::Tables;
-use crate::integrator::query;
-use crate::{
-    BrdfLobe, BrdfLobes, Contribution, Integrator, Interaction, LightCoverage, LightVisibility, Lobe, Observer,
-    Receiver, Stage, Tile, TileContributions, TileInteraction, TileLobes, VisibilityLobes, VisibilitySum,
-};
+use crate::Tables;
 use glam::Vec3;
+use lobe_core::{
+    BrdfLobe, BrdfLobes, Cone, Contribution, Integrator, Interaction, LightCoverage, LightVisibility, Lobe, Observer,
+    Receiver, Stage, Tile, TileContributions, TileInteraction, TileLobes, Visibility, VisibilityLobes, VisibilitySum,
+};
 
 /// The paper's integrator (§5.4): least-squares lobes and tabulated products, `f̃·L` first, then the threshold, then V.
 ///
-/// For strategies whose lobes are the paper's, as `PaperVisibility` of visibility-mask writes them.
+/// For strategies whose lobes are the paper's, as [`PaperVisibility`](crate::PaperVisibility) writes them.
 #[derive(Clone, Copy, Debug)]
 pub struct PaperIntegrator<'t> {
     /// The paper's tables.
@@ -46,7 +45,7 @@ impl<V: VisibilityLobes + ?Sized> Integrator<V> for PaperIntegrator<'_> {
                 continue;
             }
             total.radiance +=
-                match coverage.get_or_insert_with(|| query(visibility, point.at, &point.light.cone, None, observer)) {
+                match coverage.get_or_insert_with(|| query(visibility, point.at, &point.light.cone, observer)) {
                     LightCoverage::Lit => unshadowed,
                     LightCoverage::Dark => continue,
                     LightCoverage::Partial(penumbra) => {
@@ -69,6 +68,19 @@ impl<V: VisibilityLobes + ?Sized> Integrator<V> for PaperIntegrator<'_> {
     ) {
         tile.one_by_one(|point, observer| self.radiance(point, visibility, sum, observer), observer, out);
     }
+}
+
+/// The coverage of a light's cone, which the observer hears of. Outlines play no part: the paper's lights are spheres.
+fn query<'q, 'v: 'q, V: Visibility + ?Sized>(
+    visibility: &mut LightVisibility<'v, V>,
+    at: &'q Receiver,
+    cone: &'q Cone,
+    observer: &mut impl Observer,
+) -> LightCoverage<'q> {
+    let coverage = visibility.coverage(at, cone, None);
+    observer.coverage(coverage.coverage());
+    observer.end(Stage::Mask);
+    coverage
 }
 
 impl PaperIntegrator<'_> {

@@ -1,4 +1,4 @@
-use super::Resolution;
+use crate::Resolution;
 use core::f32::consts::TAU;
 
 /// `∫ max(a·v, 0)^e dv` as the paper looks it up (§4.2): 128 linearly spaced samples in each of [0, 1], [1, 10], …,
@@ -10,7 +10,7 @@ use core::f32::consts::TAU;
 ///
 /// ```
 /// let exact = core::f32::consts::TAU / 1.5;
-/// assert!((lobe_core::paper::integral(0.5) - exact).abs() < 1e-4);
+/// assert!((paper::integral(0.5) - exact).abs() < 1e-4);
 /// ```
 #[must_use]
 pub fn integral(exponent: f32) -> f32 {
@@ -23,7 +23,7 @@ pub fn integral(exponent: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::oracle::{Random, lobe_integral};
+    use lobe_core::oracle::{Random, lobe_integral};
 
     #[test]
     fn close_to_the_exact_integral() {

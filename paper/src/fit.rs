@@ -1,6 +1,6 @@
-use super::axis::product_axis;
-use super::meridian::ln_meridian;
-use super::profile::Profile;
+use crate::axis::product_axis;
+use crate::meridian::ln_meridian;
+use crate::profile::Profile;
 use core::f64::consts::{PI, TAU};
 
 /// The lobe that stands for a product of two lobes of scale 1 (Eq. 17).
@@ -36,7 +36,7 @@ pub fn fit_product(e1: f64, e2: f64, alpha: f64) -> ProductFit {
 }
 
 /// [`fit_product`], by Newton's method from the exponent of a neighbour, which saves steps.
-pub(super) fn fit_product_from(e1: f64, e2: f64, alpha: f64, neighbour: Option<f64>) -> ProductFit {
+pub(crate) fn fit_product_from(e1: f64, e2: f64, alpha: f64, neighbour: Option<f64>) -> ProductFit {
     let angle = product_axis(e1, e2, alpha);
     if PI - alpha < 1e-9 {
         return ProductFit { scale: 0.0, exponent: e1 + e2, angle };
@@ -95,8 +95,8 @@ fn best_exponent(profile: &Profile, neighbour: Option<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::oracle::{Random, Zone, brute_force, product};
     use glam::DVec3;
+    use lobe_core::oracle::{Random, Zone, brute_force, product};
 
     #[test]
     fn coaxial_products_are_lobes_already() {

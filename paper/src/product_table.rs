@@ -1,7 +1,7 @@
-use super::Resolution;
-use super::fit::fit_product_from;
-use crate::Lobe;
+use crate::Resolution;
+use crate::fit::fit_product_from;
 use glam::Vec3;
+use lobe_core::Lobe;
 
 /// The largest exponent of the table.
 const LAST: f32 = 1e5;
@@ -69,16 +69,16 @@ impl ProductTable {
         Self::from_entries(resolution, entries).expect("rows of another resolution")
     }
 
-    pub(super) fn from_entries(resolution: Resolution, entries: Vec<[f32; 2]>) -> Option<Self> {
+    pub(crate) fn from_entries(resolution: Resolution, entries: Vec<[f32; 2]>) -> Option<Self> {
         (entries.len() == Self::entry_count(resolution)).then_some(Self { resolution, entries })
     }
 
-    pub(super) fn entry_count(resolution: Resolution) -> usize {
+    pub(crate) fn entry_count(resolution: Resolution) -> usize {
         let n = resolution.exponents();
         n * (n + 1) / 2 * resolution.angles
     }
 
-    pub(super) fn entries(&self) -> &[[f32; 2]] {
+    pub(crate) fn entries(&self) -> &[[f32; 2]] {
         &self.entries
     }
 
@@ -156,14 +156,13 @@ fn product_direction(a1: Vec3, e1: f32, a2: Vec3, e2: f32) -> Vec3 {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
-    use crate::oracle::Random;
-    use crate::paper::fit_product;
-    use crate::paper::product_axis;
+    use crate::{fit_product, product_axis};
     use core::f64::consts::PI;
+    use lobe_core::oracle::Random;
 
-    pub(in crate::paper) const SMALL: Resolution = Resolution { angles: 33, per_interval: 4 };
+    pub(crate) const SMALL: Resolution = Resolution { angles: 33, per_interval: 4 };
 
     #[test]
     fn samples_are_the_fits() {

@@ -1,9 +1,9 @@
 //! Builds the product table of the paper (§4.1) and prints what it costs and how far it is from the exact integrals,
-//! beside the paper's figures: `cargo run --release -p cosine-lobes-lobe-core --example product_error`.
+//! beside the paper's figures: `cargo run --release -p cosine-lobes-paper --example product_error`.
 
 use glam::Vec3;
 use lobe_core::Lobe;
-use lobe_core::paper::{Population, ProductTable, table_error};
+use paper::{Population, ProductTable, table_error};
 use std::time::Instant;
 
 fn main() {

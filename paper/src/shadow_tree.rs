@@ -1,7 +1,9 @@
 //! The paper's quad-tree of shadow nodes, from a mask.
 
-use crate::row::SIDE;
-use crate::{MAX_DEPTH, Mask, UnitSquare};
+use visibility_mask::{MAX_DEPTH, Mask, UnitSquare};
+
+/// Leaves along a side of the deepest quad-tree.
+const SIDE: usize = 1 << MAX_DEPTH;
 
 /// A node of the paper's quad-tree (Fig. 9): column `x` and row `y` among the `2^level` of its level, from the square's left and lower
 /// side; level 0 is the unit square.

@@ -1,8 +1,8 @@
-use crate::{Cone, Lobe};
 use glam::Vec3;
+use lobe_core::{Cone, Lobe};
 
 /// Values in each table (§5.2).
-pub(super) const VALUES: usize = 1000;
+pub(crate) const VALUES: usize = 1000;
 
 /// The least-squares lobe of a uniformly bright cone of radiance 1: `w_light` and `e_light` of Eq. 30.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,7 +85,7 @@ impl CapTable {
         Self { rows: (0..VALUES).map(row).collect() }
     }
 
-    pub(super) fn rows(&self) -> &[[f32; 3]] {
+    pub(crate) fn rows(&self) -> &[[f32; 3]] {
         &self.rows
     }
 

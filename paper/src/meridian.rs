@@ -2,7 +2,7 @@
 /// what the direction across the plane of coplanar lobes contributes to their product's integral.
 ///
 /// Recurrence `B(n) = B(n+2)·(n+3)/(n+2)`, then the asymptotic series in `w = n/2 + 3/4` (never a difference of ln Γ).
-pub(super) fn ln_meridian(n: f64) -> (f64, f64) {
+pub(crate) fn ln_meridian(n: f64) -> (f64, f64) {
     let (mut n, mut ln, mut slope) = (n, 0.5 * core::f64::consts::PI.ln(), 0.0);
     while n < 20.0 {
         ln += (1.0 / (n + 2.0)).ln_1p();
@@ -19,7 +19,7 @@ pub(super) fn ln_meridian(n: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::oracle;
+    use lobe_core::oracle;
 
     #[test]
     fn value_and_slope() {

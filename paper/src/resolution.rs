@@ -44,7 +44,7 @@ impl Resolution {
     }
 
     /// Index of the sample below an exponent and the fraction of the way to the next; clamped to the table.
-    pub(super) fn locate_exponent(&self, exponent: f32) -> (usize, f32) {
+    pub(crate) fn locate_exponent(&self, exponent: f32) -> (usize, f32) {
         let e = exponent.clamp(0.0, 1e5);
         let steps = (self.per_interval - 1) as f32;
         let (mut base, mut start, mut length) = (0, 0.0, 1.0);
@@ -60,7 +60,7 @@ impl Resolution {
     }
 
     /// As [`locate_exponent`](Self::locate_exponent), for an angle in radians.
-    pub(super) fn locate_angle(&self, angle: f32) -> (usize, f32) {
+    pub(crate) fn locate_angle(&self, angle: f32) -> (usize, f32) {
         let position =
             angle.clamp(0.0, core::f32::consts::PI) * (core::f32::consts::FRAC_1_PI * (self.angles - 1) as f32);
         let step = (position as usize).min(self.angles - 2);

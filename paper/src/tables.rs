@@ -1,6 +1,6 @@
-use super::{CapTable, ProductTable};
-use crate::{Cone, Lobe};
+use crate::{CapTable, ProductTable};
 use glam::Vec3;
+use lobe_core::{Cone, Lobe};
 
 /// The tables that the paper's method looks up while it renders: products (§4.1), light and occluder lobes (Eqs. 31, 35).
 ///
@@ -26,7 +26,7 @@ impl Tables {
         Self { products, caps: CapTable::build() }
     }
 
-    /// The tables as the WGSL of [`wgsl::PAPER`](crate::wgsl::PAPER) reads them, 4.3 MB at the paper's resolution:
+    /// The tables as the WGSL of [`wgsl::TABLES`](crate::wgsl::TABLES) reads them, 4.3 MB at the paper's resolution:
     ///
     /// | pairs | hold |
     /// |---|---|
@@ -61,8 +61,8 @@ impl Tables {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::Resolution;
-    use crate::paper::cap_table::VALUES;
+    use crate::Resolution;
+    use crate::cap_table::VALUES;
 
     #[test]
     fn packed_as_wgsl_reads_them() {
@@ -71,7 +71,7 @@ mod tests {
         let pairs = tables.pack();
         let products = 1 + 2 * VALUES;
         for line in [format!("PAPER_CAP_VALUES = {VALUES}u;"), format!("PAPER_PRODUCTS = {products}u;")] {
-            assert!(crate::wgsl::PAPER.contains(&line), "{line}");
+            assert!(crate::wgsl::TABLES.contains(&line), "{line}");
         }
         assert_eq!(pairs[0], [5.0, 3.0]);
         assert_eq!(pairs[products..], *tables.products.entries());

@@ -16,15 +16,15 @@ pub fn product_axis(e1: f64, e2: f64, alpha: f64) -> f64 {
 /// How the maximum of a product divides the angle between the axes. Every angle is computed by itself, so that small
 /// ones keep their digits.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Split {
+pub(crate) struct Split {
     /// From the maximum to each axis; they add up to α.
-    pub(super) to_axis: [f64; 2],
+    pub(crate) to_axis: [f64; 2],
     /// From the maximum to the end of each lobe, π/2 from its axis; they add up to π − α.
-    pub(super) to_edge: [f64; 2],
+    pub(crate) to_edge: [f64; 2],
 }
 
 impl Split {
-    pub(super) fn of(e1: f64, e2: f64, alpha: f64) -> Self {
+    pub(crate) fn of(e1: f64, e2: f64, alpha: f64) -> Self {
         if e1 + e2 == 0.0 {
             return Self { to_axis: [0.5 * alpha; 2], to_edge: [0.5 * (PI - alpha); 2] };
         }
@@ -44,8 +44,8 @@ impl Split {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::oracle::Random;
     use glam::DVec3;
+    use lobe_core::oracle::Random;
 
     /// Golden-section search of the maximum of a unimodal function.
     fn search(mut lo: f64, mut hi: f64, f: impl Fn(f64) -> f64) -> f64 {

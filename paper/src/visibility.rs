@@ -1,17 +1,17 @@
-use crate::paper_weights::node_lobe;
 use crate::shadow_tree::{ShadowNode, ShadowTree};
-use crate::{Blockers, MAX_DEPTH, Mask, PaperWeights, UnitSquare};
+use crate::weights::node_lobe;
+use crate::{PaperWeights, Tables};
 use glam::Vec3;
-use lobe_core::paper;
 use lobe_core::{Coverage, Lobe, Shaft, Visibility, VisibilityLobes, VisibilityQuery, VisibilitySum};
 use std::sync::OnceLock;
+use visibility_mask::{Blockers, MAX_DEPTH, Mask, UnitSquare};
 
 /// The paper's visibility (§5.3): shadow nodes of a quad-tree as least-squares lobes, for any [`Blockers`].
 ///
 /// `V = 1 − Σ wᵢcᵢ` (Eq. 38): one lobe of scale 1 for each shadow node, the lobe of the sphere around the node's square (Eqs. 34,
 /// 35, Fig. 10), times a weight by level and distance ([`PaperWeights`]). A leaf is in shadow if it is wholly covered; partly
 /// covered leaves are ignored; a node whose leaves are all in shadow is one node. The same sum serves every reflectance lobe. For
-/// [`PaperIntegrator`](lobe_core::paper::PaperIntegrator): the weights assume that the table gives `f̃·L` first.
+/// [`PaperIntegrator`](crate::PaperIntegrator): the weights assume that the table gives `f̃·L` first.
 ///
 /// # Decisions that the paper leaves open
 /// - Leaves of the unit square outside the light's disc need not be covered and have no lobe: full cover is one root node, whatever
@@ -24,7 +24,7 @@ use std::sync::OnceLock;
 /// One mask of depth + 1 for each receiver that any blocker may shade, in the umbra too, and one lobe for each shadow node.
 ///
 /// # Accuracy
-/// Mean error of V in penumbrae over random blockers, in % (in brackets the bias; `tests/paper.rs` measures):
+/// Mean error of V in penumbrae over random blockers, in % (in brackets the bias; `tests/visibility.rs` measures):
 ///
 /// | half-angle | Lambert, depth 4 | 5 | 6 | Phong 20, depth 4 | 5 | 6 |
 /// |---|---|---|---|---|---|---|
@@ -40,7 +40,7 @@ use std::sync::OnceLock;
 #[derive(Clone, Debug)]
 pub struct PaperVisibility<'t, B> {
     blockers: B,
-    tables: &'t paper::Tables,
+    tables: &'t Tables,
     /// By depth, solved for at their first use.
     weights: [OnceLock<PaperWeights>; MAX_DEPTH as usize + 1],
 }
@@ -49,7 +49,7 @@ impl<'t, B: Blockers> PaperVisibility<'t, B> {
     /// Quad-trees of the depth of a query's accuracy, clamped to 1…[`MAX_DEPTH`]; the paper uses 4 or 5. The first query of a depth
     /// solves for the weights, which takes milliseconds: [`with_weights`](Self::with_weights) takes solved ones.
     #[must_use]
-    pub fn new(blockers: B, tables: &'t paper::Tables) -> Self {
+    pub fn new(blockers: B, tables: &'t Tables) -> Self {
         Self { blockers, tables, weights: Default::default() }
     }
 

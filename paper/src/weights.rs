@@ -1,11 +1,11 @@
-use crate::UnitSquare;
 use crate::shadow_tree::{ShadowNode, ShadowTree};
+use crate::{CapTable, Tables};
 use glam::Vec3;
-use lobe_core::paper::{self, CapTable};
 use lobe_core::{Cone, Lobe, Sphere};
+use visibility_mask::{MAX_DEPTH, UnitSquare};
 
 /// Levels of the deepest quad-tree.
-pub(crate) const LEVELS: usize = crate::MAX_DEPTH as usize + 1;
+pub(crate) const LEVELS: usize = MAX_DEPTH as usize + 1;
 
 /// The weights `w_i` of the paper's visibility lobes (Eq. 38), by distance of the unit square and level of the quad-tree.
 ///
@@ -13,7 +13,7 @@ pub(crate) const LEVELS: usize = crate::MAX_DEPTH as usize + 1;
 /// The paper sets them by eye: the first level for "a perfect dark in the umbra area", each next one without a step from the one
 /// before. Here they are solved for. A Lambert receiver faces the light, and nodes of one level `l`, all those that touch its disc,
 /// cover it from rim to rim. Its radiance must then be zero, `w_l · Σᵢ ∫ (f̃·L)·cᵢ dv = ∫ f̃·L dv`, with the table's own products:
-/// one equation a level. A full cover is zero at every level, so a shadow keeps its strength when nodes merge; `tests/paper.rs`
+/// one equation a level. A full cover is zero at every level, so a shadow keeps its strength when nodes merge; `tests/visibility.rs`
 /// measures the change of a single merge (at most 0.8 % of the light). The weights include the overlap of the lobes, the light
 /// outside the square and the errors of the tables.
 ///
@@ -30,11 +30,11 @@ impl PaperWeights {
     /// The distances for which weights are solved (§5.3), of a square of side 1 around the light's cone.
     pub const DISTANCES: [f32; 12] = [0.25, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0];
 
-    /// Solves for the weights of a quad-tree of the given depth, clamped to 1…[`MAX_DEPTH`](crate::MAX_DEPTH).
+    /// Solves for the weights of a quad-tree of the given depth, clamped to 1…[`MAX_DEPTH`].
     ///
     /// About `12 · 4^depth` products: milliseconds. Independent of the scene; solve once.
     #[must_use]
-    pub fn solve(depth: u32, tables: &paper::Tables) -> Self {
+    pub fn solve(depth: u32, tables: &Tables) -> Self {
         let tree = ShadowTree::uncovered(depth);
         let depth = tree.depth();
         let by_distance = Self::DISTANCES.map(|dist| {
@@ -56,8 +56,8 @@ impl PaperWeights {
         Self { depth, by_distance }
     }
 
-    /// Packs the weights for the WGSL of [`wgsl::PAPER`](crate::wgsl::PAPER), which reads them after the pairs of
-    /// [`Tables::pack`](lobe_core::paper::Tables::pack): level by level for each distance, two in a pair.
+    /// Packs the weights for the WGSL of [`wgsl::VISIBILITY`](crate::wgsl::VISIBILITY), which reads them after the pairs of
+    /// [`Tables::pack`](Tables::pack): level by level for each distance, two in a pair.
     #[must_use]
     pub fn pack(&self) -> Vec<[f32; 2]> {
         let weights = self.by_distance.as_flattened();
@@ -73,7 +73,7 @@ impl PaperWeights {
     /// `w_i` of a node of the given level (0 the root) with the unit square at `dist`.
     ///
     /// # Panics
-    /// If `level` is above [`MAX_DEPTH`](crate::MAX_DEPTH).
+    /// If `level` is above [`MAX_DEPTH`].
     #[must_use]
     pub fn weight(&self, level: u32, dist: f32) -> f32 {
         self.at(dist)[level as usize]

@@ -1,5 +1,5 @@
-use super::axis::Split;
-use super::meridian::ln_meridian;
+use crate::axis::Split;
+use crate::meridian::ln_meridian;
 use std::sync::OnceLock;
 
 /// Nodes whose value is below `e^-DROP` of the peak may be left out.
@@ -11,7 +11,7 @@ const DROP: f64 = 36.0;
 /// Integrals over the sphere of the product times any lobe about the maximum are one sum over these nodes, because the
 /// direction across the plane separates (`ln_meridian`). Relative error 1e-8 (tested).
 #[derive(Clone, Debug)]
-pub(super) struct Profile {
+pub(crate) struct Profile {
     /// Quadrature weight times the product relative to its maximum, and `ln cos` of the angle from the maximum.
     nodes: Vec<(f64, f64)>,
     /// `ln` of the product's maximum.
@@ -23,7 +23,7 @@ pub(super) struct Profile {
 }
 
 impl Profile {
-    pub(super) fn new(e1: f64, e2: f64, alpha: f64) -> Self {
+    pub(crate) fn new(e1: f64, e2: f64, alpha: f64) -> Self {
         let split = Split::of(e1, e2, alpha);
         let exponents = [e1, e2];
         let mut profile =
@@ -73,17 +73,17 @@ impl Profile {
         }
     }
 
-    pub(super) fn exponents(&self) -> f64 {
+    pub(crate) fn exponents(&self) -> f64 {
         self.exponents
     }
 
-    pub(super) fn curvature(&self) -> f64 {
+    pub(crate) fn curvature(&self) -> f64 {
         self.curvature
     }
 
     /// `ln ∫ c1·c2·max(a_r·v, 0)^e dv` over the sphere, then mean and variance of `ln max(a_r·v, 0)` *within the
     /// plane* under that integrand: the two derivatives of the in-plane part with respect to `e`.
-    pub(super) fn times_lobe(&self, e: f64) -> (f64, f64, f64) {
+    pub(crate) fn times_lobe(&self, e: f64) -> (f64, f64, f64) {
         let (mut sum, mut first, mut second) = (0.0, 0.0, 0.0);
         for &(weight, ln) in &self.nodes {
             let value = weight * (e * ln).exp();
@@ -96,7 +96,7 @@ impl Profile {
     }
 
     /// `∫ c1·c2 dv` over the sphere.
-    pub(super) fn integral(&self) -> f64 {
+    pub(crate) fn integral(&self) -> f64 {
         self.times_lobe(0.0).0.exp()
     }
 }
@@ -123,7 +123,7 @@ fn rule() -> &'static [(f64, f64, f64)] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::oracle::{self, Random};
+    use lobe_core::oracle::{self, Random};
 
     #[test]
     fn integral_agrees_with_the_oracle() {

@@ -1,4 +1,4 @@
-use super::{ProductTable, Resolution};
+use crate::{ProductTable, Resolution};
 
 /// Marks the file, and its version after it.
 const MAGIC: [u8; 8] = *b"lobes-pt";

@@ -2,14 +2,14 @@
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use lobe_core::oracle::Random;
-use lobe_core::paper::{PaperIntegrator, Tables};
 use lobe_core::{
     Accuracy, Cone, Contribution, Coverage, FractionIntegrator, Integrator, Interaction, LightCoverage, LightId,
     LightVisibility, Lobe, Observer, Receiver, SeenLight, Visibility, VisibilityQuery, VisibilitySum,
 };
+use paper::{PaperIntegrator, PaperVisibility, PaperWeights, Tables};
 use std::sync::OnceLock;
 use std::time::Instant;
-use visibility_mask::{Blockers, MAX_DEPTH, Mask, MaskVisibility, PaperVisibility, PaperWeights};
+use visibility_mask::{Blockers, MAX_DEPTH, Mask, MaskVisibility};
 
 fn tables() -> &'static Tables {
     static TABLES: OnceLock<Tables> = OnceLock::new();
