@@ -1,8 +1,9 @@
 use crate::Tables;
 use glam::Vec3;
-use lobe_core::{
-    BrdfLobe, BrdfLobes, Cone, Contribution, Integrator, Interaction, LightCoverage, LightVisibility, Lobe, Observer,
-    Receiver, Stage, Tile, TileContributions, TileInteraction, TileLobes, Visibility, VisibilityLobes, VisibilitySum,
+use lobe_core::{BrdfLobe, Cone, Lobe, Receiver, Tile, TileLobes, VisibilitySum};
+use shading::{
+    BrdfLobes, Contribution, Integrator, Interaction, LightCoverage, LightVisibility, Observer, Stage,
+    TileContributions, TileInteraction, Visibility, VisibilityLobes,
 };
 
 /// The paper's integrator (§5.4): least-squares lobes and tabulated products, `f̃·L` first, then the threshold, then V.

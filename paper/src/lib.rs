@@ -14,7 +14,7 @@
 //! | [`wgsl`] | the same on a GPU |
 //!
 //! It stands beside the default method and behind the same contracts: [`PaperIntegrator`] is an
-//! [`Integrator`](lobe_core::Integrator), [`PaperVisibility`] a [`VisibilityLobes`](lobe_core::VisibilityLobes). No other method
+//! [`Integrator`](shading::Integrator), [`PaperVisibility`] a [`VisibilityLobes`](shading::VisibilityLobes). No other method
 //! needs this crate.
 //!
 //! # Example

@@ -2,7 +2,8 @@ use crate::shadow_tree::{ShadowNode, ShadowTree};
 use crate::weights::node_lobe;
 use crate::{PaperWeights, Tables};
 use glam::Vec3;
-use lobe_core::{Coverage, Lobe, Shaft, Visibility, VisibilityLobes, VisibilityQuery, VisibilitySum};
+use lobe_core::{Lobe, VisibilitySum};
+use shading::{Coverage, Shaft, Visibility, VisibilityLobes, VisibilityQuery};
 use std::sync::OnceLock;
 use visibility_mask::{Blockers, MAX_DEPTH, Mask, UnitSquare};
 

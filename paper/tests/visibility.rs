@@ -2,11 +2,12 @@
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use lobe_core::oracle::Random;
-use lobe_core::{
-    Accuracy, Cone, Contribution, Coverage, FractionIntegrator, Integrator, Interaction, LightCoverage, LightId,
-    LightVisibility, Lobe, Observer, Receiver, SeenLight, Visibility, VisibilityQuery, VisibilitySum,
-};
+use lobe_core::{Cone, Lobe, Receiver, SeenLight, VisibilitySum};
 use paper::{PaperIntegrator, PaperVisibility, PaperWeights, Tables};
+use shading::{
+    Accuracy, Contribution, Coverage, FractionIntegrator, Integrator, Interaction, LightCoverage, LightId,
+    LightVisibility, Observer, Visibility, VisibilityQuery,
+};
 use std::sync::OnceLock;
 use std::time::Instant;
 use visibility_mask::{Blockers, MAX_DEPTH, Mask, MaskVisibility};

@@ -5,8 +5,8 @@ use crate::binding::{
     Binding, Slot,
 };
 use crate::{kernels, wgsl};
-use lobe_core::gpu::{GpuBlockers, GpuLight, GpuPages, GpuPass};
 use lobe_core::wgsl as lobes;
+use shading::gpu::{GpuBlockers, GpuLight, GpuPages, GpuPass};
 use visibility_mask::{Fineness, wgsl as masks};
 
 /// The properties of a frame that its kernels depend on.

@@ -80,7 +80,7 @@ const PAIRS: &[Pair] = &[
     ("visibility-mask/src/square.wgsl", "THINNEST", Is("visibility-mask/src/square.rs", "THINNEST")),
     ("visibility-mask/src/visibility.wgsl", "CROWDED", Is("visibility-mask/src/visibility.rs", "CROWDED")),
     ("visibility-mask/src/visibility.wgsl", "COARSE", Is("visibility-mask/src/fineness.rs", "COARSE")),
-    ("visibility-mask/src/visibility.wgsl", "FINEST", Is("lobe-core/src/accuracy.rs", "FINEST")),
+    ("visibility-mask/src/visibility.wgsl", "FINEST", Is("shading/src/accuracy.rs", "FINEST")),
     ("visibility-mask/src/visibility_window.wgsl", "STEEP", Is("visibility-mask/src/visibility.rs", "STEEP")),
     ("visibility-shadowmap/src/coverage.wgsl", "MAP_DIAGONAL", Number(consts::FRAC_1_SQRT_2)),
     // A layer of the packed map that has no surface.

@@ -2,8 +2,8 @@
 
 use crate::validated::module;
 use lighting::SphereLight;
-use lobe_core::gpu::GpuLight as _;
 use lobe_core::wgsl;
+use shading::gpu::GpuLight as _;
 
 /// Size and member offsets of a struct.
 fn layout(module: &naga::Module, name: &str) -> (u32, Vec<(String, u32)>) {

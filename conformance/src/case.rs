@@ -1,16 +1,16 @@
 //! One receiver, one light, some spheres.
 
-use super::{Setting, Subject, Visitor};
-use crate::oracle::Random;
-use crate::{
-    Accuracy, Cone, Coverage, DynVisibility, LightCoverage, LightId, LightVisibility, Lobe, Receiver, Shaft, Sphere,
-    Visibility, VisibilityQuery, cap_integral,
-};
+use crate::{Setting, Subject, Visitor};
 use core::f64::consts::{PI, TAU};
 use glam::{DQuat, DVec3, Vec3};
+use lobe_core::oracle::Random;
+use lobe_core::{Cone, Lobe, Receiver, Sphere, cap_integral};
+use shading::{
+    Accuracy, Coverage, DynVisibility, LightCoverage, LightId, LightVisibility, Shaft, Visibility, VisibilityQuery,
+};
 
 /// The light's distance in random cases.
-pub(super) const FAR: f64 = 10.0;
+pub(crate) const FAR: f64 = 10.0;
 
 /// The accuracy of all cases.
 const ACCURACY: Accuracy = Accuracy { tolerance: 0.003, depth: 5 };
@@ -28,13 +28,13 @@ const CROWD: usize = 60;
 const GROUPS: [(f32, bool); 4] = [(0.05, false), (0.05, true), (0.8, false), (0.8, true)];
 
 /// Half-angle of a light that fills nearly half of the sky.
-pub(super) const WIDE: f64 = 1.0;
+pub(crate) const WIDE: f64 = 1.0;
 
 /// A sphere in f64.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sphere64 {
-    pub(super) center: DVec3,
-    pub(super) radius: f64,
+pub(crate) struct Sphere64 {
+    pub(crate) center: DVec3,
+    pub(crate) radius: f64,
 }
 
 impl Sphere64 {
@@ -45,18 +45,18 @@ impl Sphere64 {
 
 /// Everything in f64, so that it can be turned before it is rounded.
 #[derive(Clone, Debug)]
-pub(super) struct Case {
-    pub(super) position: DVec3,
-    pub(super) normal: DVec3,
-    pub(super) light: Sphere64,
-    pub(super) spheres: Vec<Sphere64>,
+pub(crate) struct Case {
+    pub(crate) position: DVec3,
+    pub(crate) normal: DVec3,
+    pub(crate) light: Sphere64,
+    pub(crate) spheres: Vec<Sphere64>,
     /// Axis and exponent of the reflectance lobe; exponent 1 is Lambert.
-    pub(super) lobe: (DVec3, f64),
+    pub(crate) lobe: (DVec3, f64),
 }
 
 /// In which way a strategy is used.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Use {
+pub(crate) enum Use {
     /// With fresh scratch.
     Fresh,
     /// With scratch that the given other case has used.
@@ -74,13 +74,13 @@ const THREADS: usize = 3;
 
 impl Case {
     /// No spheres yet; the light is above the horizon or, one time in four, crosses it.
-    pub(super) fn random(random: &mut Random) -> Self {
+    pub(crate) fn random(random: &mut Random) -> Self {
         let theta = HALF_ANGLES[(random.bits() % 3) as usize];
         Self::lit_by(random, theta)
     }
 
     /// A light of half-angle `theta`.
-    pub(super) fn lit_by(random: &mut Random, theta: f64) -> Self {
+    pub(crate) fn lit_by(random: &mut Random, theta: f64) -> Self {
         let axis = random.axis();
         let beta = if random.bits().is_multiple_of(4) {
             0.5 * PI + random.between(-0.8, 0.5) * theta
@@ -97,19 +97,19 @@ impl Case {
     }
 
     /// Direction of the light's centre, half-angle.
-    pub(super) fn cone(&self) -> (DVec3, f64) {
+    pub(crate) fn cone(&self) -> (DVec3, f64) {
         let to = self.light.center - self.position;
         (to.normalize(), (self.light.radius / to.length()).asin())
     }
 
     /// A sphere of angular radius `size` at the angle `off` from the light's centre.
-    pub(super) fn sphere(&self, random: &mut Random, size: f64, off: f64, distance: f64) -> Sphere64 {
+    pub(crate) fn sphere(&self, random: &mut Random, size: f64, off: f64, distance: f64) -> Sphere64 {
         let center = self.position + random.axis_at(self.cone().0, off) * distance;
         Sphere64 { center, radius: distance * size.sin() }
     }
 
     /// A sphere that hides some of the light.
-    pub(super) fn blocker(&self, random: &mut Random) -> Sphere64 {
+    pub(crate) fn blocker(&self, random: &mut Random) -> Sphere64 {
         let theta = self.cone().1;
         let size = (theta * random.log_uniform(0.2, 4.0)).min(1.1);
         let off = random.between((size - theta).abs(), size + theta).min(1.4);
@@ -118,7 +118,7 @@ impl Case {
     }
 
     /// The same, of any size and anywhere before the light, from next to the receiver to next to the light.
-    pub(super) fn blocker_anywhere(&self, random: &mut Random) -> Sphere64 {
+    pub(crate) fn blocker_anywhere(&self, random: &mut Random) -> Sphere64 {
         let theta = self.cone().1;
         let size = (theta * random.log_uniform(0.05, 4.0)).min(1.1);
         let off = random.between((size - theta).abs(), size + theta).min(1.4);
@@ -127,7 +127,7 @@ impl Case {
     }
 
     /// Many small spheres before the light, more than a strategy may look at one by one; about half of it is seen.
-    pub(super) fn crowd(&self, random: &mut Random) -> Vec<Sphere64> {
+    pub(crate) fn crowd(&self, random: &mut Random) -> Vec<Sphere64> {
         let theta = self.cone().1;
         let one = |_| {
             let (size, off) = (theta * random.log_uniform(0.03, 0.3), theta * random.between(0.0, 1.2).sqrt());
@@ -137,7 +137,7 @@ impl Case {
         (0..CROWD).map(one).collect()
     }
 
-    pub(super) fn turned(&self, turn: DQuat) -> Self {
+    pub(crate) fn turned(&self, turn: DQuat) -> Self {
         let sphere = |b: &Sphere64| Sphere64 { center: turn * b.center, ..*b };
         Self {
             position: turn * self.position,
@@ -150,7 +150,7 @@ impl Case {
 
     /// Visible fraction of the light's solid angle when the first sphere is the only one: two caps overlap (closed; E. Todhunter,
     /// *Spherical Trigonometry*, 1886, gives the sides' formulas that the segments follow from).
-    pub(super) fn closed(&self) -> f64 {
+    pub(crate) fn closed(&self) -> f64 {
         let (axis, theta) = self.cone();
         let to = self.spheres[0].center - self.position;
         let size = (self.spheres[0].radius / to.length()).asin();
@@ -214,7 +214,7 @@ impl Case {
     }
 
     /// Coverage and visible fraction.
-    pub(super) fn fraction(&self, subject: &impl Subject, how: Use) -> (Coverage, f32) {
+    pub(crate) fn fraction(&self, subject: &impl Subject, how: Use) -> (Coverage, f32) {
         self.with(subject, Fraction { case: self, how })
     }
 }

@@ -17,7 +17,7 @@ impl Accuracy {
     /// depth 4 (64 samples a row), 0.06 % at 5 and 0.03 % at 6 (256).
     ///
     /// ```
-    /// use lobe_core::Accuracy;
+    /// use shading::Accuracy;
     /// assert_eq!([0.01, 0.003, 0.001].map(|tolerance| Accuracy::new(tolerance).depth), [4, 5, 6]);
     /// ```
     #[must_use]

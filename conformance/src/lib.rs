@@ -1,7 +1,8 @@
-//! Properties that every visibility strategy has to keep, as a suite that anyone can run on their own (feature `oracle`).
+//! Properties that every visibility strategy has to keep, as a suite that anyone can run on their own; beside it, the same for lights
+//! ([`check_light`]) and for reflectance models ([`check_brdf`]).
 //!
 //! [`check`] asks a [`Subject`] for strategies whose blockers are given spheres and tries them:
-//! - no blocker: [`Coverage::Lit`](crate::Coverage), without a lobe; blockers behind the receiver or the light: V = 1
+//! - no blocker: [`Coverage::Lit`](shading::Coverage), without a lobe; blockers behind the receiver or the light: V = 1
 //!   exactly; beside the light: V = 1; a blocker that hides the light: V = 0; V in [0, 1] always;
 //! - one sphere before the light, from a dot to a half-plane, against the closed overlap of two caps; several spheres anywhere
 //!   between receiver and light, crowds of them, lights that fill nearly half of the sky or cross the horizon, and glossy lobes
@@ -16,8 +17,8 @@
 //! A strategy without shadows breaks it:
 //!
 //! ```
-//! use lobe_core::conformance::{Limits, Setting, check};
-//! use lobe_core::Unshadowed;
+//! use conformance::{Limits, Setting, check};
+//! use shading::Unshadowed;
 //! let report = check(&|_: &Setting<'_>| Unshadowed, &Limits::default()).unwrap_err();
 //! let broken = &report.broken[0];
 //! assert_eq!(broken.property, "full cover is dark");
@@ -28,8 +29,9 @@
 //!
 //! ```
 //! use glam::Vec3;
-//! use lobe_core::conformance::{Limits, Setting, check};
+//! use conformance::{Limits, Setting, check};
 //! use lobe_core::*;
+//! use shading::*;
 //!
 //! /// 1024 shadow rays a light, the same pattern always.
 //! struct Rays(Vec<Sphere>);
@@ -87,21 +89,25 @@
 //! };
 //! let measured = check(&|s: &Setting<'_>| Rays(s.spheres.to_vec()), &limits)?;
 //! assert_eq!((measured.cover, measured.order), (0.0, 0.0));
-//! # Ok::<(), lobe_core::conformance::Report>(())
+//! # Ok::<(), conformance::Report>(())
 //! ```
 
 mod case;
 mod exact;
 mod lights;
+mod materials;
 mod properties;
 mod run;
 
-pub use self::lights::{LightLimits, check_light};
-pub use self::properties::check;
-pub use self::run::Run;
+pub use crate::lights::{LightLimits, check_light};
+pub use crate::materials::{BrdfLimits, MeasuredBrdf, check_brdf};
+pub use crate::properties::check;
+pub use crate::run::Run;
+pub use lobe_core::oracle;
 
-use crate::{Sphere, Visibility};
 use glam::Vec3;
+use lobe_core::Sphere;
+use shading::Visibility;
 
 /// The setting that a strategy is built for.
 #[derive(Clone, Copy, Debug)]

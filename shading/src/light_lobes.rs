@@ -1,13 +1,15 @@
 //! An area light: the trait that says how receivers see it.
 
-use crate::{Cone, LightExtent, LightImage, LobeWriter, Outline, Receiver, SeenLight, Sphere, Tile, TileLight};
+use crate::LightExtent;
 use glam::Vec3;
+use lobe_core::{Cone, LightImage, LobeWriter, Outline, Receiver, SeenLight, Sphere, Tile, TileLight};
 
 /// An area light, seen as a uniformly bright cone of directions, or as a bright outline (a convex polygon or a disc) in such a cone.
 ///
 /// ```
 /// use glam::Vec3;
-/// use lobe_core::{Cone, LightLobes, LobeBuffer, Receiver, SeenLight, Sphere};
+/// use lobe_core::{Cone, LobeBuffer, Receiver, SeenLight, Sphere};
+/// use shading::LightLobes;
 ///
 /// /// A sun of half-angle 0.27°.
 /// struct Sun {

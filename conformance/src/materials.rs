@@ -1,9 +1,9 @@
-//! The properties that every reflectance model has to keep, as a suite that anyone can run on their own (feature `oracle`).
+//! The properties that every reflectance model has to keep, as a suite that anyone can run on their own.
 
-use crate::Brdf;
+use crate::{Report, Run};
+use brdf::Brdf;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DVec3, Vec3};
-use lobe_core::conformance::{Report, Run};
 use lobe_core::oracle::Random;
 use lobe_core::{BrdfLobe, Receiver, Tile, TileLobes};
 
@@ -14,7 +14,7 @@ pub struct BrdfLimits {
     pub energy: f64,
     /// Relative difference of `f_r` when light and eye change places; infinite for a model that is not reciprocal.
     pub reciprocity: f64,
-    /// Difference of the sum of lobes from [`eval`](Brdf::eval), relative to the largest value.
+    /// Difference of the sum of lobes from [`eval`](brdf::Brdf::eval), relative to the largest value.
     pub lobes: f64,
     /// Relative difference of the energy that drawn directions carry from that of `eval`.
     pub sampling: f64,
@@ -27,7 +27,7 @@ impl Default for BrdfLimits {
     }
 }
 
-/// The measurements of [`check`]; the fields are those of [`BrdfLimits`].
+/// The measurements of [`check_brdf`]; the fields are those of [`BrdfLimits`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeasuredBrdf {
     /// The largest fraction of the light from one direction that is reflected.
@@ -53,16 +53,16 @@ const DRAWN: u32 = 20_000;
 /// [`Report`]: every property that does not hold, each with its worst case.
 ///
 /// ```
-/// use brdf::conformance::{BrdfLimits, check};
+/// use conformance::{BrdfLimits, check_brdf};
 /// use brdf::{Lambert, Phong};
 /// use glam::Vec3;
-/// check(&Lambert { albedo: Vec3::splat(0.8) }, &BrdfLimits::default()).unwrap();
+/// check_brdf(&Lambert { albedo: Vec3::splat(0.8) }, &BrdfLimits::default()).unwrap();
 /// // The original Phong model is not reciprocal.
 /// let phong = Phong { kd: Vec3::ZERO, ks: Vec3::splat(0.1), exponent: 20.0 };
-/// let report = check(&phong, &BrdfLimits::default()).unwrap_err();
+/// let report = check_brdf(&phong, &BrdfLimits::default()).unwrap_err();
 /// assert_eq!(report.broken[0].property, "light and eye change places");
 /// ```
-pub fn check<B: Brdf>(model: &B, limits: &BrdfLimits) -> Result<MeasuredBrdf, Report> {
+pub fn check_brdf<B: Brdf>(model: &B, limits: &BrdfLimits) -> Result<MeasuredBrdf, Report> {
     let (mut run, mut random) = (Run::<MeasuredBrdf>::default(), Random::new(5));
     let normal = Vec3::new(0.3, -0.5, 0.8).normalize();
     let (t, b) = normal.any_orthonormal_pair();

@@ -1,8 +1,9 @@
 //! Visibility strategies behind `dyn`: the same trait with the type of the scratch erased.
 
-use crate::{Coverage, Lobe, Microfacets, Shaft, Visibility, VisibilityQuery};
+use crate::{Coverage, Shaft, Visibility, VisibilityQuery};
 use core::any::Any;
 use glam::Vec3;
+use lobe_core::{Lobe, Microfacets};
 
 /// Working memory of a strategy behind `dyn`.
 pub type DynScratch = Box<dyn Any + Send>;

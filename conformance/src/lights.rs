@@ -1,10 +1,11 @@
 //! Properties that every kind of light has to keep.
 
-use super::{Report, Run};
-use crate::oracle::Random;
-use crate::{Cone, LightLobes, LobeBuffer, Receiver, SeenLight, Tile, TileLight};
+use crate::{Report, Run};
 use core::f64::consts::TAU;
 use glam::{DVec3, Vec3};
+use lobe_core::oracle::Random;
+use lobe_core::{Cone, LobeBuffer, Receiver, SeenLight, Tile, TileLight};
+use shading::LightLobes;
 
 /// How far a light may be off.
 #[derive(Clone, Copy, Debug)]
@@ -32,8 +33,9 @@ impl Default for LightLimits {
 ///
 /// ```
 /// use glam::Vec3;
-/// use lobe_core::conformance::{LightLimits, check_light};
+/// use conformance::{LightLimits, check_light};
 /// # use lobe_core::*;
+/// # use shading::*;
 /// # struct Sphere64(Sphere);
 /// # impl LightLobes for Sphere64 {
 /// #     fn bounds(&self) -> Sphere { self.0 }

@@ -1,13 +1,10 @@
 //! The sum of [`FractionIntegrator`](crate::FractionIntegrator) for all receivers of a tile: sixteen rows in one instruction.
 
 use crate::integrator::{FractionSource, query};
-use crate::lanes::{Kept, Lane, Level, WIDTH, ones, row, rows_above, update};
-use crate::tile::TileRadiance;
-use crate::{
-    BrdfLobe, Contribution, Coverage, Interaction, LightCoverage, LightVisibility, Observer, PackedLobe, Receiver,
-    Stage, TileLight, TileLobes, Visibility,
-};
+use crate::{Contribution, Coverage, Interaction, LightCoverage, LightVisibility, Observer, Stage, Visibility};
 use glam::Vec3;
+use lobe_core::lanes::{Kept, Lane, Level, WIDTH, ones, row, rows_above, update};
+use lobe_core::{BrdfLobe, PackedLobe, Receiver, TileLight, TileLobes, TileRadiance};
 
 /// The receivers of a tile and one light: [`Interaction`] for many.
 #[derive(Clone, Copy, Debug)]
@@ -18,7 +15,7 @@ pub struct TileInteraction<'a> {
     pub lobes: &'a TileLobes,
     /// The light as they see it.
     pub light: &'a TileLight,
-    /// [`cap_integrals`](crate::cap_integrals) of these lobes over this light. Unused where the integrator does not
+    /// [`cap_integrals`](lobe_core::cap_integrals) of these lobes over this light. Unused where the integrator does not
     /// [take integrals](crate::Integrator::TAKES_INTEGRALS) or the light shows an image.
     pub integrals: &'a [f32],
     /// See [`Interaction::threshold`].
@@ -202,8 +199,9 @@ impl TileInteraction<'_> {
         }
     }
 
-    /// The contributions of one receiver after the other, as `radiance` gives them.
-    pub(crate) fn one_by_one<O: Observer>(
+    /// The contributions of one receiver after the other, as `radiance` gives them: [`Integrator::tile`](crate::Integrator::tile) of methods that
+    /// have nothing faster.
+    pub fn one_by_one<O: Observer>(
         &self,
         mut radiance: impl FnMut(&Interaction<'_>, &mut Counted<'_, O>) -> Contribution,
         observer: &mut O,
@@ -237,8 +235,8 @@ fn total(column: &[f32; WIDTH], rows: usize) -> usize {
     sums[0] as usize
 }
 
-/// Counts for one receiver, and passes all on.
-pub(crate) struct Counted<'p, P> {
+/// An observer that counts for one receiver, and passes all on to another: of [`TileInteraction::one_by_one`].
+pub struct Counted<'p, P> {
     observer: &'p mut P,
     counts: [usize; 2],
 }

@@ -1,12 +1,13 @@
 //! The parts that materials, lights and blockers bring to a GPU: WGSL text, and the words that it reads. Nothing here knows a graphics
 //! library; `render-gpu` puts the parts together, the built-in ones and anybody's own alike.
 //!
-//! A text may call what [`wgsl`](crate::wgsl) defines (`GEOMETRY`, `LOBE`, `SPECIAL`) and reads the light from `frame`: `frame.light`
+//! A text may call what [`wgsl`](lobe_core::wgsl) defines (`GEOMETRY`, `LOBE`, `SPECIAL`) and reads the light from `frame`: `frame.light`
 //! (the light's [bounds](crate::LightLobes::bounds)), `frame.radiance`, `frame.shape`. Names start with that of the part, so that parts do not
 //! collide.
 
-use crate::{BrdfLobes, LightLobes, Outline, Sphere};
+use crate::{BrdfLobes, LightLobes};
 use core::fmt::Debug;
+use lobe_core::{Outline, Sphere};
 use std::borrow::Cow;
 
 pub use crate::gpu_pages::GpuPages;
@@ -26,7 +27,7 @@ pub struct GpuMaterialSet {
     pub max_lobes: u32,
     /// Whether all lobes are Lambert's: exponent 1 about the normal. Kernels are smaller then.
     pub is_lambert: bool,
-    /// Whether there may be lobes of [microfacets](crate::Microfacets).
+    /// Whether there may be lobes of [microfacets](lobe_core::Microfacets).
     pub has_microfacets: bool,
 }
 
@@ -34,8 +35,9 @@ pub struct GpuMaterialSet {
 ///
 /// ```
 /// use glam::Vec3;
-/// use lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
-/// use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver};
+/// use shading::gpu::{GpuMaterialSet, GpuMaterials};
+/// use lobe_core::{BrdfLobe, Lobe, Receiver};
+/// use shading::BrdfLobes;
 ///
 /// /// Reflects back to where the light came from, in a colour.
 /// struct Retro(Vec3);
@@ -85,7 +87,7 @@ pub trait GpuLight: LightLobes {
     /// Defines `fn light_cone(at: Receiver) -> Cone` and `fn light_radiance(at: Receiver) -> vec3f`: as
     /// [`cone`](LightLobes::cone) and [`radiance`](LightLobes::radiance). The cone of a light with an [outline](LightLobes::outline) comes from
     /// `outline_cone`, after `outline_new` or `outline_disc` and before `outline_keep_above(at.normal)`
-    /// ([`OUTLINE`](crate::wgsl::OUTLINE)).
+    /// ([`OUTLINE`](lobe_core::wgsl::OUTLINE)).
     const WGSL: &'static str;
 
     /// Name and text for this light, among all of a frame: lights of the same text share their kernels. [`NAME`](Self::NAME) and
@@ -101,7 +103,7 @@ pub trait GpuLight: LightLobes {
         Ok([Self::NAME, Self::WGSL])
     }
 
-    /// Of a light that may have an [outline](LightLobes::outline) its [roundness](crate::Outline::roundness), by which masks are made finer.
+    /// Of a light that may have an [outline](LightLobes::outline) its [roundness](lobe_core::Outline::roundness), by which masks are made finer.
     /// None, the default, for a light that is always a cone.
     fn gpu_roundness(&self) -> Option<f32> {
         None

@@ -1,4 +1,4 @@
-use super::{Broken, Exceeded, Report};
+use crate::{Broken, Exceeded, Report};
 
 /// A suite under way: its measurements so far, and what is broken. For suites of one's own.
 #[derive(Debug, Default)]
@@ -33,7 +33,7 @@ impl<M> Run<M> {
         }
     }
 
-    /// The same for a value and the field of [`Limits`](super::Limits) that it must not exceed.
+    /// The same for a value and the field of [`Limits`](crate::Limits) that it must not exceed.
     pub fn within(
         &mut self,
         value: f64,

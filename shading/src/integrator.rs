@@ -1,11 +1,14 @@
 //! The rendering equation of this project: radiance as a sum over lights and reflectance lobes.
 
 use crate::{
-    BrdfLobe, BrdfLobes, Cone, Coverage, LightCoverage, LightVisibility, Outline, Penumbra, Receiver, SeenLight, Tile,
-    TileContributions, TileInteraction, TileLobes, Visibility, VisibilityLobes, VisibilitySum, outline,
-    visible_fraction,
+    BrdfLobes, Coverage, LightCoverage, LightVisibility, Penumbra, TileContributions, TileInteraction, Visibility,
+    VisibilityLobes,
 };
 use glam::Vec3;
+use lobe_core::{
+    BrdfLobe, Cone, Outline, Receiver, SeenLight, Tile, TileLobes, VisibilitySum, light_image_integral, light_integral,
+    visible_fraction,
+};
 
 /// A stage of the paper's Table 1, told to an [`Observer`] when it ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,7 +75,7 @@ pub trait Integrator<V: Visibility + ?Sized>: Sync {
     /// Working memory, one a thread.
     type Scratch: Default + Send;
 
-    /// Whether tiles come with the [integrals](crate::cap_integrals) of their lobes over the light.
+    /// Whether tiles come with the [integrals](lobe_core::cap_integrals) of their lobes over the light.
     const TAKES_INTEGRALS: bool;
 
     /// The reflectance of a tile's receivers as this method takes it. Provided: [`BrdfLobes::tile_lobes`].
@@ -247,8 +250,8 @@ pub(crate) fn radiance<V: Visibility + ?Sized>(
     let light = point.light.above(point.at.normal);
     for lobe in point.brdf {
         let integral = match visibility.image().zip(light.outline.as_ref()) {
-            None => Vec3::splat(outline::light_integral(point.at, lobe, &light.cone, light.outline.as_ref())),
-            Some((image, outline)) => outline::of_image(point.at, lobe, outline, image),
+            None => Vec3::splat(light_integral(point.at, lobe, &light.cone, light.outline.as_ref())),
+            Some((image, outline)) => light_image_integral(point.at, lobe, outline, image),
         };
         let unshadowed = lobe.flux() * light.radiance * integral;
         observer.count(0, 1);

@@ -1,10 +1,10 @@
 //! Visibility: the traits of a strategy, and the query object that keeps the order of the questions.
 
-use crate::{
-    Accuracy, BrdfLobe, Cone, LightId, LightImage, Lobe, Microfacets, Outline, Receiver, Shaft, VisibilitySum, outline,
-    visible_fraction,
-};
+use crate::{Accuracy, LightId, Shaft};
 use glam::Vec3;
+use lobe_core::{
+    BrdfLobe, Cone, LightImage, Lobe, Microfacets, Outline, Receiver, VisibilitySum, light_integral, visible_fraction,
+};
 
 /// How much of a light a receiver sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +48,7 @@ impl<'a> VisibilityQuery<'a> {
             BrdfLobe::Cosine(lobe) => (*lobe, unshadowed),
             BrdfLobe::Microfacets(facets) => {
                 let lobe = facets.mirror_lobe(self.at.normal);
-                (lobe, outline::light_integral(self.at, &lobe.into(), self.cone, self.outline))
+                (lobe, light_integral(self.at, &lobe.into(), self.cone, self.outline))
             }
         }
     }
@@ -69,6 +69,7 @@ impl<'a> VisibilityQuery<'a> {
 /// ```
 /// use glam::Vec3;
 /// use lobe_core::*;
+/// use shading::*;
 ///
 /// /// Frosted glass before every light: half of the light passes.
 /// struct Veil;
@@ -149,7 +150,7 @@ pub trait VisibilityLobes: Visibility {
         out: &mut VisibilitySum,
     );
 
-    /// The visible fraction that the [lobes](Self::lobes) give by closed products ([`visible_fraction`](crate::visible_fraction)). Provided:
+    /// The visible fraction that the [lobes](Self::lobes) give by closed products ([`visible_fraction`](lobe_core::visible_fraction)). Provided:
     /// [`fraction`](Visibility::fraction) of strategies that have nothing faster. `sum` is working memory.
     fn fraction_of_lobes(
         &self,
@@ -170,6 +171,7 @@ pub trait VisibilityLobes: Visibility {
 /// ```
 /// use glam::Vec3;
 /// use lobe_core::*;
+/// use shading::*;
 /// let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z);
 /// let light = Sphere { center: Vec3::new(0.0, 0.0, 5.0), radius: 1.0 };
 /// let shaft = Shaft::new(Sphere::default(), light, LightId(0));

@@ -5,7 +5,7 @@ use core::ops::Range;
 /// pages of it, each a binding of its own.
 ///
 /// ```
-/// use lobe_core::gpu::GpuPages;
+/// use shading::gpu::GpuPages;
 /// let bytes = 181_930_368;
 /// let pages = GpuPages::of(bytes, 128 << 20);
 /// assert_eq!(pages.count(), 2);

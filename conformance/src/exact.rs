@@ -1,6 +1,6 @@
 //! The visible fraction of any number of spheres, by quadrature in f64: what strategies are measured against.
 
-use super::case::{Case, Sphere64};
+use crate::case::{Case, Sphere64};
 use core::f64::consts::PI;
 use glam::{DVec2, DVec3};
 
@@ -36,7 +36,7 @@ impl Cap {
 impl Case {
     /// Visible fraction of what the lobe reflects: rows of the plane at distance 1 before the light, whose disc has radius
     /// `tan θ` there, cut where something begins or ends.
-    pub(super) fn exact(&self) -> f64 {
+    pub(crate) fn exact(&self) -> f64 {
         let (axis, theta) = self.cone();
         let (right, up) = axis.any_orthonormal_pair();
         let local = |v: DVec3| DVec3::new(right.dot(v), up.dot(v), axis.dot(v));

@@ -1,11 +1,11 @@
 //! The properties, one function each.
 
-use super::case::{Case, FAR, Sphere64, Use, WIDE};
-use super::{Limits, Measured, Report, Run, Subject};
-use crate::Coverage;
-use crate::oracle::Random;
+use crate::case::{Case, FAR, Sphere64, Use, WIDE};
+use crate::{Limits, Measured, Report, Run, Subject};
 use core::f64::consts::PI;
 use glam::{DQuat, DVec3};
+use lobe_core::oracle::Random;
+use shading::Coverage;
 
 /// One case in so many has a crowd of spheres.
 const CROWDED: usize = 6;
