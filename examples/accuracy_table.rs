@@ -6,11 +6,12 @@
 
 use cosine_lobes::brdf::{Lambert, Material, Phong};
 use cosine_lobes::lighting::SphereLight;
-use cosine_lobes::lobe_core::{Accuracy, Sphere};
+use cosine_lobes::lobe_core::Sphere;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Geometry, Reference, ReferenceJob};
 use cosine_lobes::render_cpu::CpuShader;
 use cosine_lobes::scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade};
+use cosine_lobes::shading::Accuracy;
 use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{Picture, ShadowErrors};

@@ -5,9 +5,9 @@
 
 use cosine_lobes::brdf::Lambert;
 use cosine_lobes::lighting::SphereLight;
-use cosine_lobes::lobe_core::{
-    Accuracy, BrdfLobes, FractionIntegrator, Integrator, Interaction, LightId, LightLobes, LightVisibility, Receiver,
-    Sphere, Visibility,
+use cosine_lobes::lobe_core::{Receiver, Sphere};
+use cosine_lobes::shading::{
+    Accuracy, BrdfLobes, FractionIntegrator, Integrator, Interaction, LightId, LightLobes, LightVisibility, Visibility,
 };
 use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_spheres::SphereBlockers;

@@ -5,9 +5,10 @@
 
 use cosine_lobes::brdf::Material;
 use cosine_lobes::lighting::SphereLight;
-use cosine_lobes::lobe_core::{Accuracy, Cone, Coverage, DynVisibility, Sphere, VisibilityQuery};
+use cosine_lobes::lobe_core::{Cone, Sphere};
 use cosine_lobes::render_cpu::{CpuShader, GBuffer, World};
 use cosine_lobes::scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade};
+use cosine_lobes::shading::{Accuracy, Coverage, DynVisibility, VisibilityQuery};
 use cosine_lobes::visibility_mask::{Blockers, Contour, Mask, MaskVisibility};
 use cosine_lobes::{Output, Picture, srgb_bytes, write_png};
 use glam::Vec3;

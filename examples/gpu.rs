@@ -2,10 +2,10 @@
 //!
 //! `cargo run --release --example gpu` prints the time of each and the difference of the pictures, and writes gpu.png.
 
-use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::{CpuShader, GBuffer, World, blockers};
 use cosine_lobes::render_gpu::{Gpu, GpuOptions, GpuShader, Occlusion};
 use cosine_lobes::scene::{Frame, Shade, builtin};
+use cosine_lobes::shading::Accuracy;
 use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{Output, Picture, srgb_bytes, write_png};

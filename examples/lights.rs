@@ -7,11 +7,12 @@ use cosine_lobes::brdf::{Material, MetallicRoughness, ModifiedPhong};
 use cosine_lobes::lighting::{
     Environment, EnvironmentMap, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight,
 };
-use cosine_lobes::lobe_core::{Accuracy, LightImage, Sphere};
+use cosine_lobes::lobe_core::{LightImage, Sphere};
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Estimate, Geometry, Reference, ReferenceJob};
 use cosine_lobes::render_cpu::{CpuShader, SceneSilhouettes, SurfaceHits};
 use cosine_lobes::scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints};
+use cosine_lobes::shading::Accuracy;
 use cosine_lobes::visibility_mask::{MaskVisibility, Mixture};
 use cosine_lobes::visibility_rays::RayBlockers;
 use cosine_lobes::visibility_silhouettes::SilhouetteBlockers;

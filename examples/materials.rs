@@ -10,12 +10,13 @@ use cosine_lobes::brdf::{
     Neumann, residual,
 };
 use cosine_lobes::lighting::SphereLight;
-use cosine_lobes::lobe_core::{
-    Accuracy, BrdfLobes, Cone, Coverage, FractionIntegrator, Integrator, Interaction, LightId, LightVisibility,
-    Receiver, SeenLight, Sphere, Unshadowed, Visibility, VisibilityQuery, orthonormal_basis,
-};
+use cosine_lobes::lobe_core::{Cone, Receiver, SeenLight, Sphere, orthonormal_basis};
 use cosine_lobes::render_cpu::CpuShader;
 use cosine_lobes::scene::{Frame, Shade, ShadingPoints};
+use cosine_lobes::shading::{
+    Accuracy, BrdfLobes, Coverage, FractionIntegrator, Integrator, Interaction, LightId, LightVisibility, Unshadowed,
+    Visibility, VisibilityQuery,
+};
 use cosine_lobes::visibility_mask::{Blockers, Edges, Mask, MaskVisibility};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;

@@ -5,9 +5,10 @@
 //! disc. Two rules: one distance τ for the set, and a near radius and a distance for each sphere
 //! ([`SphereSet::self_shadows`](cosine_lobes::sphere_sets::SphereSet)).
 
-use cosine_lobes::lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Sphere, VisibilityQuery};
+use cosine_lobes::lobe_core::{Cone, Receiver, Sphere};
 use cosine_lobes::render_cpu::World;
 use cosine_lobes::scene::{self, Mesh, Object, Proxy, Shape};
+use cosine_lobes::shading::{Accuracy, Coverage, LightId, VisibilityQuery};
 use cosine_lobes::sphere_sets::{BuildOptions, SphereSet};
 use cosine_lobes::visibility_mask::{Blockers, Mask, UnitSquare};
 use cosine_lobes::visibility_spheres::SphereBlockers;

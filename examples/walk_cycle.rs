@@ -5,9 +5,10 @@
 //! `cargo run --release --example walk_cycle [-- FILE CLIP [SPHERES]]` prints tables in Markdown; without arguments the fox
 //! and the tentacle of `scenes/assets`. Light of half-angle 6°, mask of depth 5, a floor of 96 × 96 points.
 
-use cosine_lobes::lobe_core::{Accuracy, Receiver, Visibility};
+use cosine_lobes::lobe_core::Receiver;
 use cosine_lobes::render_cpu::{CpuShader, SceneSpheres, SphereSource, World, blockers};
 use cosine_lobes::scene::{self, Animation, BlockerSet, Frame, Proxy, Scene, ShadingPoints, Shape};
+use cosine_lobes::shading::{Accuracy, Visibility};
 use cosine_lobes::sphere_sets::SphereSet;
 use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_rays::RayBlockers;

@@ -4,10 +4,10 @@
 //! the texture to PREFIX-0.png and PREFIX-1.png (`embed` unless given). Any adapter will do, also a software
 //! one; without an adapter it prints a message and ends with 1.
 
-use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::blockers;
 use cosine_lobes::render_gpu::{Gpu, GpuGBuffer, GpuShader, GpuTextureWriter, Occlusion};
 use cosine_lobes::scene::{Frame, builtin};
+use cosine_lobes::shading::Accuracy;
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{Output, Picture, srgb_bytes, write_png};
 use glam::Vec3;

@@ -109,7 +109,8 @@
 //! ```
 //! use cosine_lobes::brdf::{Brdf, Material, Model};
 //! use cosine_lobes::glam::Vec3;
-//! use cosine_lobes::lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver};
+//! use cosine_lobes::lobe_core::{BrdfLobe, Lobe, Receiver};
+//! use cosine_lobes::shading::BrdfLobes;
 //! use cosine_lobes::renderer::{Renderer, Settings};
 //! use cosine_lobes::scene::{Animation, builtin};
 //! use std::sync::Arc;
@@ -172,7 +173,7 @@
 //! # Crates
 //!
 //! Each crate of the workspace is a module here. [`scene`]: scenes, and their files (crates `scene` and `scene-files`). [`renderer`]: the front door; [`session`]: the same on a thread of its own. [`brdf`], [`lighting`]:
-//! materials and lights as lobes; [`lobe_core`]: lobes, their integrals and the traits. [`visibility_mask`], [`visibility_silhouettes`],
+//! materials and lights as lobes; [`lobe_core`]: lobes and their integrals; [`shading`]: the traits and the integrators; [`paper`]: the paper's own method. [`visibility_mask`], [`visibility_silhouettes`],
 //! [`visibility_spheres`], [`sphere_sets`], [`visibility_shadowmap`], [`visibility_rays`]: visibility. [`render_cpu`], `render_gpu`: shading. [`ray_tracing`]: rays
 //! and visible points. [`reference`](mod@reference): Monte Carlo. [`pictures`]: image files and comparison.
 //!
@@ -180,14 +181,17 @@
 //!
 //! - `gpu` (default): `render_gpu`, through wgpu.
 //! - `files` (default): scene files, models, images: glTF, OBJ, PLY, PNG, OpenEXR and others. Without it a scene comes from code.
-//! - `oracle`: f64 oracles, and suites for own materials, lights and strategies ([`lobe_core`] and [`brdf`], module `conformance`).
+//! - `oracle`: f64 oracles, and suites for own materials, lights and strategies (`conformance`).
 //!
 //! The command `lobes` is a package of its own, `cosine-lobes-cli`. With `default-features = false` no wgpu is built.
 
 pub use brdf;
+#[cfg(feature = "oracle")]
+pub use conformance;
 pub use glam;
 pub use lighting;
 pub use lobe_core;
+pub use paper;
 pub use pictures;
 pub use ray_tracing;
 pub use reference;
@@ -196,6 +200,7 @@ pub use render_cpu;
 pub use render_gpu;
 pub use renderer;
 pub use session;
+pub use shading;
 pub use sphere_sets;
 pub use visibility_mask;
 pub use visibility_rays;

@@ -3,13 +3,15 @@
 
 use cosine_lobes::brdf::{Lambert, Material, MetallicRoughness, ModifiedPhong};
 use cosine_lobes::lighting::{Light, SphereLight};
-use cosine_lobes::lobe_core::paper::{PaperIntegrator, Tables};
-use cosine_lobes::lobe_core::{Accuracy, Cone, Integrator, Sphere, Unshadowed, Visibility, oracle};
+use cosine_lobes::lobe_core::{Cone, Sphere, oracle};
+use cosine_lobes::paper::PaperVisibility;
+use cosine_lobes::paper::{PaperIntegrator, Tables};
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Geometry, Reference, ReferenceJob};
 use cosine_lobes::render_cpu::{CpuShader, blockers};
 use cosine_lobes::scene::{BlockerSet, Frame, Mesh, Object, Proxy, Scene, ShadeStats, builtin};
-use cosine_lobes::visibility_mask::{MaskVisibility, PaperVisibility};
+use cosine_lobes::shading::{Accuracy, Integrator, Unshadowed, Visibility};
+use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{Comparison, Picture, ShadowErrors};
 use glam::Vec3;

@@ -5,12 +5,13 @@ use cosine_lobes::brdf::{Material, MetallicRoughness, ModifiedPhong};
 use cosine_lobes::lighting::{
     AmbientLight, Environment, EnvironmentMap, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight,
 };
-use cosine_lobes::lobe_core::{Accuracy, LightImage, Sphere, Visibility};
+use cosine_lobes::lobe_core::{LightImage, Sphere};
 use cosine_lobes::pictures::Picture;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Geometry, RayShader, Reference, ReferenceJob};
 use cosine_lobes::render_cpu::{CpuShader, SceneSilhouettes, SurfaceHits};
 use cosine_lobes::scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade};
+use cosine_lobes::shading::{Accuracy, Visibility};
 use cosine_lobes::visibility_mask::{MaskVisibility, Mixture};
 use cosine_lobes::visibility_rays::RayBlockers;
 use cosine_lobes::visibility_silhouettes::SilhouetteBlockers;

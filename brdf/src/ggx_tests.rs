@@ -4,7 +4,8 @@ use crate::{Brdf, Material, MaterialError, MetallicRoughness};
 use core::f32::consts::FRAC_PI_2;
 use core::f64::consts::PI;
 use glam::{DVec3, Vec3};
-use lobe_core::{BrdfLobe, BrdfLobes, Receiver};
+use lobe_core::{BrdfLobe, Receiver};
+use shading::BrdfLobes;
 
 const ROUGHNESSES: [f32; 8] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 0.85, 1.0];
 

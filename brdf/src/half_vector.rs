@@ -7,7 +7,8 @@ use crate::wgsl::{ModelWgsl, TURN};
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
-use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Microfacets, Receiver};
+use lobe_core::{BrdfLobe, Lobe, Microfacets, Receiver};
+use shading::BrdfLobes;
 
 /// A diffuse part and lobes about the half vector, each with a roughness and colours of its own: what [`fit`](crate::fit()) makes of
 /// measured metals. `f̃(v) = diffuse/π·(n·v) + Σ F·D(h)·W(v)`, with `D`, `W` and `h` of

@@ -7,7 +7,8 @@ use crate::wgsl::ModelWgsl;
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Mat3, Vec3};
-use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver, power};
+use lobe_core::{BrdfLobe, Lobe, Receiver, power};
+use shading::BrdfLobes;
 
 /// The Lafortune model: `f̃(v) = (ρ/π + Σ_i k_i·max(v·M_iω_o, 0)^e_i)·max(n·v, 0)` (Eqs. 27–29; E. Lafortune, S. Foo,
 /// K. Torrance, D. Greenberg, *Non-Linear Approximation of Reflectance Functions*, SIGGRAPH 1997).

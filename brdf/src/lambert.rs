@@ -6,7 +6,8 @@ use crate::wgsl::ModelWgsl;
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
-use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver};
+use lobe_core::{BrdfLobe, Lobe, Receiver};
+use shading::BrdfLobes;
 
 /// An ideally diffuse surface: `f̃(v) = ρ/π·max(n·v, 0)` (Eq. 25 with `kd = ρ/π`).
 ///

@@ -16,7 +16,8 @@
 //! ```
 //! use brdf::{Brdf, ModifiedPhong};
 //! use glam::Vec3;
-//! use lobe_core::{BrdfLobe, BrdfLobes, Receiver};
+//! use lobe_core::{BrdfLobe, Receiver};
+//! use shading::BrdfLobes;
 //!
 //! let gloss = ModifiedPhong { kd: Vec3::splat(0.5), ks: Vec3::splat(0.3), exponent: 60.0 };
 //! let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::new(0.6, 0.0, 0.8));
@@ -46,8 +47,6 @@ mod clearcoat;
 #[cfg(test)]
 mod clearcoat_tests;
 mod coat;
-#[cfg(feature = "oracle")]
-pub mod conformance;
 mod error;
 mod factors;
 mod fit;

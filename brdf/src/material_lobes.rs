@@ -8,7 +8,8 @@ use core::cell::RefCell;
 use core::marker::PhantomData;
 use glam::Vec3;
 use lobe_core::lanes::{Columns, Lane, Level, WIDTH, map, row, set_row};
-use lobe_core::{BrdfLobe, BrdfLobes, PackedLobe, Receiver, Tile, TileLobes};
+use lobe_core::{BrdfLobe, PackedLobe, Receiver, Tile, TileLobes};
+use shading::BrdfLobes;
 
 impl Material {
     /// The constants of the lobe at a place. There are none beyond the last, and none of models whose lobes have no such constants.

@@ -9,7 +9,8 @@ use crate::wgsl::{ModelWgsl, TURN};
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
-use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Microfacets, Receiver};
+use lobe_core::{BrdfLobe, Lobe, Microfacets, Receiver};
+use shading::BrdfLobes;
 
 /// glTF's metallic–roughness material as lobes: a diffuse base under a dielectric coat, mixed with a
 /// metal (glTF 2.0, appendix B; B. Walter et al., *Microfacet Models for Refraction through Rough Surfaces*, 2007).

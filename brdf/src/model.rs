@@ -4,7 +4,8 @@ use crate::{Factors, Material, MaterialError, Packer};
 use core::f32::consts::FRAC_1_PI;
 use core::fmt::Debug;
 use glam::Vec3;
-use lobe_core::{BrdfLobes, Receiver};
+use lobe_core::Receiver;
+use shading::BrdfLobes;
 
 /// A direction drawn in proportion to a reflectance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +55,8 @@ pub trait Brdf: BrdfLobes {
 /// ```
 /// use brdf::{Brdf, Material, MaterialError, Model};
 /// use glam::Vec3;
-/// use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver};
+/// use lobe_core::{BrdfLobe, Lobe, Receiver};
+/// use shading::BrdfLobes;
 /// use std::sync::Arc;
 ///
 /// /// Reflects back to where the light came from, in a colour.

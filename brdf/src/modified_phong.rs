@@ -7,7 +7,8 @@ use crate::wgsl::{MIRRORED_VIEW, ModelWgsl};
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;
-use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver, power};
+use lobe_core::{BrdfLobe, Lobe, Receiver, power};
+use shading::BrdfLobes;
 
 /// The normalised Phong model: `f̃(v) = (kd/π + ks·(e+2)/(2π)·max(r·v, 0)^e)·max(n·v, 0)`, `r` the mirrored view
 /// (E. Lafortune, Y. Willems, *Using the Modified Phong Reflectance Model for Physically Based Rendering*, 1994; \[26\]

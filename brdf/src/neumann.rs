@@ -5,7 +5,8 @@ use crate::wgsl::{ModelWgsl, TURN};
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer, phong};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;
-use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver, orthonormal_basis, power};
+use lobe_core::{BrdfLobe, Lobe, Receiver, orthonormal_basis, power};
+use shading::BrdfLobes;
 use std::sync::LazyLock;
 
 /// Neumann et al.'s *stretched Phong* model of metals: `f_r = kd/π + ks·(e+2)/2π·max(r·v, 0)^e / max(n·v, n·ω_o)`, `r` the mirrored

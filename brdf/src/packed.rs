@@ -1,7 +1,7 @@
 use crate::wgsl::{ModelWgsl, compose};
 use crate::{Material, Model};
 use glam::Vec3;
-use lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
+use shading::gpu::{GpuMaterialSet, GpuMaterials};
 
 /// Materials as the words that the WGSL of [`wgsl`](crate::wgsl) reads from its `materials`.
 ///
@@ -90,7 +90,7 @@ impl PackedMaterials {
         Self::with(materials, |model| model.wgsl(), |model, out| model.pack(out))
     }
 
-    /// The same by [cosine lobes](lobe_core::BrdfLobes::cosine_lobes).
+    /// The same by [cosine lobes](shading::BrdfLobes::cosine_lobes).
     ///
     /// # Errors
     /// As [`new`](Self::new).

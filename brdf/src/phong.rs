@@ -6,7 +6,8 @@ use crate::wgsl::{MIRRORED_VIEW, ModelWgsl};
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::{PI, TAU};
 use glam::Vec3;
-use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver, power};
+use lobe_core::{BrdfLobe, Lobe, Receiver, power};
+use shading::BrdfLobes;
 
 /// The Phong model as the paper prints it: `f̃(v) = kd·max(n·v, 0) + ks·max(r·v, 0)^e` (Eqs. 23–26), `r` the mirrored
 /// view.

@@ -30,7 +30,7 @@ pub fn residual<B: Brdf>(material: &B) -> f64 {
     residual_of(material, B::brdf_lobes)
 }
 
-/// The same of a material's [cosine lobes](lobe_core::BrdfLobes::cosine_lobes).
+/// The same of a material's [cosine lobes](shading::BrdfLobes::cosine_lobes).
 ///
 /// # Cost
 /// A few milliseconds where these come from tables that are not there yet.

@@ -20,7 +20,7 @@ pub struct ModelWgsl {
     pub name: &'static str,
     /// Texts that it needs beside [`MATERIAL`], each of which is there once, however many models need it. One defines
     /// `fn NAME_lobe(words: u32, at: Receiver, k: u32) -> Lobe`, with underscores for the hyphens of the name: the lobes of
-    /// [`brdf_lobes`](lobe_core::BrdfLobes::brdf_lobes) in the same order, with a flux of 0 where a receiver has less. `words` is where the
+    /// [`brdf_lobes`](shading::BrdfLobes::brdf_lobes) in the same order, with a flux of 0 where a receiver has less. `words` is where the
     /// material's [packed](crate::Model::pack) numbers begin.
     pub pieces: Vec<&'static str>,
     /// Whether it may give lobes of microfacets.
@@ -43,7 +43,7 @@ impl ModelWgsl {
 
 /// The code of these models and no other, with `brdf_lobe_count(material: u32) -> u32` and
 /// `brdf_lobe(material: u32, at: Receiver, k: u32) -> Lobe`: the lobes of `f̃` in the order of
-/// [`brdf_lobes`](lobe_core::BrdfLobes::brdf_lobes). A lobe that a receiver does not have has a flux of 0.
+/// [`brdf_lobes`](shading::BrdfLobes::brdf_lobes). A lobe that a receiver does not have has a flux of 0.
 ///
 /// A single model is called without asking which it is.
 ///

@@ -1,8 +1,8 @@
 //! Advice: the strategy that suits an object, and the reason.
 
 use crate::console::counted;
-use cosine_lobes::lobe_core::LightLobes;
 use cosine_lobes::scene::{Animation, Mesh, Object, Proxy, Scene, Shape, Strategy};
+use cosine_lobes::shading::LightLobes;
 use cosine_lobes::sphere_sets::SetQuality;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;

@@ -5,10 +5,11 @@ use crate::console;
 use crate::failure::Failure;
 use crate::teller::Teller;
 use cosine_lobes::brdf::Material;
-use cosine_lobes::lobe_core::{BrdfLobes, Receiver};
+use cosine_lobes::lobe_core::Receiver;
 use cosine_lobes::render_cpu::SceneSpheres;
 use cosine_lobes::renderer::{Plan, scene_spheres};
 use cosine_lobes::scene::{self, Animation, LoadOptions, Scene};
+use cosine_lobes::shading::BrdfLobes;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 

@@ -4,12 +4,12 @@ use crate::args::{Visibility, name};
 use crate::console::say;
 use crate::failure::Failure;
 use crate::input;
-use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::{GBuffer, World};
 use cosine_lobes::renderer::{
     Backend, FrameBlockers, KeptSpheres, Method, Plan, RenderError, Shader, ShaderTask, seconds,
 };
 use cosine_lobes::scene::{Animation, BlockerSet, Frame, Scene, ShadingPoints};
+use cosine_lobes::shading::Accuracy;
 use cosine_lobes::visibility_shadowmap::ReceiverBounds;
 use cosine_lobes::{Picture, RegionError, ShadowErrors};
 use glam::Vec3;

@@ -1,7 +1,7 @@
 //! Settings picked from the measured front of error against time.
 
 use clap::ValueEnum;
-use cosine_lobes::lobe_core::Accuracy;
+use cosine_lobes::shading::Accuracy;
 
 /// The quality of a picture: points of the front that `lobes trade` measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

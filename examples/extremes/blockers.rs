@@ -2,9 +2,8 @@
 
 use crate::table::Table;
 use core::f64::consts::TAU;
-use cosine_lobes::lobe_core::{
-    Accuracy, Cone, LightId, LightVisibility, Lobe, Receiver, Sphere, Visibility, cap_integral,
-};
+use cosine_lobes::lobe_core::{Cone, Lobe, Receiver, Sphere, cap_integral};
+use cosine_lobes::shading::{Accuracy, LightId, LightVisibility, Visibility};
 use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use glam::{DVec3, Vec3};

@@ -3,7 +3,8 @@
 use crate::table::Table;
 use core::f64::consts::TAU;
 use cosine_lobes::brdf::{Brdf, Lafortune, LafortuneLobe, Lambert, Material, ModifiedPhong, Phong};
-use cosine_lobes::lobe_core::{BrdfLobes, Cone, Receiver, Sphere, cap_integral, orthonormal_basis};
+use cosine_lobes::lobe_core::{Cone, Receiver, Sphere, cap_integral, orthonormal_basis};
+use cosine_lobes::shading::BrdfLobes;
 use glam::Vec3;
 
 pub(crate) fn reflected(table: &mut Table) {

@@ -1,9 +1,9 @@
 //! A scene of another size and at another place is the same picture.
 
 use crate::table::Table;
-use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
 use cosine_lobes::scene::{self, Frame, Shade};
+use cosine_lobes::shading::Accuracy;
 use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_silhouettes::SilhouetteBlockers;
 use glam::Vec3;

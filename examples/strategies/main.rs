@@ -15,13 +15,14 @@ mod sheet;
 use crate::sheet::{Cell, Sheet};
 use cosine_lobes::brdf::Material;
 use cosine_lobes::lighting::{Light, SphereLight};
-use cosine_lobes::lobe_core::{Accuracy, DynVisibility, LightLobes, Sphere, Unshadowed};
+use cosine_lobes::lobe_core::Sphere;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Estimate, Geometry, Reference, ReferenceJob};
 use cosine_lobes::render_cpu::{CpuShader, SceneSilhouettes, SurfaceHits};
 use cosine_lobes::scene::{
     BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, Shape, Strategy, load_animated,
 };
+use cosine_lobes::shading::{Accuracy, DynVisibility, LightLobes, Unshadowed};
 use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_rays::RayBlockers;
 use cosine_lobes::visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};

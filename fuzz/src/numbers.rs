@@ -7,9 +7,10 @@ use cosine_lobes::brdf::{
     Neumann, Phong,
 };
 use cosine_lobes::lobe_core::{
-    BrdfLobe, BrdfLobes, Cone, Lobe, NO_OBJECT, Receiver, cap_integral, power, product_of_angle, products_of_angle,
+    BrdfLobe, Cone, Lobe, NO_OBJECT, Receiver, cap_integral, power, product_of_angle, products_of_angle,
     sphere_light_irradiance,
 };
+use cosine_lobes::shading::BrdfLobes;
 use cosine_lobes::visibility_mask::{MAX_DEPTH, Mask, UnitSquare};
 use glam::{Mat3, Vec3};
 

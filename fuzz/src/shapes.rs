@@ -2,11 +2,10 @@
 
 use crate::bytes::Bytes;
 use cosine_lobes::brdf::Material;
-use cosine_lobes::lobe_core::{
-    Accuracy, Cone, LightCoverage, LightId, LightVisibility, Lobe, Receiver, Sphere, Visibility, cap_integral,
-};
+use cosine_lobes::lobe_core::{Cone, Lobe, Receiver, Sphere, cap_integral};
 use cosine_lobes::render_cpu::{SceneSilhouettes, SurfaceHits, World};
 use cosine_lobes::scene::{Camera, Mesh, Object, Proxy, Scene};
+use cosine_lobes::shading::{Accuracy, LightCoverage, LightId, LightVisibility, Visibility};
 use cosine_lobes::sphere_sets::{BuildOptions, SphereSet};
 use cosine_lobes::visibility_mask::{Blockers, MaskVisibility};
 use cosine_lobes::visibility_rays::RayBlockers;

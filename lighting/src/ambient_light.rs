@@ -1,7 +1,8 @@
 use crate::gpu::{AMBIENT, CONES};
 use crate::{Area, Light, LightError, LightKind};
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere};
+use lobe_core::{Cone, Receiver, SeenLight, Sphere};
+use shading::LightLobes;
 
 /// The same radiance from everywhere, which nothing hides: what a scene without walls reflects, as a guess.
 ///

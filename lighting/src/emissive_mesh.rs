@@ -13,7 +13,8 @@ use crate::faces::weld;
 use crate::{FacesError, Light, faces};
 use core::f64::consts::PI;
 use glam::{DVec3, Vec3};
-use lobe_core::{LightLobes, Lobe, Receiver, cap_integral, outline_integral};
+use lobe_core::{Lobe, Receiver, cap_integral, outline_integral};
+use shading::LightLobes;
 
 /// The most lights that a mesh becomes.
 const MOST: usize = 24;

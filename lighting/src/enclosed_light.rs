@@ -1,8 +1,9 @@
 use crate::gpu::{CONES, INSIDE, PLANES};
 use crate::{Area, Light, LightError, LightKind, SphereLight};
 use glam::{Mat4, Vec3};
-use lobe_core::gpu::GpuLight as _;
-use lobe_core::{LightExtent, LightImage, LightLobes, Receiver, SeenLight, Sphere};
+use lobe_core::{LightImage, Receiver, SeenLight, Sphere};
+use shading::gpu::GpuLight as _;
+use shading::{LightExtent, LightLobes};
 
 /// A light inside an object whose surface it stands for: it does not light that object.
 ///
@@ -11,7 +12,8 @@ use lobe_core::{LightExtent, LightImage, LightLobes, Receiver, SeenLight, Sphere
 /// ```
 /// use glam::Vec3;
 /// use lighting::{EnclosedLight, SphereLight};
-/// use lobe_core::{LightLobes, Receiver, Sphere};
+/// use lobe_core::{Receiver, Sphere};
+/// use shading::LightLobes;
 /// let sphere = SphereLight::new(Sphere { center: Vec3::ZERO, radius: 1.0 }, Vec3::ONE);
 /// let light = EnclosedLight { light: Box::new(sphere.into()), object: 3 };
 /// let at = Receiver::on_surface(Vec3::Z * 0.99, Vec3::Z, Vec3::Z).on_object(3);

@@ -255,7 +255,7 @@ fn polygon(part: &[Vec3], radiance: Vec3) -> Result<FlatLight, FacesError> {
 mod tests {
     use super::*;
     use core::f32::consts::TAU;
-    use lobe_core::LightLobes;
+    use shading::LightLobes;
 
     /// The prism over a polygon, all triangles turned outward.
     fn prism(base: &[Vec3]) -> (Vec<Vec3>, Vec<[u32; 3]>) {

@@ -3,9 +3,8 @@ use crate::tube_light::to_segment;
 use crate::{Area, AreaShape, Light, LightKind, ShownImage};
 use core::f32::consts::{FRAC_PI_2, PI, TAU};
 use glam::{Mat4, Vec3};
-use lobe_core::{
-    FlatShape, LightExtent, LightImage, LightLobes, Outline, Receiver, SeenLight, Sphere, Tile, TileLight,
-};
+use lobe_core::{FlatShape, LightImage, Outline, Receiver, SeenLight, Sphere, Tile, TileLight};
+use shading::{LightExtent, LightLobes};
 use std::sync::Arc;
 
 /// A flat convex shape that emits the same radiance in all directions on one side, or on both.
@@ -15,7 +14,8 @@ use std::sync::Arc;
 /// ```
 /// use glam::Vec3;
 /// use lighting::FlatLight;
-/// use lobe_core::{LightLobes, Receiver};
+/// use lobe_core::Receiver;
+/// use shading::LightLobes;
 /// let panel = FlatLight::rectangle(Vec3::new(0.0, 3.0, 0.0), Vec3::X, Vec3::Z * 0.5, Vec3::splat(10.0)).unwrap();
 /// let at = Receiver::on_surface(Vec3::ZERO, Vec3::Y, Vec3::Y);
 /// // X × Z is down.

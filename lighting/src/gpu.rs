@@ -3,7 +3,7 @@
 use crate::{Light, SphereLight};
 use glam::Vec3;
 use lobe_core::Sphere;
-use lobe_core::gpu::GpuLight;
+use shading::gpu::GpuLight;
 
 macro_rules! shared {
     ($(#[$doc:meta])* $text:ident = $wgsl:expr; $($(#[$of:meta])* $name:ident = $value:literal;)*) => {

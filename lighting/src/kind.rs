@@ -1,7 +1,8 @@
 use crate::{Area, Light, LightError};
 use core::fmt::Debug;
 use glam::{Mat4, Vec3};
-use lobe_core::{LightLobes, Outline, Sphere};
+use lobe_core::{Outline, Sphere};
+use shading::LightLobes;
 
 /// A kind of light with all that scenes, renderers and the reference want of it.
 ///
@@ -11,7 +12,8 @@ use lobe_core::{LightLobes, Outline, Sphere};
 /// ```
 /// use glam::{Mat4, Vec3};
 /// use lighting::{Area, Light, LightKind};
-/// use lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere};
+/// use lobe_core::{Cone, Receiver, SeenLight, Sphere};
+/// use shading::LightLobes;
 /// use std::sync::Arc;
 ///
 /// /// A sphere whose radiance falls with height.
@@ -97,7 +99,7 @@ pub trait LightKind: LightLobes + Debug + Send + Sync {
         None
     }
 
-    /// Name and text of its WGSL ([`GpuLight::WGSL`](lobe_core::gpu::GpuLight::WGSL) says what that defines). Provided: `None`, a light that
+    /// Name and text of its WGSL ([`GpuLight::WGSL`](shading::gpu::GpuLight::WGSL) says what that defines). Provided: `None`, a light that
     /// GPUs cannot shade with.
     fn wgsl(&self) -> Option<[&'static str; 2]> {
         None

@@ -1,6 +1,6 @@
 //! Area lights: the cone in which a receiver sees one, its radiance, and its lobes.
 //!
-//! A light is one type that implements [`LightLobes`](lobe_core::LightLobes): [`SphereLight`], [`FlatLight`] (rectangles, discs, convex polygons),
+//! A light is one type that implements [`LightLobes`](shading::LightLobes): [`SphereLight`], [`FlatLight`] (rectangles, discs, convex polygons),
 //! [`TubeLight`], [`SunLight`], [`SpotLight`], [`AmbientLight`], [`EnclosedLight`]; [`Light`] is any of these, or a [`LightKind`] of your own. An [`Environment`]
 //! is a set of them, [`faces`] and [`emissive_mesh`] are those of a mesh that emits.
 //!
@@ -9,7 +9,8 @@
 //! ```
 //! use glam::Vec3;
 //! use lighting::SphereLight;
-//! use lobe_core::{LightLobes, Receiver, Sphere};
+//! use lobe_core::{Receiver, Sphere};
+//! use shading::LightLobes;
 //! let lamp = SphereLight::new(Sphere { center: Vec3::new(0.0, 4.0, 0.0), radius: 0.5 }, Vec3::splat(10.0));
 //! let at = Receiver::on_surface(Vec3::ZERO, Vec3::Y, Vec3::Y);
 //! assert_eq!((lamp.cone(&at).axis, lamp.cone(&at).distance), (Vec3::Y, 4.0));

@@ -4,7 +4,8 @@ use crate::{
     AmbientLight, EnclosedLight, FlatLight, LightKind, SkyLight, SkyPatch, SphereLight, SpotLight, SunLight, TubeLight,
 };
 use glam::{Mat4, Vec3};
-use lobe_core::{LightExtent, LightImage, LightLobes, Receiver, SeenLight, Sphere, Tile, TileLight};
+use lobe_core::{LightImage, Receiver, SeenLight, Sphere, Tile, TileLight};
+use shading::{LightExtent, LightLobes};
 use std::sync::Arc;
 
 /// The enum with a variant for each built-in kind, and its conversions.

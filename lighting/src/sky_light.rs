@@ -2,7 +2,8 @@ use crate::gpu::{PLANE_OUTSIDE, PLANE_SKY, PLANES, shape_of};
 use crate::{Area, AreaShape, Light, LightError, LightKind, ShownImage, SunLight};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
-use lobe_core::{LightImage, LightLobes, Outline, Receiver, SeenLight, Sphere};
+use lobe_core::{LightImage, Outline, Receiver, SeenLight, Sphere};
+use shading::LightLobes;
 use std::sync::Arc;
 
 /// A part of an [`Environment`](crate::Environment): a patch of the sky, or a sun.

@@ -1,7 +1,8 @@
 use crate::{Area, Light, LightError, LightKind};
 use glam::{Mat4, Vec3};
-use lobe_core::gpu::GpuLight;
-use lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere, Tile, TileLight};
+use lobe_core::{Cone, Receiver, SeenLight, Sphere, Tile, TileLight};
+use shading::LightLobes;
+use shading::gpu::GpuLight;
 
 /// A sphere that emits the same radiance in all directions from all of its surface.
 ///

@@ -1,7 +1,8 @@
 use crate::gpu::{CONES, SPOT};
 use crate::{Area, Light, LightError, LightKind, SphereLight};
 use glam::{Mat4, Vec3};
-use lobe_core::{LightLobes, Receiver, SeenLight, Sphere};
+use lobe_core::{Receiver, SeenLight, Sphere};
+use shading::LightLobes;
 
 /// A sphere of light that shines into a cone with a soft edge: `L(ψ) = L·clamp((cos ψ − cos ψ_o)/(cos ψ_i − cos ψ_o), 0, 1)²`, ψ the angle
 /// between the spot's axis and the direction from the light's middle to the receiver (as KHR_lights_punctual has it).

@@ -2,7 +2,8 @@ use crate::gpu::{CONES, SUN};
 use crate::{Area, Light, LightError, LightKind};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere};
+use lobe_core::{Cone, Receiver, SeenLight, Sphere};
+use shading::LightLobes;
 
 /// A light so far away that all receivers see it in the same directions: the sun, a window to a plain sky.
 ///

@@ -3,7 +3,8 @@ use crate::gpu::{PLANE_OUTSIDE, PLANE_TUBE, PLANES, TUBE_BESIDE, TUBE_FAR, shape
 use crate::{Area, AreaShape, Light, LightError, LightKind};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightExtent, LightLobes, Outline, Receiver, SeenLight, Sphere};
+use lobe_core::{Cone, Outline, Receiver, SeenLight, Sphere};
+use shading::{LightExtent, LightLobes};
 
 /// From a sphere around a tube to one around its outlines.
 const AROUND: f32 = 1.531;

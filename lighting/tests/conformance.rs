@@ -1,15 +1,14 @@
 //! Every kind of light keeps the promises of `LightLobes`.
 
+use conformance::{LightLimits, check_light};
 use core::f32::consts::{PI, TAU};
 use glam::{DVec3, Mat4, Quat, UVec2, Vec3};
 use lighting::{
     Environment, EnvironmentError, EnvironmentMap, FlatLight, FlatLightError, Light, LightKind as _, SkyLight,
     SphereLight, SpotLight, SunLight, TubeLight,
 };
-use lobe_core::conformance::{LightLimits, check_light};
-use lobe_core::{
-    LightImage, LightLobes, Lobe, Random, Receiver, Sphere, cap_integral, image_integral, outline_integral,
-};
+use lobe_core::{LightImage, Lobe, Random, Receiver, Sphere, cap_integral, image_integral, outline_integral};
+use shading::LightLobes;
 use std::sync::Arc;
 
 const COLOR: Vec3 = Vec3::new(3.0, 2.0, 1.0);

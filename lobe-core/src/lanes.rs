@@ -47,7 +47,7 @@ pub fn map<F: Lane<A, B, D>, const A: usize, const B: usize, const D: usize>(
 }
 
 /// Puts `lane` of every row in the place of the row.
-pub(crate) fn update<F: Lane<A, B, A>, const A: usize, const B: usize>(
+pub fn update<F: Lane<A, B, A>, const A: usize, const B: usize>(
     level: Level,
     lane: &F,
     a: &mut Columns<A>,
@@ -88,13 +88,13 @@ pub(crate) fn rows_with(column: &[f32; WIDTH], number: f32) -> u32 {
 
 /// Which rows of a column are above this number, one bit each.
 #[inline(always)]
-pub(crate) fn rows_above(column: &[f32; WIDTH], number: f32) -> u32 {
+pub fn rows_above(column: &[f32; WIDTH], number: f32) -> u32 {
     column.iter().enumerate().fold(0, |bits, (j, x)| bits | u32::from(*x > number) << j)
 }
 
 /// The bits' numbers, ascending.
 #[inline(always)]
-pub(crate) fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
+pub fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
     core::iter::from_fn(move || {
         let j = (bits != 0).then(|| bits.trailing_zeros() as usize);
         bits &= bits.wrapping_sub(1);

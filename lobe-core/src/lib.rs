@@ -4,16 +4,10 @@
 //!   [`LobeBuffer`]);
 //! - closed integrals: one lobe, the product of two ([`product_integral`]), a lobe over a uniform disc of light ([`cap_integral`]);
 //! - the moment lobe of a cone, which keeps its total and mean vector exactly ([`cone_lobe`]);
-//! - the contracts of reflectance, light and visibility ([`BrdfLobes`], [`LightLobes`], [`Visibility`], [`VisibilityLobes`]) and the
-//!   [`Integrator`]s that put them together; [`gpu`]: the parts that they bring to a GPU;
-//! - [`paper`]: the least-squares lobes and the product table of the paper that this project starts from.
+//! - the outlines and images of lights, and lobes over them ([`Outline`], [`light_integral`]);
+//! - all of it for tiles of receivers, in columns ([`Tile`], [`cap_integrals`]).
 //!
-//! # The sum
-//! [`FractionIntegrator`] computes
-//!
-//! ```text
-//! radiance = Σ lights Σ reflectance lobes  flux · light's radiance · ∫ lobe over the light · visible fraction
-//! ```
+//! The contracts of materials, lights and visibility, and the sum over them, are the crate `shading`.
 //!
 //! # Conventions
 //! Right-handed world space, f32, linear RGB. Directions point *away* from the receiver and have length 1. Angles are in
@@ -21,31 +15,22 @@
 //! on the far side of its axis.
 //!
 //! # Scope
-//! Out of scope here: scenes, meshes, images, threads, files. Nothing in this crate allocates per shaded point.
+//! Out of scope here: visibility, scenes, meshes, images, threads, files. Nothing in this crate allocates per shaded point.
 //!
 //! # References
 //! S. Meunier, R. Perrot, L. Aveneau, D. Meneveaux, D. Ghazanfarpour, *Cosine lobes for interactive direct lighting in
 //! dynamic scenes*, Computers & Graphics 34 (2010) 767–778: "the paper" in every comment here; equation numbers are its.
 
-mod accuracy;
 mod brdf_lobe;
-mod brdf_lobes;
 mod cap;
 mod compact;
-#[cfg(any(test, feature = "oracle"))]
-pub mod conformance;
-mod dyn_visibility;
 mod geometry;
-pub mod gpu;
-mod gpu_pages;
-mod integrator;
 // For the workspace alone: its signatures are another crate's.
 mod grain;
 #[cfg(test)]
 mod grain_tests;
 #[doc(hidden)]
 pub mod lanes;
-mod light_lobes;
 mod lobe;
 mod lobes;
 mod microfacets;
@@ -54,7 +39,6 @@ mod moments;
 pub mod oracle;
 mod outline;
 mod packed_lobe;
-pub mod paper;
 mod product;
 mod random;
 mod seen;
@@ -63,43 +47,31 @@ pub mod special;
 #[cfg(test)]
 mod tests;
 mod tile;
-mod tile_integrator;
+mod tile_lobes;
 // For the workspace alone, too.
 #[doc(hidden)]
 pub mod vec3x8;
-mod visibility;
 mod visibility_sum;
 pub mod wgsl;
 
-pub use crate::accuracy::Accuracy;
 pub use crate::brdf_lobe::BrdfLobe;
-pub use crate::brdf_lobes::{BrdfLobes, TileLobes};
 pub use crate::cap::{cap_integral, cap_integrals, sphere_light_irradiance};
 pub use crate::compact::compact_runs;
-pub use crate::dyn_visibility::{DynScratch, DynVisibility};
-pub use crate::geometry::{
-    Cone, LightExtent, LightId, NO_OBJECT, Receiver, SelfShadow, Shaft, Sphere, orthonormal_basis,
-};
+pub use crate::geometry::{Cone, NO_OBJECT, Receiver, SelfShadow, Sphere, orthonormal_basis};
 pub use crate::grain::{BrushedAt, Facets, Grain};
-pub use crate::integrator::{
-    Contribution, FractionIntegrator, Integrator, Interaction, LobeIntegrator, Observer, Stage,
-};
-pub use crate::light_lobes::LightLobes;
 pub use crate::lobe::{Lobe, power};
 pub use crate::lobes::{LobeBuffer, LobeWriter, Lobes};
 pub use crate::microfacets::{Microfacets, MicrofacetsAt, Schlick};
 pub use crate::moments::{cone_lobe, exponent_of_spread};
 pub use crate::outline::{
-    FlatShape, LightImage, Outline, Places, fingerprint, image_integral, nearest_of, outline_integral,
+    FlatShape, LightImage, Outline, Places, fingerprint, image_integral, light_image_integral, light_integral,
+    nearest_of, outline_integral,
 };
 pub use crate::packed_lobe::PackedLobe;
 pub use crate::product::{is_lambert, product_integral, product_of_angle, products_of_angle};
 pub use crate::random::Random;
 pub use crate::seen_light::SeenLight;
-pub use crate::tile::{Tile, TileLight};
-pub use crate::tile_integrator::{TileContributions, TileInteraction};
-pub use crate::visibility::{
-    Coverage, LightCoverage, LightVisibility, Penumbra, Unshadowed, Visibility, VisibilityLobes, VisibilityQuery,
-};
+pub use crate::tile::{Tile, TileLight, TileRadiance};
+pub use crate::tile_lobes::TileLobes;
 pub use crate::visibility_sum::{VisibilitySum, visible_fraction};
 pub use glam;

@@ -86,7 +86,7 @@ impl Microfacets {
     ///
     /// # Accuracy
     /// Lights about the mirrored view, as wide as the highlight and three times as wide: within 30 % for `α ≤ 0.1`, 40 % for 0.3, since GGX
-    /// has longer tails. A model that knows nearer lobes overrides [`cosine_lobes`](crate::BrdfLobes::cosine_lobes).
+    /// has longer tails. A model that knows nearer lobes overrides `BrdfLobes::cosine_lobes`.
     #[must_use]
     pub fn mirror_lobe(&self, normal: Vec3) -> Lobe {
         let at = self.at(normal);

@@ -60,7 +60,7 @@ impl Tile {
     }
 
     /// A sphere around the receivers, and half the sides of a box around them with the same middle
-    /// ([`Shaft::in_box`](crate::Shaft::in_box)).
+    /// (as `Shaft::in_box` of the crate `shading` takes it).
     #[must_use]
     pub fn bounds(&self) -> (Sphere, Vec3) {
         let positions = || self.blocks.iter().map(|block| &block.0);
@@ -116,8 +116,10 @@ pub(crate) struct Flat {
 
 /// The radiance of a light toward the receivers of a tile.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum TileRadiance<'a> {
+pub enum TileRadiance<'a> {
+    /// The same toward all.
     Same(Vec3),
+    /// In columns, red, green and blue.
     Each(&'a [Kept<3>]),
 }
 
@@ -221,7 +223,9 @@ impl TileLight {
         &self.outlines
     }
 
-    pub(crate) fn radiances(&self) -> TileRadiance<'_> {
+    /// Its radiance toward all receivers.
+    #[must_use]
+    pub fn radiances(&self) -> TileRadiance<'_> {
         if self.each.is_empty() { TileRadiance::Same(self.same) } else { TileRadiance::Each(&self.each) }
     }
 

@@ -59,8 +59,3 @@ pub const OUTLINE_MICROFACETS: &str = include_str!("outline/microfacets.wgsl");
 
 /// In place of [`OUTLINE_MICROFACETS`] where there are none.
 pub const OUTLINE_NO_MICROFACETS: &str = include_str!("outline/no_microfacets.wgsl");
-
-/// The paper's tables, storage buffer of binding 9, and the lobes that come from them: `paper_product`, `paper_light_lobe`,
-/// `paper_occluder`, `paper_reflected`. The buffer is that of [`Tables::pack`](crate::paper::Tables::pack). Needs
-/// [`SPECIAL`], [`GEOMETRY`] and [`LOBE`].
-pub const PAPER: &str = include_str!("paper/paper.wgsl");

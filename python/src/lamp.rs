@@ -1,7 +1,8 @@
 //! Lamps as programs for modelling have them.
 
 use cosine_lobes::lighting::{Area, Light, LightKind, SphereLight};
-use cosine_lobes::lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere};
+use cosine_lobes::lobe_core::{Cone, Receiver, SeenLight, Sphere};
+use cosine_lobes::shading::LightLobes;
 use glam::{Mat4, Vec3};
 use std::sync::Arc;
 

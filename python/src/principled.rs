@@ -1,7 +1,8 @@
 //! Blender's Principled: GGX with several scatterings over a diffuse base, layered by the light that the coat reflects.
 
 use cosine_lobes::brdf::{Brdf, Factors, Material, Model};
-use cosine_lobes::lobe_core::{BrdfLobe, BrdfLobes, Lobe, Microfacets, Receiver};
+use cosine_lobes::lobe_core::{BrdfLobe, Lobe, Microfacets, Receiver};
+use cosine_lobes::shading::BrdfLobes;
 use glam::Vec3;
 use std::f64::consts::TAU;
 use std::sync::Arc;

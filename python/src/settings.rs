@@ -1,8 +1,8 @@
 use crate::errors::OrRaise;
 use crate::mesh::strategy;
-use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::PixelSamples;
 use cosine_lobes::renderer::{self, Device, LayerSet, Method};
+use cosine_lobes::shading::Accuracy;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

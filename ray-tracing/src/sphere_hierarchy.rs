@@ -1,9 +1,10 @@
 use crate::world::{Tree, build, hierarchy_scale};
 use glam::{Vec3, Vec3A};
-use lobe_core::{Shaft, Sphere};
+use lobe_core::Sphere;
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::ray::Ray;
+use shading::Shaft;
 
 /// A sphere with its data.
 #[derive(Clone, Copy)]

@@ -20,12 +20,11 @@ use fearless_simd::{Level, Simd, dispatch, f32x8};
 use glam::Vec3;
 use lighting::Area;
 use lobe_core::vec3x8::{LANES, Vec3x8};
-use lobe_core::{
-    Cone, Coverage, LightId, LightLobes, NO_OBJECT, Receiver, SeenLight, Shaft, Sphere, Tile, orthonormal_basis,
-};
+use lobe_core::{Cone, NO_OBJECT, Receiver, SeenLight, Sphere, Tile, orthonormal_basis};
 use ray_tracing::{Primitive, Region, World};
 use rayon::prelude::*;
 use scene::{BlockerSet, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints, Stopwatch};
+use shading::{Coverage, LightId, LightLobes, Shaft};
 use visibility_mask::facet_coverage;
 
 /// Samples at most where culling says that nothing blocks.
@@ -58,7 +57,7 @@ const LISTED: usize = 48;
 /// of the points, light of 6°), which follows N^−0.7: 1.4 % with 64 samples, 0.5 % with 256, 0.2 % with 1024.
 ///
 /// ```
-/// use lobe_core::Accuracy;
+/// use shading::Accuracy;
 /// use reference::RayShader;
 /// use scene::{BlockerSet, Frame, Shade, ShadingPoints};
 /// let mut shader = RayShader::spheres(&BlockerSet::default(), 64).culled(true);

@@ -16,10 +16,11 @@ use core::f64::consts::TAU;
 use core::sync::atomic::{AtomicBool, Ordering};
 use glam::{DVec3, Vec3};
 use lighting::{Area, Light};
-use lobe_core::{BrdfLobe, BrdfLobes, LightLobes, NO_OBJECT, Receiver, Sphere};
+use lobe_core::{BrdfLobe, NO_OBJECT, Receiver, Sphere};
 use ray_tracing::{GBuffer, World};
 use rayon::prelude::*;
 use scene::{BlockerSet, Bounds};
+use shading::{BrdfLobes, LightLobes};
 
 /// Independent randomisations; their spread gives the error.
 pub const REPLICATES: u32 = 8;

@@ -7,13 +7,13 @@
 use brdf::Material;
 use glam::Vec3;
 use lighting::{Light, SphereLight};
-use lobe_core::{
-    Accuracy, Coverage, LightCoverage, LightId, LightLobes, LightVisibility, Lobe, Receiver, Shaft, Sphere, Tile,
-    Visibility, VisibilityQuery,
-};
+use lobe_core::{Lobe, Receiver, Sphere, Tile};
 use render_cpu::{GBuffer, SceneSilhouettes, SurfaceHits, World};
 use scene::{GROUP, Mesh, Scene, Shape};
 use scene_files::load_animated;
+use shading::{
+    Accuracy, Coverage, LightCoverage, LightId, LightLobes, LightVisibility, Shaft, Visibility, VisibilityQuery,
+};
 use std::collections::HashMap;
 use std::error::Error;
 use std::path::Path;

@@ -6,7 +6,7 @@
 //!
 //! ```
 //! use glam::Vec3;
-//! use lobe_core::{Accuracy, Unshadowed};
+//! use shading::{Accuracy, Unshadowed};
 //! use render_cpu::{CpuShader, GBuffer, World};
 //! use scene::{Frame, Shade};
 //! let scene = scene::builtin();

@@ -2,12 +2,13 @@ use crate::SkyLighting;
 use core::convert::Infallible;
 use core::ops::Range;
 use glam::Vec3;
-use lobe_core::{
-    BrdfLobes, Coverage, FractionIntegrator, Integrator, LightId, LightLobes, LightVisibility, Observer, Receiver,
-    Shaft, Stage, Tile, TileContributions, TileInteraction, TileLight, TileLobes, Visibility, cap_integrals,
-};
+use lobe_core::{Receiver, Tile, TileLight, TileLobes, cap_integrals};
 use rayon::prelude::*;
 use scene::{Cancel, Counts, Frame, Shade, ShadeStats, ShadingPoints, StageSeconds, Stopwatch};
+use shading::{
+    BrdfLobes, Coverage, FractionIntegrator, Integrator, LightId, LightLobes, LightVisibility, Observer, Shaft, Stage,
+    TileContributions, TileInteraction, Visibility,
+};
 use std::sync::{Mutex, PoisonError};
 
 /// Groups that a thread takes at once, at most: what is dear is often side by side.
@@ -26,7 +27,7 @@ const fn is_timed(group: usize) -> bool {
 ///
 /// ```
 /// use glam::Vec3;
-/// use lobe_core::{Accuracy, Unshadowed};
+/// use shading::{Accuracy, Unshadowed};
 /// use render_cpu::CpuShader;
 /// use scene::{Frame, Shade, ShadingPoints};
 /// let mut shader = CpuShader::new(Unshadowed);

@@ -1,5 +1,6 @@
 use glam::Vec3;
-use lobe_core::{BrdfLobe, Contribution, Lobe, Observer, Receiver, Stage, TileContributions, TileLobes};
+use lobe_core::{BrdfLobe, Lobe, Receiver, TileLobes};
+use shading::{Contribution, Observer, Stage, TileContributions};
 use visibility_mask::sky::{Horizon, SkyBlend, SkyBlockers, SkyResolution, SkyTable, SkyTile, SkyView, SkyWindow};
 
 /// Lights that a shader sums at once: the patches of an environment.

@@ -1,6 +1,7 @@
 use glam::Vec3;
-use lobe_core::{LightId, Shaft, Sphere};
+use lobe_core::Sphere;
 use ray_tracing::{TriangleList, World};
+use shading::{LightId, Shaft};
 use visibility_silhouettes::AnyHit;
 
 /// So many triangles in a group's shaft are tested one by one; more are left to the hierarchy.

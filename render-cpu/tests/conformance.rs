@@ -1,9 +1,9 @@
 //! The suite that all visibility strategies keep, for shadow rays.
 
 use brdf::Material;
+use conformance::{Limits, Setting, Subject, Visitor, check};
 use glam::Vec3;
 use lobe_core::Sphere;
-use lobe_core::conformance::{Limits, Setting, Subject, Visitor, check};
 use render_cpu::{SceneSilhouettes, SurfaceHits, World};
 use scene::{Camera, Mesh, Object, Scene, Shape};
 use test_scenes::globe;

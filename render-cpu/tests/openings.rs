@@ -3,9 +3,10 @@
 use core::f64::consts::PI;
 use glam::{DVec3, Vec3};
 use lighting::{FlatLight, Light, SphereLight};
-use lobe_core::{Accuracy, Receiver, Sphere};
+use lobe_core::{Receiver, Sphere};
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
 use scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade};
+use shading::Accuracy;
 use visibility_mask::MaskVisibility;
 use visibility_silhouettes::SilhouetteBlockers;
 

@@ -4,9 +4,10 @@ use brdf::Material;
 use glam::Vec3;
 use lighting::SphereLight;
 use lobe_core::oracle::Random;
-use lobe_core::{Accuracy, Receiver, Sphere};
+use lobe_core::{Receiver, Sphere};
 use render_cpu::CpuShader;
 use scene::{Frame, Shade, ShadingPoints};
+use shading::Accuracy;
 use visibility_mask::MaskVisibility;
 use visibility_spheres::SphereBlockers;
 

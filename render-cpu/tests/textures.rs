@@ -4,7 +4,7 @@ use brdf::{Brdf, Lafortune, LafortuneLobe, Material, MetallicRoughness, Modified
 use core::sync::atomic::AtomicBool;
 use glam::{Affine2, Mat2, Mat3, Vec2, Vec3};
 use lighting::SphereLight;
-use lobe_core::{Accuracy, Sphere};
+use lobe_core::Sphere;
 use ray_tracing::{GBuffer, World};
 use reference::{Geometry, Reference, ReferenceJob};
 use render_cpu::CpuShader;
@@ -12,6 +12,7 @@ use scene::{
     BlockerSet, Camera, Channel, Encoding, Frame, Mesh, Object, Proxy, Scene, Shade, Shape, Surface, Texture,
     TextureMap,
 };
+use shading::Accuracy;
 use visibility_mask::MaskVisibility;
 use visibility_rays::RayBlockers;
 

@@ -3,11 +3,11 @@
 
 use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
 use glam::Vec3;
-use lobe_core::{
-    Accuracy, BrdfLobes, FractionIntegrator, Integrator, Interaction, LightId, LightLobes, LightVisibility, Visibility,
-};
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use scene::{Frame, Scene, Shade};
+use shading::{
+    Accuracy, BrdfLobes, FractionIntegrator, Integrator, Interaction, LightId, LightLobes, LightVisibility, Visibility,
+};
 use std::ops::ControlFlow;
 use visibility_mask::MaskVisibility;
 use visibility_spheres::SphereBlockers;

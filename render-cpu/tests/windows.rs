@@ -1,9 +1,9 @@
 //! Windows of an image are shaded as the whole of it.
 
 use glam::Vec3;
-use lobe_core::Accuracy;
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use scene::{Frame, Shade};
+use shading::Accuracy;
 use std::ops::ControlFlow;
 use test_scenes::floor_and_ball;
 use visibility_mask::MaskVisibility;

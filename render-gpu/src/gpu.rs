@@ -1,6 +1,6 @@
 use crate::kernel::KernelCache;
 use crate::{GpuError, KernelLog};
-use lobe_core::gpu::GpuPages;
+use shading::gpu::GpuPages;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -123,7 +123,7 @@ impl Gpu {
         &self.compiled
     }
 
-    /// The most bytes that a buffer in [pages](lobe_core::gpu::GpuContents::Pages), such as shadow maps, may have for kernels to
+    /// The most bytes that a buffer in [pages](shading::gpu::GpuContents::Pages), such as shadow maps, may have for kernels to
     /// read it. Assumes that a kernel's other buffers are as many as they can be.
     #[must_use]
     pub fn room_for_pages(&self) -> u64 {

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use lobe_core::Receiver;
-use lobe_core::gpu::GPU_SHAPE;
+use shading::gpu::GPU_SHAPE;
 
 /// Material number of a place without a point: kernels skip it.
 pub const NO_MATERIAL: u32 = u32::MAX;

@@ -2,14 +2,14 @@
 //!
 //! - [`Gpu`]: a device, the caller's or the strongest adapter's; [`KernelLog`] lists the kernels that its driver compiles.
 //! - [`GpuShader`]: shades points, as `CpuShader` does; materials, lights and custom blockers come by the parts of
-//!   [`lobe_core::gpu`].
-//! - [`Occlusion`]: the blockers: spheres, shadow maps, and any [`GpuBlockers`](lobe_core::gpu::GpuBlockers); [`GpuWorld`]: the
+//!   [`shading::gpu`].
+//! - [`Occlusion`]: the blockers: spheres, shadow maps, and any [`GpuBlockers`](shading::gpu::GpuBlockers); [`GpuWorld`]: the
 //!   scene that their rays meet.
 //! - [`GpuGBuffer`]: visible points found on the GPU; [`GpuPose`]: spheres that follow bones; [`GpuTextureWriter`]: radiance to a
 //!   texture.
 //!
 //! ```no_run
-//! use lobe_core::Accuracy;
+//! use shading::Accuracy;
 //! use render_gpu::{Gpu, GpuOptions, GpuShader, Occlusion};
 //! use scene::{Frame, Shade, ShadingPoints};
 //! let gpu = Gpu::blocking(&GpuOptions::default())?;

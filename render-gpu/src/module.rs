@@ -5,8 +5,8 @@ use crate::binding::{
     Binding, Slot,
 };
 use crate::{kernels, wgsl};
-use lobe_core::gpu::{GpuBlockers, GpuLight, GpuPages, GpuPass};
 use lobe_core::wgsl as lobes;
+use shading::gpu::{GpuBlockers, GpuLight, GpuPages, GpuPass};
 use visibility_mask::{Fineness, wgsl as masks};
 
 /// The properties of a frame that its kernels depend on.
@@ -279,7 +279,7 @@ const IMAGES: &str = "@group(0) @binding(8) var<storage, read> light_images: arr
 pub(crate) fn classify(variant: &Variant) -> Text {
     let reflectance = &variant.materials.wgsl;
     let (integral, kernel) = if variant.paper {
-        (vec![lobes::PAPER], kernels::PAPER_CLASSIFY)
+        (vec![paper::wgsl::TABLES], kernels::PAPER_CLASSIFY)
     } else {
         (variant.integral(), kernels::CLASSIFY)
     };
@@ -323,7 +323,7 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     let reflectance = &variant.materials.wgsl;
     let [broad, narrow] = variant.fineness;
     let header = match (variant.paper, variant.materials.is_lambert && variant.shown != Shown::Image) {
-        (true, _) => masks::paper_header(variant.depth),
+        (true, _) => paper::wgsl::header(variant.depth),
         (false, true) => masks::header(variant.depth, broad),
         (false, false) => masks::header_of_lobes(variant.depth, broad, narrow, variant.materials.has_microfacets),
     };
@@ -355,7 +355,7 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
         &hooks,
     ];
     if variant.paper {
-        pieces.extend([lobes::PAPER, masks::PAPER, kernels::PAPER_PENUMBRA]);
+        pieces.extend([paper::wgsl::TABLES, paper::wgsl::VISIBILITY, kernels::PAPER_PENUMBRA]);
     } else {
         pieces.push(kernels::PENUMBRA);
         pieces.extend(variant.fractions());

@@ -9,7 +9,7 @@ use crate::{Gpu, GpuError, GpuPose, GpuWorld};
 use core::num::NonZeroU64;
 use core::ops::Range;
 use glam::Mat4;
-use lobe_core::gpu::{GpuBlockers, GpuContents, GpuPages, GpuPass, GpuRun};
+use shading::gpu::{GpuBlockers, GpuContents, GpuPages, GpuPass, GpuRun};
 use wgpu::BufferUsages;
 
 const NO_SCENE: &str = "blockers that ask what rays meet need `any_hit`";

@@ -1,7 +1,7 @@
 use crate::memory::Memory;
 use crate::{Gpu, GpuError};
-use lobe_core::paper::Tables;
-use visibility_mask::PaperWeights;
+use paper::PaperWeights;
+use paper::Tables;
 use wgpu::BufferUsages;
 
 /// The paper's tables on the GPU, followed by the weights of the depth that was last used.

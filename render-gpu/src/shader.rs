@@ -13,11 +13,11 @@ use crate::{Gpu, GpuError, GpuPose};
 use core::num::NonZeroU64;
 use core::ops::Range;
 use glam::{Mat4, Vec3};
-use lobe_core::gpu::{GPU_SHAPE, GpuLight, GpuMaterialSet, GpuMaterials};
-use lobe_core::paper::Tables;
-use lobe_core::{Accuracy, LightLobes};
+use paper::Tables;
 use rayon::prelude::*;
 use scene::{Cancel, Frame, Shade, ShadeStats, ShadingPoints, Stopwatch};
+use shading::gpu::{GPU_SHAPE, GpuLight, GpuMaterialSet, GpuMaterials};
+use shading::{Accuracy, LightLobes};
 use visibility_mask::{Fineness, MAX_DEPTH};
 use wgpu::BufferUsages;
 
@@ -56,7 +56,7 @@ const MICROFACETS_BY_PAPER: &str = "the paper's method knows cosine lobes alone:
 /// uploaded.
 ///
 /// ```no_run
-/// use lobe_core::Accuracy;
+/// use shading::Accuracy;
 /// use render_gpu::{Gpu, GpuOptions, GpuShader, Occlusion};
 /// use scene::{Frame, Shade, ShadingPoints};
 /// let gpu = Gpu::blocking(&GpuOptions::default())?;
@@ -149,7 +149,7 @@ impl GpuShader {
     }
 
     /// Uses the paper's method and uploads its tables (4.3 MB): the same as `PaperVisibility` with
-    /// [`PaperIntegrator`](lobe_core::paper::PaperIntegrator) on the CPU. The first frame of a depth solves for the weights.
+    /// [`PaperIntegrator`](paper::PaperIntegrator) on the CPU. The first frame of a depth solves for the weights.
     #[must_use]
     pub fn with_paper(mut self, tables: &Tables) -> Self {
         self.set_paper(Some(tables));

@@ -3,8 +3,9 @@
 use core::cell::OnceCell;
 use glam::{DVec3, Vec3};
 use lighting::Light;
-use lobe_core::{LightLobes, Sphere};
+use lobe_core::Sphere;
 use scene::{Bounds, Mesh, Scene, Shape};
+use shading::LightLobes;
 
 /// Meshes of more triangles are no backdrops: they would take long to compare.
 const MOST_TRIANGLES: usize = 256;

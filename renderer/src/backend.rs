@@ -4,17 +4,17 @@ use crate::event::check;
 use crate::{Device, RenderError};
 use core::error::Error;
 use glam::Vec3;
-use lobe_core::{Integrator, Visibility};
 use render_cpu::{CpuShader, Layers as PointLayers, ShadeRequest, SkyLighting};
 use scene::{Frame, Shade, ShadeStats, ShadingPoints};
+use shading::{Integrator, Visibility};
 
 #[cfg(feature = "gpu")]
 use {
     crate::error::LAYERS,
-    lobe_core::gpu::GpuBlockers,
-    lobe_core::paper::Tables,
+    paper::Tables,
     ray_tracing::World,
     render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion, ShadowCasting},
+    shading::gpu::GpuBlockers,
     visibility_rays::GpuRays,
     visibility_shadowmap::{PackedMaps, ShadowMapBlockers},
     visibility_silhouettes::GpuSilhouettes,

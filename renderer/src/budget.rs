@@ -4,10 +4,10 @@ use crate::{
     Backend, CustomStrategy, Event, FrameBlockers, KeptSky, Listener, Plan, RenderError, Settings, Shader, ShaderTask,
 };
 use glam::Vec3;
-use lobe_core::Accuracy;
-use lobe_core::paper::Tables;
+use paper::Tables;
 use render_cpu::{SceneSilhouettes, ShadeRequest, World};
 use scene::{Cancel, Frame, ShadingPoints};
+use shading::Accuracy;
 use visibility_shadowmap::ShadowMap;
 use visibility_spheres::SphereBlockers;
 

@@ -1,7 +1,7 @@
 use crate::{Plan, RenderError};
 use core::fmt::Debug;
-use lobe_core::gpu::GpuBlockers;
 use scene::{Scene, Strategy};
+use shading::gpu::GpuBlockers;
 use visibility_mask::DynBlockers;
 
 /// A strategy that is not built in, for the objects whose [strategy](scene::Strategy::Custom) has its name. It may keep any data.

@@ -8,8 +8,8 @@ use crate::{
 use brdf::Material;
 use glam::{Mat4, Vec3};
 use lighting::{Environment, Light};
-use lobe_core::Accuracy;
 use scene::{Camera, KeyFrames, Object, Proxy, Scene, Shape, Strategy, Surface};
+use shading::Accuracy;
 use std::sync::Arc;
 
 impl Renderer {

@@ -1,7 +1,7 @@
 use crate::{MapReduction, RenderError};
 use core::ops::ControlFlow;
-use lobe_core::Accuracy;
 use scene::Cancel;
+use shading::Accuracy;
 use std::path::Path;
 use visibility_shadowmap::MapAdvice;
 

@@ -3,10 +3,10 @@ use crate::event::tell;
 use crate::{Event, FrameClocks, LayerSet, Layers, Listener, RenderError, Shader, ShaderTask};
 use core::ops::ControlFlow;
 use glam::Vec3;
-use lobe_core::Accuracy;
 use pictures::Window;
 use render_cpu::GBuffer;
 use scene::{Frame, ShadeStats, ShadingPoints};
+use shading::Accuracy;
 
 /// A picture, or a window of one, row by row from the top, with its statistics.
 #[derive(Clone, Debug, Default)]

@@ -10,11 +10,11 @@ use crate::{
     Backend, CustomStrategy, Event, FrameBlockers, FrameClocks, ImageStats, KeptSky, KeptSpheres, Listener,
     MapReduction, Plan, RenderError, Settings, Sink,
 };
-use lobe_core::Accuracy;
-use lobe_core::paper::Tables;
+use paper::Tables;
 use pictures::Window;
 use render_cpu::{SceneSilhouettes, World};
 use scene::{Cancel, Frame};
+use shading::Accuracy;
 use visibility_shadowmap::{ReceiverBounds, ShadowMap};
 
 /// The state that a picture uses and leaves for the next one.

@@ -1,7 +1,8 @@
 use glam::Vec3;
 use lighting::Environment;
-use lobe_core::{BrdfLobes, Receiver};
+use lobe_core::Receiver;
 use scene::{Frame, Scene, Surface};
+use shading::BrdfLobes;
 use std::sync::Arc;
 use visibility_mask::sky::{SkyResolution, SkyTable, SkyView};
 

@@ -1,7 +1,8 @@
 use crate::FrameBlockers;
 use glam::Vec2;
 use lighting::Light;
-use lobe_core::{Accuracy, Coverage, LightId, LightLobes, Receiver, VisibilityQuery};
+use lobe_core::Receiver;
+use shading::{Accuracy, Coverage, LightId, LightLobes, VisibilityQuery};
 
 /// A light as a point sees it: which parts of it blockers hide.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,9 +1,10 @@
 //! How many receivers of a single picture look at lights.
 
 use lighting::Light;
-use lobe_core::{LightLobes, Sphere};
+use lobe_core::Sphere;
 use render_cpu::Looks;
 use scene::Scene;
+use shading::LightLobes;
 
 /// The half-angle of a light that counts once, in degrees.
 const HALF_ANGLE: f64 = 5.0;

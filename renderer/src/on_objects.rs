@@ -1,6 +1,6 @@
 //! Blockers that act on some receivers only.
 
-use lobe_core::{Coverage, Shaft, VisibilityQuery};
+use shading::{Coverage, Shaft, VisibilityQuery};
 use visibility_mask::{Blockers, Edges, Mask};
 
 /// Blockers that hide lights only from receivers on certain objects.

@@ -10,11 +10,12 @@ use brdf::Material;
 use core::ops::{ControlFlow, Range};
 use glam::Vec3;
 use lighting::Light;
-use lobe_core::paper::Tables;
-use lobe_core::{Accuracy, LightId, LightLobes, Receiver, Unshadowed};
+use lobe_core::Receiver;
+use paper::Tables;
 use pictures::Window;
 use render_cpu::{CpuShader, GBuffer, ShadeRequest, World};
 use scene::{Frame, Scene, Shade, ShadingPoints};
+use shading::{Accuracy, LightId, LightLobes, Unshadowed};
 use visibility_shadowmap::ReceiverBounds;
 
 /// The surface that a pixel shows.

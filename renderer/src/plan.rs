@@ -2,10 +2,11 @@ use crate::RenderError;
 use crate::backdrops::Backdrops;
 use glam::Vec3;
 use lighting::Light;
-use lobe_core::{LightLobes, Sphere};
+use lobe_core::Sphere;
 use rayon::prelude::*;
 use render_cpu::{Looks, Revision, SceneSilhouettes, SphereSource};
 use scene::{Bounds, Cancel, Object, Proxy, Scene, Shape, Strategy};
+use shading::LightLobes;
 use visibility_shadowmap::{MapOptions, PackedMaps, ReceiverBounds, ShadowMap};
 
 /// The finest resolution of a shadow map, unless another one is requested.

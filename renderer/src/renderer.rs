@@ -14,11 +14,11 @@ use crate::{
 use core::ops::ControlFlow;
 use glam::Vec3;
 use lighting::Light;
-use lobe_core::Accuracy;
-use lobe_core::paper::Tables;
+use paper::Tables;
 use pictures::Window;
 use render_cpu::{Hierarchy, Looks, SceneSilhouettes, SceneSpheres, Update, World};
 use scene::{Animation, BlockerSet, Bounds, Cancel, Scene};
+use shading::Accuracy;
 use std::sync::Arc;
 
 /// A scene, and everything that turns it into pictures: the strategy of each object, the spheres, hierarchies and maps that are

@@ -1,8 +1,8 @@
 use crate::error::{LAYERS, LOBES, OWN};
 use crate::{LayerSet, RenderError};
-use lobe_core::Accuracy;
 use render_cpu::PixelSamples;
 use scene::Strategy;
+use shading::Accuracy;
 use std::path::PathBuf;
 use visibility_shadowmap::MapOptions;
 

@@ -1,6 +1,6 @@
 use crate::event::tell;
 use crate::{Event, Listener, RenderError, cache};
-use lobe_core::paper::{ProductTable, Resolution, Tables, fit_product};
+use paper::{ProductTable, Resolution, Tables, fit_product};
 use rayon::prelude::*;
 use std::path::Path;
 use xxhash_rust::xxh3::Xxh3;

@@ -3,9 +3,10 @@
 use brdf::Material;
 use glam::{Mat4, UVec2, Vec3};
 use lighting::{AmbientLight, Environment, EnvironmentMap, FlatLight, Light, SphereLight, SunLight};
-use lobe_core::{Accuracy, Random, Sphere};
+use lobe_core::{Random, Sphere};
 use renderer::{EditError, Method, RenderError, Renderer, Settings, Upkeep};
 use scene::{Animation, Camera, KeyFrame, KeyFrames, Mesh, Object, Proxy, Scene, Strategy, Surface};
+use shading::Accuracy;
 use std::sync::Arc;
 use test_scenes::{floor_and_ball, globe};
 

@@ -3,8 +3,9 @@
 use brdf::Material;
 use core::cell::OnceCell;
 use lighting::Light;
-use lobe_core::{LightLobes, Sphere};
+use lobe_core::Sphere;
 use scene::{Bounds, Scene};
+use shading::LightLobes;
 
 /// Exponents of Neumann's metals and the mean difference of a floor, a sphere and a box under a sphere light of 8° from the reference,
 /// as a part of the mean (docs/limits.md).

@@ -3,8 +3,8 @@ use crate::{SCHEMA_EXAMPLE, load, load_with_warnings, scene_file};
 use brdf::Material;
 use glam::Vec3;
 use lighting::Light;
-use lobe_core::LightLobes;
 use scene::{Proxy, Scene, SceneError, Shape, Strategy};
+use shading::LightLobes;
 use std::path::Path;
 
 fn parse(text: &str) -> Result<Scene, SceneError> {

@@ -3,9 +3,9 @@
 #![expect(clippy::unwrap_used, reason = "a test")]
 
 use glam::Vec3;
-use lobe_core::LightLobes;
 use scene::{Animation, Scene, Strategy};
 use scene_files::{Emission, LoadOptions};
+use shading::LightLobes;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;

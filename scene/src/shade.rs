@@ -3,7 +3,8 @@
 use brdf::Material;
 use glam::Vec3;
 use lighting::Light;
-use lobe_core::{Accuracy, Receiver, SelfShadow, Sphere};
+use lobe_core::{Receiver, SelfShadow, Sphere};
+use shading::Accuracy;
 
 /// The visible points of one frame, in any order; neighbours in the list should be neighbours in space.
 #[derive(Clone, Debug, Default)]
@@ -61,7 +62,7 @@ impl BlockerSet {
 pub struct Frame<'a, M = Material, L = Light> {
     /// Materials that the points refer to.
     pub materials: &'a [M],
-    /// Lights; a [`LightId`](lobe_core::LightId) is a place in this list.
+    /// Lights; a [`LightId`](shading::LightId) is a place in this list.
     pub lights: &'a [L],
     /// Requested error, and the depth of the masks.
     pub accuracy: Accuracy,

@@ -3,7 +3,8 @@
 use crate::Dragged;
 use glam::{Mat4, Quat, Vec3};
 use lighting::{EnclosedLight, Light, SphereLight, SpotLight, SunLight, TubeLight};
-use lobe_core::{LightLobes, Sphere};
+use lobe_core::Sphere;
+use shading::LightLobes;
 
 /// A sun is seen under half this angle at most, in radians.
 const WIDEST_SUN: f32 = 1.0;

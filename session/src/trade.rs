@@ -1,10 +1,10 @@
 use core::sync::atomic::{AtomicBool, Ordering};
 use glam::Vec3;
-use lobe_core::Accuracy;
 use ray_tracing::GBuffer;
 use reference::{Geometry, Reference, ReferenceJob};
 use renderer::{LayerSet, PixelSamples, RenderError, Renderer, Settings};
 use scene::{Animation, BlockerSet, Scene};
+use shading::Accuracy;
 use std::sync::mpsc::{self, Receiver};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;

@@ -125,7 +125,7 @@ fn the_reference_converges_to_the_picture_and_follows_edits() {
         many.unshadowed.iter().zip(&many.radiance).all(|(u, r)| (*u - *r).min_element() > -1e-3 * (1.0 + u.length()))
     );
     // Another accuracy leaves it as it is; another light does not.
-    let settings = Settings { accuracy: lobe_core::Accuracy::new(0.02), ..Settings::default() };
+    let settings = Settings { accuracy: shading::Accuracy::new(0.02), ..Settings::default() };
     session.edit(Edit::Settings(Box::new(settings)));
     assert!(session.finished().seen <= session.reference().edits);
     let scene = session.finished().scene.clone();

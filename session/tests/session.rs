@@ -4,10 +4,10 @@
 
 use core::time::Duration;
 use glam::{Mat4, Quat, Vec3};
-use lobe_core::Accuracy;
 use renderer::{LightHandle, RenderError, Renderer, Settings};
 use scene::{Animation, Scene};
 use session::{Edit, Picture, Session};
+use shading::Accuracy;
 use std::sync::Arc;
 use std::thread;
 

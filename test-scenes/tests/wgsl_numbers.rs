@@ -62,7 +62,7 @@ const PAIRS: &[Pair] = &[
     // π/6 over its sine, which Rust works out.
     ("lighting/src/plane_lights.wgsl", "TUBE_REACH", Number(consts::FRAC_PI_3)),
     ("visibility-mask/src/flat.wgsl", "FLAT_WIDE", Is("visibility-mask/src/visibility.rs", "WIDE")),
-    ("lobe-core/src/paper/paper.wgsl", "PAPER_LAST", Is("lobe-core/src/paper/product_table.rs", "LAST")),
+    ("paper/src/tables.wgsl", "PAPER_LAST", Is("paper/src/product_table.rs", "LAST")),
     // In 127ths of a cell.
     ("visibility-mask/src/contour.wgsl", "CONTOUR_WHOLE", Number(i8::MAX as f64)),
     ("visibility-mask/src/edges.wgsl", "EDGES_PLANE", Is("visibility-mask/src/edges.rs", "PLANE")),
@@ -80,7 +80,7 @@ const PAIRS: &[Pair] = &[
     ("visibility-mask/src/square.wgsl", "THINNEST", Is("visibility-mask/src/square.rs", "THINNEST")),
     ("visibility-mask/src/visibility.wgsl", "CROWDED", Is("visibility-mask/src/visibility.rs", "CROWDED")),
     ("visibility-mask/src/visibility.wgsl", "COARSE", Is("visibility-mask/src/fineness.rs", "COARSE")),
-    ("visibility-mask/src/visibility.wgsl", "FINEST", Is("lobe-core/src/accuracy.rs", "FINEST")),
+    ("visibility-mask/src/visibility.wgsl", "FINEST", Is("shading/src/accuracy.rs", "FINEST")),
     ("visibility-mask/src/visibility_window.wgsl", "STEEP", Is("visibility-mask/src/visibility.rs", "STEEP")),
     ("visibility-shadowmap/src/coverage.wgsl", "MAP_DIAGONAL", Number(consts::FRAC_1_SQRT_2)),
     // A layer of the packed map that has no surface.

@@ -8,10 +8,10 @@ use core::ops::RangeInclusive;
 use cosine_lobes::ToneMap;
 use cosine_lobes::glam::{Mat4, Quat, Vec3};
 use cosine_lobes::lighting::Light;
-use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::renderer::{Device, LightHandle, Method, PixelSamples, Settings};
 use cosine_lobes::scene::Strategy;
 use cosine_lobes::session::{LightItem, ObjectItem, gloss, lamp};
+use cosine_lobes::shading::Accuracy;
 use eframe::egui::emath::Numeric;
 use eframe::egui::{
     Button, CollapsingHeader, Color32, ComboBox, Grid, Response, RichText, ScrollArea, Slider, SliderClamping, Ui,

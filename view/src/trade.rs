@@ -1,9 +1,9 @@
 //! Error against time of this scene, measured beside the session; a click on a point takes its tolerance.
 
 use crate::desk::Desk;
-use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::renderer::Settings;
 use cosine_lobes::session::{Trade, TradePoint};
+use cosine_lobes::shading::Accuracy;
 use eframe::egui::{Align2, Color32, FontId, Pos2, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 
 const POINT: Color32 = Color32::from_rgb(120, 170, 255);

@@ -3,10 +3,8 @@
 use core::time::Duration;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::Vec3;
-use lobe_core::{
-    Accuracy, Cone, Coverage, LightId, LightVisibility, Lobe, Receiver, Sphere, Visibility, VisibilityQuery,
-    cap_integral,
-};
+use lobe_core::{Cone, Lobe, Receiver, Sphere, cap_integral};
+use shading::{Accuracy, Coverage, LightId, LightVisibility, Visibility, VisibilityQuery};
 use std::hint::black_box;
 use visibility_mask::{Blockers, Mask, MaskVisibility};
 

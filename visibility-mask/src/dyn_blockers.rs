@@ -2,7 +2,7 @@
 
 use crate::{Blockers, Edges, Mask};
 use core::fmt::{self, Debug, Formatter};
-use lobe_core::{Coverage, DynScratch, Shaft, VisibilityQuery};
+use shading::{Coverage, DynScratch, Shaft, VisibilityQuery};
 
 /// [`Blockers`] in object-safe form: same operations, scratch erased. Implemented for all.
 pub trait DynBlockers: Sync {

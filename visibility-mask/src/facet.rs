@@ -1,4 +1,5 @@
-use lobe_core::{Cone, Coverage, Receiver};
+use lobe_core::{Cone, Receiver};
+use shading::Coverage;
 
 /// Coverage of a light by the plane of the receiver's own facet: everything below the plane is hidden by the facet itself.
 ///

@@ -1,4 +1,4 @@
-use lobe_core::Accuracy;
+use shading::Accuracy;
 
 /// The tolerance from which on rows of 64 samples suffice for broad lobes, and one mask for narrow ones.
 const COARSE: f32 = 0.005;

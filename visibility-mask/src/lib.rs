@@ -2,8 +2,7 @@
 //! lobes.
 //!
 //! The [`UnitSquare`] faces the light's cone; blockers are rasterised on it into a [`Mask`], a complete quad-tree as bits.
-//! [`MaskVisibility`] turns any [`Blockers`] into visible fractions of lobes, [`MaskLobes`] into lobes; [`PaperVisibility`] follows
-//! the paper. [`Mixture`] draws two kinds of blockers into one mask; [`Contour`] fills a mask by testing whether directions are
+//! [`MaskVisibility`] turns any [`Blockers`] into visible fractions of lobes, [`MaskLobes`] into lobes. [`Mixture`] draws two kinds of blockers into one mask; [`Contour`] fills a mask by testing whether directions are
 //! blocked.
 //!
 //! Functions for eight rows or edges at once are meant for this workspace's strategies: they are hidden, since their signatures
@@ -14,6 +13,7 @@
 //! ```
 //! use glam::Vec3;
 //! use lobe_core::*;
+//! use shading::*;
 //! use visibility_mask::{Blockers, Mask, MaskVisibility};
 //!
 //! /// Hides everything to the left of the light's middle.
@@ -58,12 +58,9 @@ mod mixture;
 mod moments;
 mod near_masks;
 mod optional;
-mod paper_visibility;
-mod paper_weights;
 mod quadtree_cut;
 mod raster;
 mod row;
-mod shadow_tree;
 pub mod sky;
 mod spread;
 mod square;
@@ -83,11 +80,8 @@ pub use crate::facet::facet_coverage;
 pub use crate::fineness::Fineness;
 pub use crate::mask::Mask;
 pub use crate::mixture::{Mixture, MixtureScratch};
-pub use crate::paper_visibility::{PaperScratch, PaperVisibility};
-pub use crate::paper_weights::PaperWeights;
 pub use crate::raster::{LitBounds, Raster};
 pub use crate::row::{EightRows, MAX_DEPTH};
-pub use crate::shadow_tree::ShadowNode;
 pub use crate::square::UnitSquare;
 pub use crate::visibility::{
     Blockers, LookAgain, MaskLobes, MaskLobesScratch, MaskScratch, MaskVisibility, fill_factor,

@@ -1,6 +1,6 @@
 use crate::{Blockers, Edges, Mask, UnitSquare};
 use glam::Vec2;
-use lobe_core::{Coverage, Shaft, VisibilityQuery};
+use shading::{Coverage, Shaft, VisibilityQuery};
 
 /// Two kinds of blockers in one mask: a direction is hidden if either hides it. Pairs of pairs give more kinds.
 ///

@@ -1,6 +1,6 @@
 use crate::{Blockers, Edges, Mask, UnitSquare};
 use glam::Vec2;
-use lobe_core::{Coverage, Shaft, VisibilityQuery};
+use shading::{Coverage, Shaft, VisibilityQuery};
 
 /// Blockers that a scene may not have: `None` blocks nothing, at the cost of one branch a query.
 ///

@@ -5,10 +5,8 @@ use crate::square::WIDEST_TAN;
 use crate::window_masks::{WindowMasks, image_fractions, microfacet_fractions};
 use crate::{Edges, Fineness, MAX_DEPTH, Mask, UnitSquare};
 use glam::{UVec2, Vec2, Vec3};
-use lobe_core::{
-    Accuracy, BrdfLobe, Cone, Coverage, LightImage, Lobe, Microfacets, Outline, Schlick, Shaft, Visibility,
-    VisibilityLobes, VisibilityQuery, VisibilitySum, is_lambert,
-};
+use lobe_core::{BrdfLobe, Cone, LightImage, Lobe, Microfacets, Outline, Schlick, VisibilitySum, is_lambert};
+use shading::{Accuracy, Coverage, Shaft, Visibility, VisibilityLobes, VisibilityQuery};
 
 /// A lobe whose logarithm falls by more than this over a radius of the light has masks as fine as a narrow one: otherwise a few
 /// samples would carry its visible fraction, and each would be noticeable as it comes or goes.
@@ -31,7 +29,7 @@ const CROWDED: f32 = 4.0;
 /// ```
 /// use glam::Vec3;
 /// use visibility_mask::{Blockers, Mask, MaskVisibility};
-/// use lobe_core::{Coverage, VisibilityQuery};
+/// use shading::{Coverage, VisibilityQuery};
 ///
 /// /// Hides everything to the left of the light's middle.
 /// struct Curtain;
@@ -49,7 +47,7 @@ const CROWDED: f32 = 4.0;
 ///     }
 /// }
 ///
-/// let strategy = MaskVisibility::new(Curtain); // a lobe_core::Visibility
+/// let strategy = MaskVisibility::new(Curtain); // a shading::Visibility
 /// # let _ = strategy;
 /// ```
 pub trait Blockers: Sync {

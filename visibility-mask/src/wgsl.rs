@@ -4,7 +4,6 @@
 //! equivalents, with the type's name first: `mask_row_y` is [`Mask::row_y`](crate::Mask::row_y).
 
 use crate::row::{COARSE, WIDTH};
-use crate::shadow_tree::ShadowTree;
 use crate::{Fineness, MAX_DEPTH};
 
 /// The unit square; needs `geometry.wgsl` and `lobe.wgsl` of `lobe-core`, and one of [`ROUND`] and [`FLAT`].
@@ -65,20 +64,6 @@ fn image_highlight(whole: UnitSquare, at: Receiver, tolerance: f32, lobe: Lobe) 
 fn image_facets_in(square: UnitSquare, at: Receiver, lobe: Lobe) {}
 fn image_facets(v: vec3f) -> f32 { return 0.0; }
 ";
-
-/// The paper's shadow nodes and their lobes; needs [`paper_header`], [`SQUARE`], [`MASK`], [`TOTAL`] and `wgsl::PAPER` of
-/// `lobe-core`, with the pairs of [`PaperWeights::pack`](crate::PaperWeights::pack) after its table.
-pub const PAPER: &str = include_str!("paper.wgsl");
-
-/// [`header`] for the fine masks from which a paper's quad-tree of `depth` is read, with `PAPER_DEPTH`.
-///
-/// # Panics
-/// As [`header`].
-#[must_use]
-pub fn paper_header(depth: u32) -> String {
-    let mask = ShadowTree::uncovered(depth).mask_depth();
-    format!("const PAPER_DEPTH = {depth}u;\n{}", header(mask, Fineness::FINE))
-}
 
 /// Half the golden section, in units of 2⁻³²: shifts of rows are fractions of its odd multiples.
 const GOLDEN: u32 = 0x4f1b_bcdd;

@@ -4,7 +4,8 @@ use crate::spread::Spread;
 use crate::visible_fraction::{MIRROR, Shown, Sums, image_sums, microfacet_sums, narrowest, sums};
 use crate::{Fineness, Mask, UnitSquare};
 use glam::{UVec2, Vec2, Vec3};
-use lobe_core::{BrdfLobe, Coverage, LightImage, Lobe, Microfacets, Outline, Receiver};
+use lobe_core::{BrdfLobe, LightImage, Lobe, Microfacets, Outline, Receiver};
+use shading::Coverage;
 
 /// The masks of a window: one, or several side by side if the tolerance needs more samples; and masks around the lit part, if it is
 /// small.

@@ -1,9 +1,10 @@
 //! Masks from tests of "is the light hidden in this direction?" against known areas.
 
+use conformance::{Limits, Setting, check};
 use glam::{DVec2, Vec2, Vec3};
-use lobe_core::conformance::{Limits, Setting, check};
 use lobe_core::oracle::Random;
-use lobe_core::{Cone, Coverage, Sphere, VisibilityQuery};
+use lobe_core::{Cone, Sphere};
+use shading::{Coverage, VisibilityQuery};
 use visibility_mask::{Blockers, Contour, Mask, MaskVisibility, UnitSquare};
 
 fn square(half_angle: f32) -> UnitSquare {

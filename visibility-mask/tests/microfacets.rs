@@ -2,9 +2,10 @@
 
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::{CapMicrofacets, Random};
-use lobe_core::{
-    Accuracy, BrdfLobe, Cone, Coverage, FractionIntegrator, Grain, Integrator, Interaction, LightId, LightVisibility,
-    Microfacets, Receiver, SeenLight, Visibility, VisibilityQuery, orthonormal_basis,
+use lobe_core::{BrdfLobe, Cone, Grain, Microfacets, Receiver, SeenLight, orthonormal_basis};
+use shading::{
+    Accuracy, Coverage, FractionIntegrator, Integrator, Interaction, LightId, LightVisibility, Visibility,
+    VisibilityQuery,
 };
 use visibility_mask::{Blockers, Edges, Mask, MaskVisibility};
 

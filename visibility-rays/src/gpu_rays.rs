@@ -1,10 +1,10 @@
-use lobe_core::gpu::{GpuBlockers, GpuBuffer};
+use shading::gpu::{GpuBlockers, GpuBuffer};
 use visibility_mask::wgsl::CONTOUR;
 
 /// The `rays` strategy for a GPU: what [`RayBlockers`](crate::RayBlockers) is, of the scene whose rays a shader answers.
 ///
 /// ```
-/// use lobe_core::gpu::GpuBlockers;
+/// use shading::gpu::GpuBlockers;
 /// assert!(visibility_rays::GpuRays.asks_any_hit());
 /// ```
 #[derive(Clone, Copy, Debug, Default)]

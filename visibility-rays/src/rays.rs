@@ -1,7 +1,8 @@
 use core::sync::atomic::{AtomicU64, Ordering};
 use glam::Vec3;
-use lobe_core::{Cone, Coverage, NO_OBJECT, Shaft, VisibilityQuery};
+use lobe_core::{Cone, NO_OBJECT};
 use ray_tracing::{Primitive, Region, World};
+use shading::{Coverage, Shaft, VisibilityQuery};
 use visibility_mask::{Blockers, Contour, Edges, Mask, facet_coverage};
 
 /// So many primitives in a group's shaft are tested one by one for each receiver; more are left to the hierarchy.

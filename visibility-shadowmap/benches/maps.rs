@@ -3,7 +3,8 @@
 use core::time::Duration;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::Vec3;
-use lobe_core::{Accuracy, Cone, LightId, Receiver, Shaft, Sphere, Visibility, VisibilityQuery};
+use lobe_core::{Cone, Receiver, Sphere};
+use shading::{Accuracy, LightId, Shaft, Visibility, VisibilityQuery};
 use std::hint::black_box;
 use visibility_mask::MaskVisibility;
 use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};

@@ -10,11 +10,12 @@
 
 use glam::{Vec3, Vec3A};
 use lobe_core::oracle::Random;
-use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Cone, Receiver, Sphere};
 use obvhs::BvhBuildParams;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
 use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
+use shading::{Accuracy, Coverage, LightId, Shaft, VisibilityQuery};
 use std::time::Instant;
 use visibility_mask::{Blockers, Mask, UnitSquare};
 use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers, ShadowMapScratch};

@@ -4,7 +4,7 @@ use crate::map::ShadowMap;
 use crate::polygon_union::PolygonUnion;
 use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
-use lobe_core::{Accuracy, Coverage, LightId, Shaft, VisibilityQuery};
+use shading::{Accuracy, Coverage, LightId, Shaft, VisibilityQuery};
 use visibility_mask::{Blockers, Mask, UnitSquare, facet_coverage};
 
 /// The most nodes, about, that a group of receivers starts from.

@@ -4,7 +4,8 @@ use crate::face::{Affine, Face};
 use crate::fit::tangents;
 use crate::layer::{Layer, Node, Part};
 use glam::{DVec3, Vec2, Vec3};
-use lobe_core::{Shaft, Sphere};
+use lobe_core::Sphere;
+use shading::Shaft;
 use visibility_mask::UnitSquare;
 
 /// A blocker near the receiver must be above its tangent plane by this many texels, or a surface would shadow itself. A blocker

@@ -6,7 +6,8 @@
 //! ```
 //! use glam::{Vec2, Vec3};
 //! use visibility_mask::MaskVisibility;
-//! use lobe_core::{LightId, Accuracy, Cone, Coverage, Receiver, Shaft, Sphere, Visibility, VisibilityQuery};
+//! use lobe_core::{Cone, Receiver, Sphere};
+//! use shading::{LightId, Accuracy, Coverage, Shaft, Visibility, VisibilityQuery};
 //! use visibility_shadowmap::{MapOptions, ShadowMap, ShadowMapBlockers};
 //!
 //! // A square one unit above the origin, and a light above it.

@@ -22,8 +22,9 @@ use crate::layer::{Layer, MEANS};
 use crate::map::ShadowMap;
 use crate::wgsl;
 use core::sync::atomic::{AtomicU64, Ordering};
-use lobe_core::gpu::{GpuBlockers, GpuBuffer, GpuContents};
-use lobe_core::{LightId, Sphere};
+use lobe_core::Sphere;
+use shading::LightId;
+use shading::gpu::{GpuBlockers, GpuBuffer, GpuContents};
 use std::sync::{Arc, Weak};
 use visibility_mask::wgsl::SQUARE;
 
@@ -68,7 +69,7 @@ impl Place {
 impl PackedMaps {
     /// The words that the kernels read by `maps_word`: 9.3 bytes a texel and layer, 16 more for texels at outlines (a body over a
     /// floor, four layers: 39 MiB at 1024², 155 MiB at 2048²). On a device with smaller bindings they are bound in
-    /// [`GpuPages`](lobe_core::gpu::GpuPages).
+    /// [`GpuPages`](shading::gpu::GpuPages).
     #[must_use]
     pub fn words(&self) -> &[u32] {
         &self.words

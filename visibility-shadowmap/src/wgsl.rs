@@ -1,7 +1,7 @@
 //! The same in WGSL: texts that are joined into a shader module, in any order.
 //!
 //! All need: `maps_word`, which reads one of [`PackedMaps::words`](crate::PackedMaps::words)
-//! ([`GpuPages::wgsl`](lobe_core::gpu::GpuPages::wgsl)); a variable `frame` with `light: vec4f` (centre and radius),
+//! ([`GpuPages::wgsl`](shading::gpu::GpuPages::wgsl)); a variable `frame` with `light: vec4f` (centre and radius),
 //! `tolerance: f32` and `number: u32`, the light's number in its frame; `geometry.wgsl` and `lobe.wgsl` of `lobe-core`;
 //! `square.wgsl` and `facet.wgsl` of `visibility-mask`; and [`COMMON`].
 //!

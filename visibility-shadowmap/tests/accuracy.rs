@@ -5,9 +5,8 @@ mod common;
 use common::{Errors, Mesh, receiver};
 use glam::Vec3;
 use lobe_core::oracle::Random;
-use lobe_core::{
-    Accuracy, Cone, LightCoverage, LightId, LightVisibility, Lobe, Receiver, Sphere, Visibility, cap_integral,
-};
+use lobe_core::{Cone, Lobe, Receiver, Sphere, cap_integral};
+use shading::{Accuracy, LightCoverage, LightId, LightVisibility, Visibility};
 use visibility_mask::MaskVisibility;
 use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
 

@@ -1,8 +1,9 @@
 //! The suite of all visibility strategies, for shadow maps.
 
+use conformance::{Limits, Setting, check};
 use glam::Vec3;
-use lobe_core::conformance::{Limits, Setting, check};
-use lobe_core::{DynVisibility, Sphere};
+use lobe_core::Sphere;
+use shading::DynVisibility;
 use visibility_mask::MaskVisibility;
 use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
 

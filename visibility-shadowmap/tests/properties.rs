@@ -5,10 +5,8 @@ mod common;
 use common::{Mesh, receiver, share};
 use glam::{Quat, Vec3};
 use lobe_core::oracle::Random;
-use lobe_core::{
-    Accuracy, Cone, Coverage, DynVisibility, LightId, LightVisibility, Lobe, Receiver, Shaft, Sphere, Visibility,
-    VisibilityQuery, cap_integral,
-};
+use lobe_core::{Cone, Lobe, Receiver, Sphere, cap_integral};
+use shading::{Accuracy, Coverage, DynVisibility, LightId, LightVisibility, Shaft, Visibility, VisibilityQuery};
 use visibility_mask::{Blockers, MaskVisibility};
 use visibility_shadowmap::{MapError, MapFineness, MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
 

@@ -12,7 +12,8 @@ use crate::topology::normal;
 use crate::{SilhouetteInstances, SilhouetteMesh};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::{Vec2, Vec3};
-use lobe_core::{Cone, Coverage, Outline, Receiver, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Cone, Outline, Receiver, Sphere};
+use shading::{Coverage, Shaft, VisibilityQuery};
 use visibility_mask::{Blockers, Edges, Mask, UnitSquare, facet_coverage};
 
 /// The size of details that a tolerance leaves out: this fraction of it, in radii of the light. A root mean square, measured so

@@ -3,7 +3,7 @@
 use crate::SilhouetteMesh;
 use crate::tree::{Node, Tree, WIDE};
 use glam::Vec3;
-use lobe_core::gpu::{GpuBlockers, GpuBuffer};
+use shading::gpu::{GpuBlockers, GpuBuffer};
 
 /// No triangle on a side of an edge, or no child in a place of a node: `SILHOUETTES_NONE`.
 const NONE: u32 = u32::MAX;
@@ -31,7 +31,7 @@ type Row = [u32; 4];
 ///
 /// ```
 /// use glam::Vec3;
-/// use lobe_core::gpu::GpuBlockers;
+/// use shading::gpu::GpuBlockers;
 /// use visibility_silhouettes::{GpuSilhouettes, SilhouetteMesh};
 /// let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
 /// let silhouettes = GpuSilhouettes::new(&[SilhouetteMesh::new(0, &corners, &[[0, 1, 2]])]);
@@ -97,7 +97,7 @@ impl GpuSilhouettes {
     }
 
     /// Sets, for each light of the frames, the triangles of these meshes that its plane may cut: for a light with an outline all
-    /// triangles that meet the sphere of [`gpu_bounds`](lobe_core::gpu::GpuLight::gpu_bounds), for others none. Surfaces block up
+    /// triangles that meet the sphere of [`gpu_bounds`](shading::gpu::GpuLight::gpu_bounds), for others none. Surfaces block up
     /// to that plane.
     #[must_use]
     pub fn with_clipped(mut self, triangles: &[Vec<[Vec3; 3]>]) -> Self {

@@ -3,8 +3,9 @@ use crate::mesh::SilhouetteMesh;
 use crate::tree::{Node, Tree};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
+use lobe_core::Sphere;
 use lobe_core::vec3x8::Vec3x8;
-use lobe_core::{Shaft, Sphere};
+use shading::Shaft;
 
 /// Planes around the hull: eight along the light's path, one behind the receivers, one behind the light.
 const SIDES: usize = 10;

@@ -7,7 +7,8 @@
 //! ```
 //! use glam::Vec3;
 //! use visibility_mask::MaskVisibility;
-//! use lobe_core::{LightId, Accuracy, Cone, Coverage, Receiver, Sphere, Visibility, VisibilityQuery};
+//! use lobe_core::{Cone, Receiver, Sphere};
+//! use shading::{LightId, Accuracy, Coverage, Visibility, VisibilityQuery};
 //! use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 //!
 //! /// One square, one unit above the origin.

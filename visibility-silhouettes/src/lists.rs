@@ -6,7 +6,8 @@ use crate::placed::Placed;
 use crate::{SilhouetteInstances, SilhouetteMesh};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
-use lobe_core::{LightId, Shaft, Sphere};
+use lobe_core::Sphere;
+use shading::{LightId, Shaft};
 
 /// Cells per side into which the receivers of a shaft are divided, each with a list of its own.
 const CELLS: usize = 3;

@@ -269,7 +269,8 @@ mod tests {
     use fearless_simd::{Level, dispatch};
     use glam::Quat;
     use lobe_core::oracle::Random;
-    use lobe_core::{Cone, LightId, Shaft, Sphere};
+    use lobe_core::{Cone, Sphere};
+    use shading::{LightId, Shaft};
 
     /// A bumpy sphere of `n` rings, with a fin that makes it open and a box whose faces have two triangles each.
     fn shape(n: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {

@@ -3,8 +3,9 @@
 use crate::select::{STEP, Silhouettes};
 use fearless_simd::{Simd, f32x8, i32x8, prelude::*};
 use glam::{Vec2, Vec3};
+use lobe_core::Outline;
 use lobe_core::vec3x8::Vec3x8;
-use lobe_core::{Outline, VisibilityQuery};
+use shading::VisibilityQuery;
 use visibility_mask::{Raster, UnitSquare};
 
 /// Ends nearer than this fraction of the light's distance are clipped: they are far outside the window.

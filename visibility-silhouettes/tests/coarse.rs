@@ -4,7 +4,8 @@ mod common;
 
 use common::{Rays, Soup, ball};
 use glam::Vec3;
-use lobe_core::{Accuracy, Cone, LightId, LightVisibility, Lobe, Receiver, Shaft, Sphere, Visibility};
+use lobe_core::{Cone, Lobe, Receiver, Sphere};
+use shading::{Accuracy, LightId, LightVisibility, Shaft, Visibility};
 use visibility_mask::MaskVisibility;
 use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 

@@ -7,7 +7,8 @@ use common::{Rays, Soup};
 use core::f32::consts::TAU;
 use glam::{DVec3, Vec2, Vec3};
 use lobe_core::oracle::Random;
-use lobe_core::{Accuracy, Coverage, LightExtent, LightId, Outline, Receiver, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Outline, Receiver, Sphere};
+use shading::{Accuracy, Coverage, LightExtent, LightId, Shaft, VisibilityQuery};
 use visibility_mask::{Blockers, Raster, UnitSquare, hooks};
 use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 

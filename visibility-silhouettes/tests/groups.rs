@@ -6,7 +6,8 @@ use common::{Rays, Soup, cuboid};
 use core::sync::atomic::{AtomicU32, Ordering};
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
-use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Cone, Receiver, Sphere};
+use shading::{Accuracy, Coverage, LightId, Shaft, VisibilityQuery};
 use visibility_mask::Blockers;
 use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 

@@ -6,7 +6,8 @@ use common::soups::{soup, vec};
 use common::{Rays, Soup, ball, turn};
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
-use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Cone, Receiver, Sphere};
+use shading::{Accuracy, Coverage, LightId, Shaft, VisibilityQuery};
 use visibility_mask::{Blockers, Raster, UnitSquare, hooks};
 use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 

@@ -3,7 +3,7 @@
 use crate::block::{Block, Candidates};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
-use lobe_core::VisibilityQuery;
+use shading::VisibilityQuery;
 
 /// Relative to distances; f32 rounds the terms of the cheap question by some 1e-7.
 const SLACK: f32 = 4e-6;

@@ -7,7 +7,8 @@ use crate::sphere_tree::SphereTree;
 use crate::splat::Front;
 use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
-use lobe_core::{Cone, Coverage, NO_OBJECT, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Cone, NO_OBJECT, Receiver, SelfShadow, Sphere};
+use shading::{Coverage, Shaft, VisibilityQuery};
 use visibility_mask::{Blockers, Edges, Mask, facet_coverage};
 
 /// Spheres that block light, as the `spheres` strategy sees them: wrap it in

@@ -3,7 +3,8 @@
 use crate::SphereBlockers;
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
-use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Cone, Receiver, SelfShadow, Sphere};
+use shading::{Accuracy, Coverage, LightId, Shaft, VisibilityQuery};
 use visibility_mask::Blockers;
 
 /// Spheres in clusters and strays, with all sizes, some repeated.

@@ -2,7 +2,7 @@
 
 use crate::packed::{LIST_WORDS, SPHERE_BLOCK};
 use crate::{SphereBlockers, wgsl};
-use lobe_core::gpu::{GpuBlockers, GpuBuffer, GpuContents, GpuPass, GpuRun};
+use shading::gpu::{GpuBlockers, GpuBuffer, GpuContents, GpuPass, GpuRun};
 
 const SPHERES: &str = "spheres";
 const BOUNDS: &str = "spheres_bounds";

@@ -9,7 +9,7 @@
 //! use visibility_mask::MaskVisibility;
 //! use visibility_spheres::SphereBlockers;
 //! let sphere = Sphere { center: Vec3::Y, radius: 0.5 };
-//! let strategy = MaskVisibility::new(SphereBlockers::new(&[sphere], &[0], &[])); // a lobe_core::Visibility
+//! let strategy = MaskVisibility::new(SphereBlockers::new(&[sphere], &[0], &[])); // a shading::Visibility
 //! # let _ = strategy;
 //! ```
 

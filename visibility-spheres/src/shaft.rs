@@ -1,6 +1,7 @@
 use crate::block::{Block, LANES, bits};
 use glam::Vec3;
-use lobe_core::{Shaft, Sphere};
+use lobe_core::Sphere;
+use shading::Shaft;
 
 /// Which spheres meet a shaft, the convex hull of its two spheres.
 ///

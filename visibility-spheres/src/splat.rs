@@ -1,7 +1,8 @@
 //! The cone that a sphere blocks, and what of it is in front of a light that the sphere meets.
 
 use glam::Vec3;
-use lobe_core::{Cone, VisibilityQuery};
+use lobe_core::Cone;
+use shading::VisibilityQuery;
 use visibility_mask::Mask;
 
 /// The squared sine between a plane and a mask that is along it.

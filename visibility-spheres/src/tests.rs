@@ -5,7 +5,8 @@ use crate::splat_tests::chord;
 use core::f64::consts::PI;
 use glam::Vec3;
 use lobe_core::oracle::Random;
-use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Cone, Receiver, Sphere};
+use shading::{Accuracy, Coverage, LightId, Shaft, VisibilityQuery};
 use visibility_mask::{Blockers, Mask, UnitSquare};
 
 fn receiver(position: Vec3, normal: Vec3, object: u32) -> Receiver {
@@ -234,7 +235,7 @@ fn point_lights_are_hidden_by_what_their_direction_meets() {
         for one_minus_cos in [0.0, 1e-12, 1e-6] {
             let cone = Cone { axis, one_minus_cos, distance: 10.0 };
             let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
-            use lobe_core::Visibility;
+            use shading::Visibility;
             let mut scratch = strategy.scratch();
             let coverage = strategy.coverage(&query, &mut scratch);
             if one_minus_cos == 0.0 {

@@ -2,10 +2,8 @@
 
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
-use lobe_core::{
-    Accuracy, Cone, LightCoverage, LightId, LightVisibility, Lobe, NO_OBJECT, Receiver, Sphere, Visibility,
-    cap_integral,
-};
+use lobe_core::{Cone, Lobe, NO_OBJECT, Receiver, Sphere, cap_integral};
+use shading::{Accuracy, LightCoverage, LightId, LightVisibility, Visibility};
 use visibility_mask::MaskVisibility;
 use visibility_spheres::SphereBlockers;
 

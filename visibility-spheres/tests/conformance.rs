@@ -1,6 +1,6 @@
 //! The suite that all visibility strategies keep.
 
-use lobe_core::conformance::{Limits, Setting, check};
+use conformance::{Limits, Setting, check};
 use visibility_mask::{MaskVisibility, Mixture};
 use visibility_spheres::SphereBlockers;
 

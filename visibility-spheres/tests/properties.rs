@@ -2,9 +2,8 @@
 
 use glam::{DQuat, DVec3, Vec3};
 use lobe_core::oracle::Random;
-use lobe_core::{
-    Accuracy, Cone, DynVisibility, LightId, LightVisibility, Lobe, Receiver, Sphere, Visibility, cap_integral,
-};
+use lobe_core::{Cone, Lobe, Receiver, Sphere, cap_integral};
+use shading::{Accuracy, DynVisibility, LightId, LightVisibility, Visibility};
 use visibility_mask::MaskVisibility;
 use visibility_spheres::SphereBlockers;
 

@@ -4,7 +4,7 @@ use crate::files::Given;
 use crate::gesture::Motion;
 use crate::request::Request;
 use glam::{Vec2, Vec3};
-use lobe_core::Accuracy;
+use shading::Accuracy;
 use pictures::{Display, ToneMap};
 use renderer::{LightHandle, ObjectHandle, PixelSamples, RenderError, Renderer, Settings, Window, exposure_of};
 use scene::{Animation, Camera, Scene, Strategy};

@@ -1,8 +1,8 @@
 use super::model::ModelArgs;
 use super::values::{positive, tolerance, whole};
 use clap::{Args, ValueEnum};
-use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::renderer::Settings;
+use cosine_lobes::shading::Accuracy;
 use std::path::PathBuf;
 
 /// Bake the light of a model or scene into a glTF file

@@ -5,10 +5,10 @@ use crate::input;
 use crate::quality::Quality;
 use clap::{Args, ValueEnum};
 use cosine_lobes::Window;
-use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::TILE;
 use cosine_lobes::renderer::{self, LayerSet, Settings};
 use cosine_lobes::scene::Strategy;
+use cosine_lobes::shading::Accuracy;
 use std::path::PathBuf;
 
 /// The layers of `--layers`.

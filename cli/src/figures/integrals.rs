@@ -5,7 +5,8 @@ use super::chart::{Axis, Chart, Curve};
 use super::gallery::Page;
 use crate::failure::Failure;
 use core::f64::consts::TAU;
-use cosine_lobes::lobe_core::{paper, products_of_angle};
+use cosine_lobes::lobe_core::products_of_angle;
+use cosine_lobes::paper;
 use plotters::prelude::SeriesLabelPosition;
 use rayon::prelude::*;
 

@@ -3,10 +3,10 @@
 use super::canvas::Cell;
 use super::measure::{DEPTH, How, TOLERANCE, frames};
 use crate::failure::Failure;
-use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Geometry, Reference, ReferenceJob};
 use cosine_lobes::scene::{BlockerSet, Scene};
+use cosine_lobes::shading::Accuracy;
 use cosine_lobes::{Picture, srgb_bytes};
 use glam::Vec3;
 use std::sync::atomic::AtomicBool;

@@ -9,13 +9,13 @@ use super::studio::Studio;
 use crate::failure::Failure;
 use core::f32::consts::TAU;
 use cosine_lobes::lighting::Light;
-use cosine_lobes::lobe_core::paper::{PaperIntegrator, Tables};
-use cosine_lobes::lobe_core::{
-    BrdfLobe, BrdfLobes, Integrator, Interaction, LightCoverage, LightId, LightLobes, LightVisibility, Lobe, Observer,
-    Receiver, Visibility, VisibilitySum, orthonormal_basis,
-};
+use cosine_lobes::lobe_core::{BrdfLobe, Lobe, Receiver, VisibilitySum, orthonormal_basis};
+use cosine_lobes::paper::PaperVisibility;
+use cosine_lobes::paper::{PaperIntegrator, Tables};
 use cosine_lobes::scene::{BlockerSet, Scene, ShadingPoints};
-use cosine_lobes::visibility_mask::PaperVisibility;
+use cosine_lobes::shading::{
+    BrdfLobes, Integrator, Interaction, LightCoverage, LightId, LightLobes, LightVisibility, Observer, Visibility,
+};
 use cosine_lobes::{Comparison, Picture};
 use glam::Vec3;
 use rayon::prelude::*;

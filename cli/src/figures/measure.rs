@@ -2,12 +2,13 @@
 //!
 //! Shared with `examples/results_table`.
 
-use cosine_lobes::lobe_core::paper::PaperIntegrator;
-use cosine_lobes::lobe_core::paper::Tables;
-use cosine_lobes::lobe_core::{Accuracy, Integrator, Visibility};
+use cosine_lobes::paper::PaperIntegrator;
+use cosine_lobes::paper::PaperVisibility;
+use cosine_lobes::paper::Tables;
 use cosine_lobes::render_cpu::CpuShader;
 use cosine_lobes::scene::{BlockerSet, Frame, Scene, Shade, ShadeStats, ShadingPoints};
-use cosine_lobes::visibility_mask::{MaskVisibility, PaperVisibility};
+use cosine_lobes::shading::{Accuracy, Integrator, Visibility};
+use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use glam::Vec3;
 use std::time::{Duration, Instant};

@@ -5,8 +5,8 @@ use super::gallery::Page;
 use super::studio::Studio;
 use crate::failure::Failure;
 use core::f64::consts::TAU;
-use cosine_lobes::lobe_core::paper::{Population, ProductTable, Resolution, table_error};
 use cosine_lobes::lobe_core::product_of_angle;
+use cosine_lobes::paper::{Population, ProductTable, Resolution, table_error};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 

@@ -10,7 +10,7 @@ use crate::drawing::smaller;
 use crate::failure::Failure;
 use cosine_lobes::lighting::{FlatLight, Light, SphereLight};
 use cosine_lobes::lobe_core::Sphere;
-use cosine_lobes::lobe_core::paper::Tables;
+use cosine_lobes::paper::Tables;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::Geometry;
 use cosine_lobes::render_cpu::blockers;

@@ -5,7 +5,7 @@ use crate::console::Fit;
 use crate::failure::Failure;
 use crate::input::cache_folder;
 use crate::teller::Teller;
-use cosine_lobes::lobe_core::paper::Tables;
+use cosine_lobes::paper::Tables;
 use cosine_lobes::renderer::paper_tables;
 use cosine_lobes::scene::Mesh;
 use cosine_lobes::sphere_sets::SphereSet;

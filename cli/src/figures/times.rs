@@ -8,7 +8,7 @@ use super::scenes::{Case, cube, far_light, spiral_lights};
 use super::studio::Studio;
 use crate::failure::Failure;
 use cosine_lobes::lighting::Light;
-use cosine_lobes::lobe_core::paper::Tables;
+use cosine_lobes::paper::Tables;
 use cosine_lobes::render_cpu::{GBuffer, World};
 use plotters::prelude::SeriesLabelPosition;
 

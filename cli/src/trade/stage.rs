@@ -5,8 +5,7 @@ use crate::console::STOP;
 use crate::failure::Failure;
 use crate::teller::Teller;
 use cosine_lobes::Picture;
-use cosine_lobes::lobe_core::Accuracy;
-use cosine_lobes::lobe_core::paper::Tables;
+use cosine_lobes::paper::Tables;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::RayShader;
 use cosine_lobes::render_cpu::SceneSilhouettes;
@@ -14,6 +13,7 @@ use cosine_lobes::renderer::{
     Backend, Event, FrameBlockers, KeptSpheres, Plan, RenderError, Shader, ShaderTask, exposure, seconds,
 };
 use cosine_lobes::scene::{BlockerSet, Frame, Shade, ShadingPoints};
+use cosine_lobes::shading::Accuracy;
 use cosine_lobes::visibility_shadowmap::{ReceiverBounds, ShadowMap};
 use glam::Vec3;
 use std::time::{Duration, Instant};

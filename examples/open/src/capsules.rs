@@ -1,10 +1,11 @@
 //! Blockers: capsules, segments with a radius, exact.
 
 use cosine_lobes::glam::Vec3;
-use cosine_lobes::lobe_core::gpu::{GpuBlockers, GpuBuffer};
-use cosine_lobes::lobe_core::{Cone, Coverage, Sphere, VisibilityQuery};
+use cosine_lobes::lobe_core::{Cone, Sphere};
 use cosine_lobes::renderer::CustomStrategy;
 use cosine_lobes::scene::Scene;
+use cosine_lobes::shading::gpu::{GpuBlockers, GpuBuffer};
+use cosine_lobes::shading::{Coverage, VisibilityQuery};
 use cosine_lobes::visibility_mask::{Blockers, DynBlockers, Mask};
 
 /// All points nearer than `radius` to the segment between two ends.

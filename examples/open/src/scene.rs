@@ -4,9 +4,10 @@ use crate::{Capsule, Capsules, Spot, Velvet};
 use cosine_lobes::brdf::Material;
 use cosine_lobes::glam::Vec3;
 use cosine_lobes::lighting::Light;
-use cosine_lobes::lobe_core::{Accuracy, Sphere};
+use cosine_lobes::lobe_core::Sphere;
 use cosine_lobes::renderer::{Device, RenderError, Renderer, Settings};
 use cosine_lobes::scene::{Animation, Camera, Mesh, Object, Proxy, Scene, Strategy};
+use cosine_lobes::shading::Accuracy;
 use std::sync::Arc;
 
 pub const MATERIALS: [Velvet; 2] = [

@@ -2,7 +2,8 @@
 
 use cosine_lobes::glam::{Mat4, Vec3};
 use cosine_lobes::lighting::{Area, Light, LightKind};
-use cosine_lobes::lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere};
+use cosine_lobes::lobe_core::{Cone, Receiver, SeenLight, Sphere};
+use cosine_lobes::shading::LightLobes;
 use std::sync::Arc;
 
 /// Full radiance within an angle of `direction`, none beyond another, smooth between.

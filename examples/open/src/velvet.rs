@@ -4,7 +4,8 @@ use core::f32::consts::{PI, TAU};
 use cosine_lobes::brdf::wgsl::ModelWgsl;
 use cosine_lobes::brdf::{Brdf, BrdfSample, Factors, Material, Model, Packer};
 use cosine_lobes::glam::Vec3;
-use cosine_lobes::lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver};
+use cosine_lobes::lobe_core::{BrdfLobe, Lobe, Receiver};
+use cosine_lobes::shading::BrdfLobes;
 use std::sync::Arc;
 
 /// `f_r = kd/π + ks·(n + 2)/2π·max(v·ω_o, 0)ⁿ`.

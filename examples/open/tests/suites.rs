@@ -3,19 +3,18 @@
 use core::ops::ControlFlow;
 use core::sync::atomic::AtomicBool;
 use cosine_lobes::brdf::Material;
-use cosine_lobes::brdf::conformance::{BrdfLimits, check as check_brdf};
+use cosine_lobes::conformance::{BrdfLimits, LightLimits, Limits, Setting, check, check_brdf, check_light};
 use cosine_lobes::glam::{Mat4, Quat, Vec3};
 use cosine_lobes::lighting::{Light, LightKind as _};
-use cosine_lobes::lobe_core::conformance::{LightLimits, Limits, Setting, check, check_light};
-use cosine_lobes::lobe_core::{
-    Accuracy, BrdfLobes, FractionIntegrator, Integrator, Interaction, LightId, LightLobes, LightVisibility, Visibility,
-};
 use cosine_lobes::pictures::Window;
 use cosine_lobes::reference::{Geometry, Reference, ReferenceJob};
 use cosine_lobes::render_cpu::{GBuffer, World};
 use cosine_lobes::render_gpu::{Gpu, GpuOptions};
 use cosine_lobes::renderer::{Device, Renderer, Settings};
 use cosine_lobes::scene::{Animation, BlockerSet, Surface};
+use cosine_lobes::shading::{
+    Accuracy, BrdfLobes, FractionIntegrator, Integrator, Interaction, LightId, LightLobes, LightVisibility, Visibility,
+};
 use cosine_lobes::visibility_mask::MaskVisibility;
 use libtest_mimic::{Arguments, Trial};
 use open::scene::MATERIALS;

@@ -36,8 +36,10 @@ pub fn outline_integral(at: &Receiver, lobe: impl Into<BrdfLobe>, light: &Outlin
     light.above(at.normal).map_or(0.0, |above| integral(at, &lobe.into(), &above))
 }
 
-/// The same over a light of any form, of which an outline is above the horizon.
-pub(crate) fn light_integral(at: &Receiver, lobe: &BrdfLobe, cone: &Cone, outline: Option<&Outline>) -> f32 {
+/// The integral of a lobe of flux 1 over a light of any form, in its cone or, where it has an outline, over the part of that above the horizon
+/// ([`SeenLight::above`](crate::SeenLight::above) cuts it): [`cap_integral`] or [`outline_integral`].
+#[must_use]
+pub fn light_integral(at: &Receiver, lobe: &BrdfLobe, cone: &Cone, outline: Option<&Outline>) -> f32 {
     outline.map_or_else(|| cap_integral(at, *lobe, cone), |outline| integral(at, lobe, outline))
 }
 
@@ -49,7 +51,7 @@ pub(crate) fn light_integral(at: &Receiver, lobe: &BrdfLobe, cone: &Cone, outlin
 /// grain that are half as bright again: ≤ 0.5 % in the mean, 2 % at worst, of what the whole light gives.
 #[must_use]
 pub fn image_integral(at: &Receiver, lobe: impl Into<BrdfLobe>, light: &Outline, image: &LightImage) -> Vec3 {
-    light.above(at.normal).map_or(Vec3::ZERO, |above| of_image(at, &lobe.into(), &above, image))
+    light.above(at.normal).map_or(Vec3::ZERO, |above| light_image_integral(at, &lobe.into(), &above, image))
 }
 
 /// Over what is above the horizon.
@@ -58,8 +60,9 @@ fn integral(at: &Receiver, lobe: &BrdfLobe, light: &Outline) -> f32 {
     if value > 0.0 && value.is_finite() { value } else { 0.0 }
 }
 
-/// The same of an image.
-pub(crate) fn of_image(at: &Receiver, lobe: &BrdfLobe, light: &Outline, image: &LightImage) -> Vec3 {
+/// [`image_integral`] over an outline that is above the horizon.
+#[must_use]
+pub fn light_image_integral(at: &Receiver, lobe: &BrdfLobe, light: &Outline, image: &LightImage) -> Vec3 {
     let is_lambert = matches!(lobe, BrdfLobe::Cosine(lobe) if is_lambert(at, lobe));
     if is_lambert
         && !light.is_clipped

@@ -11,8 +11,7 @@ mod tests;
 
 pub use self::flat_shape::FlatShape;
 pub use self::image::{LightImage, fingerprint};
-pub use self::integral::{image_integral, outline_integral};
-pub(crate) use self::integral::{light_integral, of_image};
+pub use self::integral::{image_integral, light_image_integral, light_integral, outline_integral};
 pub(crate) use self::lambert::of_block;
 
 use crate::{Cone, Lobe, Sphere, orthonormal_basis};

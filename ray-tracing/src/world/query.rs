@@ -4,9 +4,10 @@ use super::World;
 use super::primitive::{Corners, Named, SceneSphere};
 use super::tree::Tree;
 use glam::{Vec3, Vec3A};
-use lobe_core::{Cone, Shaft};
+use lobe_core::Cone;
 use obvhs::aabb::Aabb;
 use obvhs::ray::Ray;
+use shading::Shaft;
 
 /// One triangle or sphere of a [`World`]; valid for that world only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

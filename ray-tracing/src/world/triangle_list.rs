@@ -4,9 +4,9 @@ use super::World;
 use super::primitive::{CLOSE, Corners, EDGE, Exact, GIANT, GIANT_EDGE};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{Vec3, Vec3A};
-use lobe_core::Shaft;
 use lobe_core::vec3x8::{LANES, Vec3x8};
 use obvhs::ray::Ray;
+use shading::Shaft;
 
 /// x, y and z of eight vectors.
 type Rows = [[f32; LANES]; 3];
@@ -149,9 +149,10 @@ impl World<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lobe_core::Sphere;
     use lobe_core::oracle::Random;
-    use lobe_core::{LightId, Sphere};
     use scene::{Mesh, Object, Proxy};
+    use shading::LightId;
     use test_scenes::floor_and_ball;
 
     /// Loose triangles, those among them without area, and rays that start anywhere, on a triangle, or on an edge of one.

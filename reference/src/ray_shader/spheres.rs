@@ -4,9 +4,10 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8, u32x8};
 use glam::{Vec3, Vec3A};
 use lobe_core::vec3x8::{LANES, Vec3x8};
-use lobe_core::{Cone, Coverage, NO_OBJECT, Receiver, SelfShadow, Shaft, Sphere};
+use lobe_core::{Cone, NO_OBJECT, Receiver, SelfShadow, Sphere};
 use ray_tracing::SphereHierarchy;
 use scene::BlockerSet;
+use shading::{Coverage, Shaft};
 
 /// A blocker as receivers of its own object see it.
 #[derive(Clone, Copy, Debug)]

@@ -4,9 +4,9 @@ use crate::{Geometry, Reference, ReferenceJob};
 use brdf::{ModifiedPhong, Phong};
 use core::sync::atomic::AtomicBool;
 use lighting::SphereLight;
-use lobe_core::Accuracy;
 use ray_tracing::GBuffer;
 use scene::{Object, Scene};
+use shading::Accuracy;
 use test_scenes::floor_and_ball;
 
 /// Two more spheres that overlap, and glossy materials of both kinds.

@@ -2,10 +2,11 @@
 
 use glam::{DVec3, Vec3};
 use lighting::Environment;
-use lobe_core::{BrdfLobe, BrdfLobes, Receiver};
+use lobe_core::{BrdfLobe, Receiver};
 use rayon::prelude::*;
 use render_cpu::World;
 use scene::{Scene, ShadingPoints};
+use shading::BrdfLobes;
 
 /// Rays along each side of a grid over a hemisphere.
 const RAYS: u32 = 192;

@@ -9,10 +9,10 @@ use glam::{DVec3, UVec2, Vec3};
 use libtest_mimic::Trial;
 use lighting::{AmbientLight, EnclosedLight, Environment, EnvironmentMap, FlatLight, Light, SphereLight, TubeLight};
 use lobe_core::oracle::Random;
-use lobe_core::paper::{ProductTable, Resolution, Tables};
 use lobe_core::{
     BrdfLobe, LightImage, Lobe, Microfacets, Outline, PackedLobe, Receiver, Sphere, outline_integral, wgsl,
 };
+use paper::{ProductTable, Resolution, Tables};
 use render_cpu::{GBuffer, World};
 use render_gpu::{Gpu, GpuShader, Occlusion};
 use scene::{Scene, Shade, builtin};

@@ -7,11 +7,12 @@ use self::mesh::{FLOOR, Mesh};
 use crate::call::{call_with, trial};
 use glam::{Vec2, Vec3};
 use libtest_mimic::Trial;
-use lobe_core::gpu::GpuPages;
 use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
-use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Sphere, VisibilityQuery};
+use lobe_core::{Cone, Receiver, Sphere};
 use render_gpu::Gpu;
+use shading::gpu::GpuPages;
+use shading::{Accuracy, Coverage, LightId, VisibilityQuery};
 use visibility_mask::{Blockers as _, Fineness, MAX_DEPTH, Mask, UnitSquare};
 use visibility_shadowmap::{PackedMaps, ShadowMapBlockers, wgsl};
 

@@ -5,11 +5,9 @@ use glam::Vec3;
 use libtest_mimic::Trial;
 use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
-use lobe_core::{
-    Accuracy, Cone, Coverage, LightCoverage, LightId, LightVisibility, Lobe, PackedLobe, Receiver, Visibility,
-    VisibilityQuery,
-};
+use lobe_core::{Cone, Lobe, PackedLobe, Receiver};
 use render_gpu::Gpu;
+use shading::{Accuracy, Coverage, LightCoverage, LightId, LightVisibility, Visibility, VisibilityQuery};
 use visibility_mask::{Blockers, Edges, Fineness, LookAgain, Mask, MaskVisibility, UnitSquare, hooks, wgsl};
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {

@@ -8,8 +8,9 @@ use brdf::{
 use glam::{DMat3, Mat3, Quat, Vec3};
 use libtest_mimic::Trial;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
-use lobe_core::{BrdfLobe, BrdfLobes, PackedLobe, Receiver, orthonormal_basis};
+use lobe_core::{BrdfLobe, PackedLobe, Receiver, orthonormal_basis};
 use render_gpu::Gpu;
+use shading::BrdfLobes;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![

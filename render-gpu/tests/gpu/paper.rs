@@ -7,12 +7,13 @@ use glam::Vec3;
 use libtest_mimic::Trial;
 use lighting::SphereLight;
 use lobe_core::oracle::Random;
-use lobe_core::paper::{PaperIntegrator, ProductTable, Resolution, Tables};
 use lobe_core::{Cone, Lobe, PackedLobe, Sphere, wgsl};
+use paper::{PaperIntegrator, ProductTable, Resolution, Tables};
+use paper::{PaperVisibility, PaperWeights};
 use render_cpu::CpuShader;
 use render_gpu::{Gpu, GpuShader, Occlusion};
 use scene::Shade;
-use visibility_mask::{Blockers, Mixture, PaperVisibility, PaperWeights};
+use visibility_mask::{Blockers, Mixture};
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![
@@ -25,7 +26,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
 }
 
 const COUNT: usize = 1 << 13;
-const PIECES: [&str; 4] = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE, wgsl::PAPER];
+const PIECES: [&str; 4] = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE, paper::wgsl::TABLES];
 
 fn tables() -> Tables {
     Tables::with_products(ProductTable::build_with(Resolution { angles: 33, per_interval: 4 }))
@@ -115,14 +116,14 @@ fn paper_caps(gpu: &Gpu) {
         wgsl::SPECIAL,
         wgsl::GEOMETRY,
         wgsl::LOBE,
-        wgsl::PAPER,
+        paper::wgsl::TABLES,
         visibility_mask::wgsl::SQUARE,
         visibility_mask::wgsl::ROUND,
         wgsl::NO_OUTLINE,
         visibility_mask::wgsl::MASK,
     ];
-    let header = visibility_mask::wgsl::paper_header(5);
-    let more = [header.as_str(), visibility_mask::wgsl::TOTAL, visibility_mask::wgsl::PAPER];
+    let header = paper::wgsl::header(5);
+    let more = [header.as_str(), visibility_mask::wgsl::TOTAL, paper::wgsl::VISIBILITY];
     let got = call_with(gpu, &[all.as_slice(), &more].concat(), body, &rows, [3, 5], &[(9, &words)]);
     let mut worst = 0.0_f32;
     for (got, row) in got.chunks(5).zip(rows.chunks(3)) {

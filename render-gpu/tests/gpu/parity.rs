@@ -9,13 +9,14 @@ use brdf::{
 use glam::{Affine2, Vec2, Vec3};
 use libtest_mimic::Trial;
 use lighting::{EnclosedLight, Light, SphereLight, SpotLight, SunLight};
-use lobe_core::{Accuracy, Coverage, LightLobes, Receiver, Sphere, Unshadowed, Visibility};
+use lobe_core::{Receiver, Sphere};
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use render_gpu::{Gpu, GpuShader, Occlusion};
 use scene::{
     Channel, Counts, Encoding, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape, Surface, Texture,
     TextureMap,
 };
+use shading::{Accuracy, Coverage, LightLobes, Unshadowed, Visibility};
 use std::ops::ControlFlow;
 use test_scenes::globe;
 use visibility_mask::{LookAgain, MaskVisibility, Mixture, facet_coverage};

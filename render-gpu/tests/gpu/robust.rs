@@ -6,9 +6,9 @@ use glam::Vec3;
 use libtest_mimic::Trial;
 use lighting::SphereLight;
 use lobe_core::Sphere;
-use lobe_core::gpu::GpuBlockers;
 use render_gpu::{Gpu, GpuError, GpuShader, Occlusion};
 use scene::{Frame, Shade, ShadingPoints};
+use shading::gpu::GpuBlockers;
 use visibility_mask::{LookAgain, MaskVisibility};
 use visibility_spheres::SphereBlockers;
 

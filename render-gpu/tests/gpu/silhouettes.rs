@@ -8,13 +8,14 @@ use glam::{Mat4, Vec3};
 use libtest_mimic::Trial;
 use lighting::Light;
 use lobe_core::Sphere;
-use lobe_core::gpu::{GpuBlockers, GpuLight as _};
-use lobe_core::paper::{PaperIntegrator, ProductTable, Resolution, Tables};
+use paper::PaperVisibility;
+use paper::{PaperIntegrator, ProductTable, Resolution, Tables};
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
 use render_gpu::{Gpu, GpuError, GpuShader, GpuWorld, Occlusion};
 use scene::{Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
+use shading::gpu::{GpuBlockers, GpuLight as _};
 use test_scenes::globe;
-use visibility_mask::{LookAgain, MaskVisibility, Mixture, PaperVisibility};
+use visibility_mask::{LookAgain, MaskVisibility, Mixture};
 use visibility_silhouettes::{AnyHit as _, GpuSilhouettes, SilhouetteBlockers};
 use visibility_spheres::SphereBlockers;
 

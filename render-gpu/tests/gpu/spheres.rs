@@ -3,11 +3,12 @@
 use crate::call::trial;
 use glam::{Vec2, Vec3};
 use libtest_mimic::Trial;
-use lobe_core::gpu::GPU_SHAPE;
 use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
-use lobe_core::{Accuracy, Cone, Coverage, LightId, NO_OBJECT, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Cone, NO_OBJECT, Receiver, SelfShadow, Sphere};
 use render_gpu::{Gpu, GpuReceiver};
+use shading::gpu::GPU_SHAPE;
+use shading::{Accuracy, Coverage, LightId, Shaft, VisibilityQuery};
 use visibility_mask::{Blockers, Edges, Fineness, UnitSquare, hooks, wgsl as masks};
 use visibility_spheres::{BlockerSphere, LIST_WORDS, SphereBlockers, wgsl};
 use wgpu::util::DeviceExt;

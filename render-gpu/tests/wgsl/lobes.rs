@@ -2,8 +2,8 @@
 
 use crate::validated::module;
 use lighting::SphereLight;
-use lobe_core::gpu::GpuLight as _;
 use lobe_core::wgsl;
+use shading::gpu::GpuLight as _;
 
 /// Size and member offsets of a struct.
 fn layout(module: &naga::Module, name: &str) -> (u32, Vec<(String, u32)>) {
@@ -58,7 +58,7 @@ const HOOKS: &str = "
 fn kernels_of_the_paper_validate() {
     use visibility_mask::wgsl as masks;
     let frame = [include_str!("../../src/kernels/frame.wgsl"), include_str!("../../src/kernels/queue.wgsl"), HOOKS];
-    let core = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::NO_OUTLINE, wgsl::LOBE, wgsl::PAPER];
+    let core = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::NO_OUTLINE, wgsl::LOBE, paper::wgsl::TABLES];
     module(
         &[
             frame.as_slice(),
@@ -75,9 +75,9 @@ fn kernels_of_the_paper_validate() {
     let splat = "fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
         mask_block_span(mask, lane, 0.0, 1.0);
     }";
-    let masks = [masks::SQUARE, masks::ROUND, masks::MASK, masks::TOTAL, masks::PAPER];
+    let masks = [masks::SQUARE, masks::ROUND, masks::MASK, masks::TOTAL, paper::wgsl::VISIBILITY];
     for depth in 1..=visibility_mask::MAX_DEPTH {
-        let header = visibility_mask::wgsl::paper_header(depth);
+        let header = paper::wgsl::header(depth);
         let points = include_str!("../../src/kernels/points.wgsl");
         let kernel =
             [SphereLight::WGSL, points, include_str!("../../src/kernels/paper_penumbra.wgsl"), splat, header.as_str()];

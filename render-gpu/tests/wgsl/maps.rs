@@ -1,8 +1,8 @@
 //! The WGSL of shadow maps without a GPU: every variant validates.
 
 use crate::validated::module;
-use lobe_core::gpu::GpuPages;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
+use shading::gpu::GpuPages;
 use visibility_shadowmap::wgsl;
 
 /// The declarations of kernels.

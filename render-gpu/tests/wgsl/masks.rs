@@ -2,8 +2,8 @@
 
 use crate::validated::module;
 use lighting::SphereLight;
-use lobe_core::gpu::GpuLight as _;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, OUTLINE, SPECIAL};
+use shading::gpu::GpuLight as _;
 use visibility_mask::{Fineness, wgsl};
 
 /// Blockers and reflectance, as the kernel requires them.

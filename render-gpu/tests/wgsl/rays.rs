@@ -1,9 +1,9 @@
 //! The WGSL of rays without a GPU.
 
 use crate::validated::module;
-use lobe_core::gpu::GpuBlockers;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
 use render_gpu::wgsl::{ANY_HIT, BVH, TRACE};
+use shading::gpu::GpuBlockers;
 use visibility_rays::GpuRays;
 
 #[test]

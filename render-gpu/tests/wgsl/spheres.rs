@@ -3,8 +3,8 @@
 use crate::constant;
 use crate::validated::module;
 use lighting::SphereLight;
-use lobe_core::gpu::GpuLight as _;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
+use shading::gpu::GpuLight as _;
 use visibility_mask::{Fineness, wgsl as masks};
 use visibility_spheres::{BlockerSphere, LIST_WORDS, SPHERE_BLOCK, wgsl};
 

@@ -5,7 +5,8 @@ use fearless_simd::{Level, dispatch, f32x8, mask32x8, prelude::*};
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
 use lobe_core::vec3x8::Vec3x8;
-use lobe_core::{BrdfLobe, Coverage, Lobe, Microfacets, Receiver};
+use lobe_core::{BrdfLobe, Lobe, Microfacets, Receiver};
+use shading::Coverage;
 
 fn uniform(resolution: SkyResolution) -> SkyTable {
     SkyTable::new(resolution, 1, |_| Vec3::ONE)

@@ -7,7 +7,8 @@ use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::Vec3;
 use lobe_core::special::{exp, ln_1p};
 use lobe_core::vec3x8::{LANES, Vec3x8};
-use lobe_core::{BrdfLobe, BrushedAt, Coverage, Facets, Lobe, MicrofacetsAt, Receiver, Schlick, is_lambert};
+use lobe_core::{BrdfLobe, BrushedAt, Facets, Lobe, MicrofacetsAt, Receiver, Schlick, is_lambert};
+use shading::Coverage;
 
 /// The widest step between samples that a lobe's sum is good for: this part of the lobe's standard deviation.
 const STEPS: f32 = 1.5;

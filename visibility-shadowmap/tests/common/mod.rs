@@ -2,7 +2,8 @@
 #![allow(dead_code, reason = "each test uses a part")]
 
 use glam::{DVec3, Vec3};
-use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Sphere, VisibilityQuery};
+use lobe_core::{Cone, Receiver, Sphere};
+use shading::{Accuracy, Coverage, LightId, VisibilityQuery};
 use visibility_mask::{Blockers, Mask, UnitSquare};
 use visibility_shadowmap::{MapOptions, ShadowMap, ShadowMapBlockers, ShadowMapScratch};
 

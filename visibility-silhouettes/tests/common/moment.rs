@@ -3,7 +3,8 @@
 use super::{Rays, Soup, ball, cuboid};
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
-use lobe_core::{Accuracy, Cone, LightId, LightVisibility, Lobe, Receiver, Sphere, Visibility, cap_integral};
+use lobe_core::{Cone, Lobe, Receiver, Sphere, cap_integral};
+use shading::{Accuracy, LightId, LightVisibility, Visibility};
 use visibility_mask::MaskVisibility;
 use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 

@@ -7,7 +7,7 @@ use super::setting::{DIST, Panel, Seen, Setting, corners, three, words};
 use crate::drawing::COLORS;
 use crate::failure::Failure;
 use cosine_lobes::lobe_core::Lobe;
-use cosine_lobes::lobe_core::paper::Tables;
+use cosine_lobes::paper::Tables;
 use glam::{Vec2, Vec3};
 use plotters::coord::Shift;
 use plotters::prelude::*;

@@ -6,7 +6,7 @@ use super::super::gallery::Page;
 use super::super::studio::Studio;
 use crate::failure::Failure;
 use cosine_lobes::lobe_core::{Cone, Lobe, Sphere};
-use cosine_lobes::visibility_mask::PaperWeights;
+use cosine_lobes::paper::PaperWeights;
 use glam::Vec3;
 use plotters::prelude::SeriesLabelPosition;
 

@@ -2,12 +2,10 @@
 
 use super::super::canvas::failed;
 use crate::failure::Failure;
-use cosine_lobes::lobe_core::paper::Tables;
-use cosine_lobes::lobe_core::{
-    Accuracy, Cone, Coverage, LightCoverage, LightId, LightVisibility, Lobe, Receiver, Sphere, Visibility,
-    VisibilityQuery, VisibilitySum,
-};
-use cosine_lobes::visibility_mask::{PaperVisibility, ShadowNode};
+use cosine_lobes::lobe_core::{Cone, Lobe, Receiver, Sphere, VisibilitySum};
+use cosine_lobes::paper::Tables;
+use cosine_lobes::paper::{PaperVisibility, ShadowNode};
+use cosine_lobes::shading::{Accuracy, Coverage, LightCoverage, LightId, LightVisibility, Visibility, VisibilityQuery};
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use glam::{Vec2, Vec3};
 use plotters::coord::Shift;
@@ -150,7 +148,7 @@ pub(super) fn three() -> Vec<Sphere> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use cosine_lobes::lobe_core::paper::{CapTable, ProductTable, Resolution};
+    use cosine_lobes::paper::{CapTable, ProductTable, Resolution};
 
     /// Quick to build; nodes do not depend on products.
     pub(in crate::figures::masks) fn coarse() -> Tables {

@@ -5,7 +5,7 @@ use super::super::gallery::Page;
 use super::super::studio::Studio;
 use super::setting::{DIST, GREY, Panel, Setting, corners, three, words};
 use crate::failure::Failure;
-use cosine_lobes::visibility_mask::ShadowNode;
+use cosine_lobes::paper::ShadowNode;
 use glam::Vec2;
 use plotters::coord::Shift;
 use plotters::prelude::*;

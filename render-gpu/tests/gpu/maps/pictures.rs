@@ -5,11 +5,12 @@ use crate::parity::assert_same;
 use brdf::{Lambert, Material, Phong};
 use glam::Vec3;
 use lighting::SphereLight;
+use lobe_core::Sphere;
 use lobe_core::oracle::Random;
-use lobe_core::{Accuracy, Sphere};
 use render_cpu::CpuShader;
 use render_gpu::{Gpu, GpuShader, Occlusion};
 use scene::{Counts, Frame, Shade, ShadeStats, ShadingPoints};
+use shading::Accuracy;
 use visibility_mask::{LookAgain, MaskVisibility};
 use visibility_shadowmap::ShadowMapBlockers;
 
