@@ -27,8 +27,19 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
     map: EnvironmentMap,
+    behind: Behind,
     sky: EnvironmentMap,
     lights: Vec<Light>,
+}
+
+/// The picture that is seen behind all objects.
+#[derive(Clone, Debug, PartialEq)]
+enum Behind {
+    /// The one that shines.
+    Map,
+    /// Another: what shines is brighter.
+    Darker(EnvironmentMap),
+    Nothing,
 }
 
 /// Texels along a patch's side, at least and at most.
@@ -45,6 +56,33 @@ impl Environment {
     /// The lights of a map, with `across`² patches on each side of the cube; `world` is a sphere around all that blocks and all that is lit.
     #[must_use]
     pub fn new(map: EnvironmentMap, across: u32, world: Sphere) -> Self {
+        Self::of(map, Behind::Map, across, world)
+    }
+
+    /// Ambient light that objects hide: a picture, if there is one, and as much radiance from all directions beside, which is not seen behind
+    /// the objects. One search for outlines serves both.
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use lighting::{Environment, EnvironmentMap};
+    /// use lobe_core::Sphere;
+    /// let world = Sphere { center: Vec3::ZERO, radius: 10.0 };
+    /// let ambient = Environment::with_ambient(None, Vec3::splat(0.2), 1, world);
+    /// assert_eq!((ambient.map().radiance(Vec3::X), ambient.behind()), (Vec3::splat(0.2), None));
+    /// ```
+    #[must_use]
+    pub fn with_ambient(picture: Option<EnvironmentMap>, ambient: Vec3, across: u32, world: Sphere) -> Self {
+        match picture {
+            None => Self::of(EnvironmentMap::uniform(ambient), Behind::Nothing, across, world),
+            Some(picture) if ambient == Vec3::ZERO => Self::new(picture, across, world),
+            Some(picture) => {
+                let map = picture.clone().brightened(ambient);
+                Self::of(map, Behind::Darker(picture), across, world)
+            }
+        }
+    }
+
+    fn of(map: EnvironmentMap, behind: Behind, across: u32, world: Sphere) -> Self {
         let (rest, suns) = suns::cut(&map, world);
         let mut lights: Vec<Light> = suns.into_iter().map(|sun| SkyLight::Sun(sun).into()).collect();
         let side = (map.size().x / (4 * across)).next_power_of_two().clamp(FEWEST, MOST);
@@ -57,7 +95,7 @@ impl Environment {
                 lights.extend(patch(&rest, axis, center, sides, side, world).map(|p| SkyLight::Patch(p).into()));
             }
         }
-        Self { sky: rest.reduced(AROUND), map, lights }
+        Self { sky: rest.reduced(AROUND), map, behind, lights }
     }
 
     /// Suns first, then patches that are not black.
@@ -88,10 +126,20 @@ impl Environment {
         own.next().is_none().then_some(among)
     }
 
-    /// The picture.
+    /// The picture that shines.
     #[must_use]
     pub const fn map(&self) -> &EnvironmentMap {
         &self.map
+    }
+
+    /// The picture that is seen behind all objects; none of ambient light alone.
+    #[must_use]
+    pub const fn behind(&self) -> Option<&EnvironmentMap> {
+        match &self.behind {
+            Behind::Map => Some(&self.map),
+            Behind::Darker(picture) => Some(picture),
+            Behind::Nothing => None,
+        }
     }
 }
 

@@ -266,16 +266,20 @@ class Material:
 
 @final
 class Environment:
-    """Light from all around: one radiance, or an image in latitude and longitude, the top row first."""
+    """Light from all around that objects hide: one radiance, or an image in latitude and longitude, the top row first.
+
+    ``ambient`` is more radiance from everywhere, which is not seen behind the objects. At least one of the two.
+    """
 
     def __new__(
         cls,
-        radiance: _Color,
+        radiance: Optional[_Color] = None,
         *,
         strength: Optional[_Color] = None,
         up: Optional[_Vector] = None,
         turn: float = 0.0,
         patches: int = 2,
+        ambient: Optional[_Color] = None,
     ) -> Environment: ...
 
 class _MeshRequired(TypedDict):

@@ -247,6 +247,8 @@ BAD_VALUES = [
     (lambda: cl.Environment(np.zeros((4, 8))), r"radiance has shape \(4, 8\): expected \(height, width, 3\)"),
     (lambda: cl.Environment(np.full((4, 8, 3), np.nan)), r"radiance\[0, 0\] is .*: expected finite numbers"),
     (lambda: cl.Environment(1, patches=99), "patches is 99: expected 1 to 16"),
+    (lambda: cl.Environment(), "an environment without light: expected radiance or ambient"),
+    (lambda: cl.Environment(ambient=-1), "ambient is .*: expected finite numbers of at least 0"),
     (lambda: cl.Scene(size=(0, 5)), "image is 0x5: both must lie in 1…16384"),
     (lambda: cl.Scene(background=-1), "background is"),
     (lambda: cl.Settings(visibility="magic"), 'visibility is "magic"'),

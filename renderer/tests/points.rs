@@ -93,6 +93,33 @@ fn white_points_have_the_irradiance_over_pi() {
     assert!(light.unshadowed.is_empty() && light.lights.is_empty());
 }
 
+/// Ambient occlusion in closed form: a sphere of radius r at a distance d hides `cos·(r/d)²` of a Lambert point's light, and a point
+/// beside a wall without end sees half of it.
+#[test]
+fn ambient_light_is_hidden() {
+    let mut scene = floor_and_ball();
+    let radius = 0.5;
+    scene.objects.truncate(1);
+    let center = Vec3::new(0.0, 1.5, 0.0);
+    scene.objects.push(Object::mesh("globe", globe(96, center, radius, true), 0, Proxy::None));
+    let world = Sphere { center: Vec3::ZERO, radius: 9.0 };
+    let environment = Environment::with_ambient(None, Vec3::splat(0.8), 1, world);
+    scene.lights = environment.lights().to_vec();
+    scene.environment = Some(environment.into());
+    let mut renderer = renderer(scene, None);
+    let at = |x: f32| Receiver::on_surface(Vec3::new(x, 0.0, 0.0), Vec3::Y, Vec3::Y);
+    let receivers: Vec<Receiver> = [0.0, 0.3, 0.8, 2.0].map(at).to_vec();
+    let points = ShadingPoints { materials: vec![0; receivers.len()], receivers, ..ShadingPoints::default() };
+    let white = [brdf::Material::lambert(Vec3::ONE)];
+    let light = renderer.shade_points(points.clone(), Some(&white), LayerSet::NONE).expect("light");
+    for (at, got) in points.receivers.iter().zip(&light.radiance) {
+        let to = center - at.position;
+        let hidden = to.normalize().y * (radius * radius / to.length_squared());
+        let want = 0.8 * (1.0 - hidden);
+        assert!((got.x - want).abs() < 0.003, "{}: {} for {want}", at.position, got.x);
+    }
+}
+
 #[test]
 fn wrong_points_are_refused() {
     let mut renderer = renderer(stage(), None);

@@ -5,16 +5,15 @@ use crate::image_file;
 use crate::scene_light::Around;
 use crate::toml_reader::{Table, Value};
 use glam::{UVec2, Vec3};
-use lighting::{Environment, EnvironmentMap};
-use lobe_core::Sphere;
+use lighting::EnvironmentMap;
 use scene::SceneError;
 
 /// Patches along each side of the environment's cube, where a scene does not say.
 const PATCHES: u32 = 2;
 const MOST_PATCHES: u32 = 16;
 
-/// Reads the rest of a light of kind "environment".
-pub(crate) fn read_environment(t: &mut Table<'_>, around: &Around<'_>) -> Result<Environment, SceneError> {
+/// The picture of a light of kind "environment", and the patches along each side of its cube.
+pub(crate) fn read_environment(t: &mut Table<'_>, around: &Around<'_>) -> Result<(EnvironmentMap, u32), SceneError> {
     let (kind, value) = t.one_of(&["file", "radiance"])?;
     let map = if kind == "radiance" { EnvironmentMap::uniform(value.color()?) } else { read_map(value, around)? };
     let strength = t.get("strength").map(|v| v.color()).transpose()?;
@@ -22,8 +21,7 @@ pub(crate) fn read_environment(t: &mut Table<'_>, around: &Around<'_>) -> Result
     let up = t.get("up").map_or(Ok(Vec3::Y), |v| v.direction())?;
     let turn = t.get("turn").map_or(Ok(0.0), |v| v.number())?;
     let patches = t.get("patches").map_or(Ok(PATCHES), |v| v.whole(1, MOST_PATCHES))?;
-    let world = Sphere { center: around.bounds.center(), radius: around.bounds.radius() };
-    Ok(Environment::new(map.turned(up, turn), patches, world))
+    Ok((map.turned(up, turn), patches))
 }
 
 /// The largest number that half floats hold: brighter pixels of pictures that are kept in them are infinite.

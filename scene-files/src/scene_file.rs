@@ -118,6 +118,7 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
         }
         notes.into_inner().into_iter().for_each(|note| context.warn(path, note));
     }
+    let environment = lit.environment(&bounds);
     for (object, key) in emitters {
         let surface = materials.surface(&objects[object]);
         if let Some(error) = lit.emit((object, &objects[object]), surface, key, movers[object].as_ref())? {
@@ -147,7 +148,7 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
         ..context.animation()
     };
     let (materials, surfaces) = Look::parted(materials.all);
-    let SceneLights { lights, environment, .. } = lit;
+    let lights = lit.lights;
     let scene = Scene { camera, width, height, background, environment, materials, surfaces, objects, lights };
     scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
     Ok((scene, animation))

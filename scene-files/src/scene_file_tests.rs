@@ -321,9 +321,22 @@ fn lights_of_all_kinds_are_read() {
     assert!((sun.radiance.x * std::f32::consts::PI * sun.sin.powi(2) - 3.0).abs() < 1e-4);
     let Light::Ambient(ambient) = read("kind = \"ambient\"\nradiance = 0.5") else { panic!() };
     assert_eq!(ambient.radiance, Vec3::splat(0.5));
+    // Hidden by objects, it is a part of the environment, whose lights stand where its first table does.
+    let occluded = "[[lights]]\nkind = \"ambient\"\nradiance = 0.5\noccluded = true\n";
+    let lamp = "[[lights]]\nkind = \"point\"\ncenter = [0, 3, 0]\nintensity = 2\nkeys = [{ time = 0 }, { time = 1, translate = [0, 1, 0] }]\n";
+    let text = format!("{sphere}{occluded}{lamp}{occluded}");
+    let (scene, animation) = scene_file::parse(Path::new("test.toml"), &text, &mut Context::default()).unwrap();
+    assert_eq!(animation.lights[0].first, 6);
+    let environment = scene.environment.unwrap();
+    assert_eq!((environment.map().radiance(Vec3::Z), environment.behind()), (Vec3::ONE, None));
+    assert!(scene.lights.len() == 7 && matches!(scene.lights[6], Light::Sphere(_)));
     let sky = "kind = \"environment\"\nradiance = [1, 2, 3]\nstrength = 2\npatches = 1";
     let scene = parse(&format!("{sphere}[[lights]]\n{sky}")).unwrap();
     assert!(scene.lights.len() == 6 && scene.environment.unwrap().map().radiance(Vec3::Z) == Vec3::new(2.0, 4.0, 6.0));
+    let scene = parse(&format!("{sphere}[[lights]]\n{sky}\n{occluded}")).unwrap();
+    let environment = scene.environment.unwrap();
+    assert_eq!(environment.map().radiance(Vec3::Z), Vec3::new(2.5, 4.5, 6.5));
+    assert_eq!(environment.behind().unwrap().radiance(Vec3::Z), Vec3::new(2.0, 4.0, 6.0));
     // They turn and move as objects do.
     let keys =
         "keys = [{ time = 0 }, { time = 1, rotate = { axis = [1, 0, 0], degrees = 90 }, translate = [0, 1, 0] }]";

@@ -6,7 +6,9 @@ use crate::keys::Keys;
 use crate::scene_environment::{read_environment, read_linear};
 use crate::toml_reader::{Table, Value};
 use glam::{DVec3, Mat4, Vec3};
-use lighting::{AmbientLight, Environment, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight};
+use lighting::{
+    AmbientLight, Environment, EnvironmentMap, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight,
+};
 use lobe_core::{LightImage, Sphere};
 use scene::motion::{LightMover, LightPlace, Mover, Origins};
 use scene::{Bounds, MAX_COORDINATE, Object, Scene, SceneError, Surface};
@@ -27,8 +29,19 @@ const KINDS: &str = "\"sphere\", \"spheres\", \"rectangle\", \"disc\", \"polygon
 pub(crate) struct SceneLights {
     pub(crate) lights: Vec<Light>,
     pub(crate) movers: Vec<LightMover>,
-    pub(crate) environment: Option<Arc<Environment>>,
+    sky: Option<Sky>,
 }
+
+/// Light from all around that objects hide, of all tables together.
+struct Sky {
+    /// The place of its lights among the others.
+    first: usize,
+    picture: Option<(EnvironmentMap, u32)>,
+    ambient: Vec3,
+}
+
+/// Patches along each side of the cube of ambient light: it is the same everywhere.
+const AMBIENT_PATCHES: u32 = 1;
 
 /// The context of a light's keys: the file, the origin of the scene's coordinates and the box around its objects.
 pub(crate) struct Around<'a> {
@@ -68,18 +81,19 @@ impl SceneLights {
             "tube" => tube(&mut t, around)?,
             "sun" => sun(&mut t, around, world)?,
             "ambient" => {
-                let value = t.require("radiance")?;
-                let light = AmbientLight { radiance: value.color()?, world };
-                self.lights.push(light.into());
+                let radiance = t.require("radiance")?.color()?;
+                if t.get("occluded").map_or(Ok(false), |v| v.boolean())? {
+                    self.sky().ambient += radiance;
+                } else {
+                    self.lights.push(AmbientLight { radiance, world }.into());
+                }
                 return t.finish();
             }
             "environment" => {
-                if self.environment.is_some() {
+                if self.sky().picture.is_some() {
                     return Err(kind.error("there is an environment already: a scene has one"));
                 }
-                let environment = read_environment(&mut t, around)?;
-                self.lights.extend_from_slice(environment.lights());
-                self.environment = Some(Arc::new(environment));
+                self.sky().picture = Some(read_environment(&mut t, around)?);
                 return t.finish();
             }
             other => {
@@ -87,6 +101,23 @@ impl SceneLights {
             }
         };
         self.place(t, kind, own)
+    }
+
+    fn sky(&mut self) -> &mut Sky {
+        let first = self.lights.len();
+        self.sky.get_or_insert(Sky { first, picture: None, ambient: Vec3::ZERO })
+    }
+
+    /// The environment of all tables, whose lights take their place among the others; `bounds` is around all that blocks and is lit.
+    pub(crate) fn environment(&mut self, bounds: &Bounds) -> Option<Arc<Environment>> {
+        let Sky { first, picture, ambient } = self.sky.take()?;
+        let (picture, across) = picture.map_or((None, AMBIENT_PATCHES), |(picture, across)| (Some(picture), across));
+        let world = Sphere { center: bounds.center(), radius: bounds.radius() };
+        let environment = Environment::with_ambient(picture, ambient, across, world);
+        let lights = environment.lights();
+        self.movers.iter_mut().filter(|mover| mover.first >= first).for_each(|mover| mover.first += lights.len());
+        self.lights.splice(first..first, lights.iter().cloned());
+        Some(Arc::new(environment))
     }
 
     /// Appends the lights of an object whose material emits. Returns the relative error of lights inside the object, which then must

@@ -185,7 +185,8 @@ fn lights(document: &mut DocumentMut, before: &Snapshot, now: &Snapshot) -> Resu
         let kind = table.get("kind").and_then(Item::as_str).unwrap_or_default().to_owned();
         let count = match kind.as_str() {
             "spheres" => table.get("spheres").and_then(Item::as_array).map_or(0, Array::len),
-            "environment" => before.lights[next.min(before.lights.len())..]
+            "environment" | "ambient" if kind == "environment" || is_occluded(table) => before.lights
+                [next.min(before.lights.len())..]
                 .iter()
                 .take_while(|item| matches!(item.light, Light::Sky(_)))
                 .count(),
@@ -210,6 +211,11 @@ fn lights(document: &mut DocumentMut, before: &Snapshot, now: &Snapshot) -> Resu
         true => Err(change("a light that an object of the file shines with is changed by the object's material")),
         false => Ok(()),
     }
+}
+
+/// Whether ambient light is a part of the environment, whose lights take the place of the first of its tables.
+fn is_occluded(table: &dyn TableLike) -> bool {
+    table.get("occluded").and_then(Item::as_bool).unwrap_or_default()
 }
 
 fn spheres(table: &mut dyn TableLike, new: &[LightItem], origin: DVec3) -> Result<(), SaveError> {

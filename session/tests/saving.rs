@@ -122,6 +122,24 @@ fn nothing_changed_leaves_the_file_as_it_is() {
     assert_eq!(fs::read_to_string(&path).unwrap(), TEXT);
 }
 
+/// Ambient light that objects hide is one environment, whose lights stand where the first of its tables does.
+#[test]
+fn lights_among_ambient_light_are_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let ambient = "[[lights]]\nkind = \"ambient\"\nradiance = 0.1\noccluded = true\n";
+    let text = format!("{}\n{ambient}", TEXT.replace("# Lights\n", &format!("# Lights\n{ambient}")));
+    let path = file(&folder, &text);
+    let Opened { mut editor, before } = open(&path);
+    let number = editor.scene().lights.iter().position(|item| matches!(item.light, Light::Sphere(_))).unwrap();
+    assert_eq!(number, 6);
+    let (handle, lamp) = light(&editor, number);
+    editor.set_light(handle, lamp::shifted(&lamp, Vec3::Y));
+    settle(&mut editor);
+    save(&path, &before, editor.scene()).unwrap();
+    let saved = fs::read_to_string(&path).unwrap();
+    assert_eq!(saved, text.replace("center = [1.0, 4.0, 2.0]", "center = [1.0, 5.0, 2.0]"));
+}
+
 #[test]
 fn every_change_is_read_back() {
     let folder = tempfile::tempdir().unwrap();

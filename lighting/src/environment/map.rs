@@ -82,6 +82,13 @@ impl EnvironmentMap {
         self
     }
 
+    /// The same picture with so much more radiance from everywhere. Below 0 and above [`BRIGHTEST`](Self::BRIGHTEST) as in [`new`](Self::new).
+    #[must_use]
+    pub fn brightened(mut self, radiance: Vec3) -> Self {
+        self.texels.iter_mut().for_each(|t| *t = (*t + radiance).clamp(Vec3::ZERO, Vec3::splat(Self::BRIGHTEST)));
+        self
+    }
+
     /// The same picture with at most so many texels across, each the mean of those that it stands for. Cost: one look at each texel.
     #[must_use]
     pub fn reduced(&self, across: u32) -> Self {

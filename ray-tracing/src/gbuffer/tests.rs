@@ -278,7 +278,9 @@ fn edges_do_not_depend_on_the_window() {
 fn skies_show_in_parts_of_pixels() {
     let sky = Vec3::new(0.5, 1.0, 2.0);
     let world = Sphere { center: Vec3::ZERO, radius: 9.0 };
-    let environment = lighting::Environment::new(lighting::EnvironmentMap::uniform(sky), 1, world);
+    let map = lighting::EnvironmentMap::uniform(sky);
+    // Ambient light shines and is not seen.
+    let environment = lighting::Environment::with_ambient(Some(map), Vec3::ONE, 1, world);
     let scene = Scene { environment: Some(environment.into()), ..floor_and_ball() };
     let world = World::new(&scene);
     let g = of_edges(&world, [60, 40], 8, [0..60, 0..40]);
@@ -290,6 +292,10 @@ fn skies_show_in_parts_of_pixels() {
         partly += usize::from(seen > 0.0 && seen < 1.0);
     }
     assert!(partly > 20, "{partly}");
+    let ambient = lighting::Environment::with_ambient(None, Vec3::ONE, 1, Sphere { center: Vec3::ZERO, radius: 9.0 });
+    let scene = Scene { environment: Some(ambient.into()), ..floor_and_ball() };
+    let g = of_edges(&World::new(&scene), [60, 40], 8, [0..60, 0..40]);
+    assert_eq!(g.picture(&vec![Vec3::ZERO; g.len()], sky)[0], sky);
 }
 
 /// One pixel of as many rays, of which its points stand for so many each.

@@ -266,8 +266,9 @@ impl<'w> View<'w> {
 
     /// The environment's radiance along the rays that met nothing, pixel by pixel.
     pub(super) fn sky(&self, found: &[u32]) -> Vec<Vec3> {
-        let Some(environment) = &self.world.scene().environment else { return Vec::new() };
-        let (map, share) = (environment.map(), 1.0 / self.offsets.len() as f32);
+        let environment = self.world.scene().environment.as_ref();
+        let Some(map) = environment.and_then(|environment| environment.behind()) else { return Vec::new() };
+        let share = 1.0 / self.offsets.len() as f32;
         let width = self.columns.len();
         let mut sky = vec![Vec3::ZERO; width * self.rows.len()];
         sky.par_chunks_mut(width.max(1)).zip(self.rows.clone()).for_each(|(pixels, y)| {
