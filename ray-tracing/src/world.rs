@@ -9,6 +9,7 @@ mod query;
 #[cfg(test)]
 mod refit_tests;
 mod surface;
+mod terminator;
 mod tree;
 mod triangle_list;
 mod triangle_packet;

@@ -8,7 +8,7 @@ use crate::{Emission, Normals, Studio};
 use glam::DVec3;
 use scene::cut_out::{AlphaBounds, CutOut};
 use scene::motion::{Body, BoundSphere, Mover, Skeleton};
-use scene::{Animation, Mesh, Pose, Proxy, SceneError, Texture};
+use scene::{Animation, Mesh, Pose, Proxy, SceneError, Terminator, Texture};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -37,6 +37,8 @@ pub(crate) struct Context {
     pub(crate) studio: Studio,
     /// The normals of meshes for which the scene file names none.
     pub(crate) normals: Normals,
+    /// How light ends on meshes of which the scene file does not say it.
+    pub(crate) terminator: Terminator,
     /// Of a glTF file that is read as it is: what it is made of. No floor and no light is added then.
     pub(crate) document: Option<GltfDocument>,
 }
@@ -60,7 +62,13 @@ impl Context {
 
     /// A context of the same files and wishes, of which nothing is read yet.
     pub(crate) fn anew(&self) -> Self {
-        Self { files: self.files.clone(), normals: self.normals, emission: self.emission, ..Self::default() }
+        Self {
+            files: self.files.clone(),
+            normals: self.normals,
+            terminator: self.terminator,
+            emission: self.emission,
+            ..Self::default()
+        }
     }
 
     /// Warns of normals without a direction.

@@ -9,7 +9,7 @@ use crate::mesh_scene::{Bare, MESH_OR_SCENE, bare, bare_objects};
 use crate::{Emission, Normals, Studio, known_errors, obj, scene_file};
 use glam::Mat4;
 use scene::motion::Placement;
-use scene::{Animation, Mesh, Object, Scene, SceneError, Shape, Surface};
+use scene::{Animation, Mesh, Object, Scene, SceneError, Shape, Surface, Terminator};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -92,6 +92,8 @@ pub struct LoadOptions {
     pub clip: Option<String>,
     /// The normals of the model, or of those models of a scene file for which it names none.
     pub normals: Normals,
+    /// How light ends on smooth meshes, or on those of a scene file of which it does not say it.
+    pub terminator: Terminator,
     /// Whether objects that emit light the others.
     pub emission: Emission,
     /// The lights of a model that brings none.
@@ -115,6 +117,13 @@ impl LoadOptions {
     #[must_use]
     pub const fn with_normals(mut self, normals: Normals) -> Self {
         self.normals = normals;
+        self
+    }
+
+    /// Lets light end so on smooth meshes.
+    #[must_use]
+    pub const fn with_terminator(mut self, terminator: Terminator) -> Self {
+        self.terminator = terminator;
         self
     }
 
@@ -145,8 +154,9 @@ impl LoadOptions {
 /// # Ok::<(), scene::SceneError>(())
 /// ```
 pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<(Scene, Animation, Vec<String>), SceneError> {
-    let LoadOptions { clip, normals, emission, studio } = options;
-    let context = Context { normals: *normals, emission: *emission, studio: *studio, ..Context::default() };
+    let LoadOptions { clip, normals, terminator, emission, studio } = options;
+    let (normals, terminator) = (*normals, *terminator);
+    let context = Context { normals, terminator, emission: *emission, studio: *studio, ..Context::default() };
     load_any(path.as_ref(), clip.as_deref(), context)
 }
 
@@ -166,12 +176,13 @@ pub fn load_document(
     path: impl AsRef<Path>,
     options: &LoadOptions,
 ) -> Result<(Scene, Animation, GltfDocument, Vec<String>), SceneError> {
-    let (path, LoadOptions { clip, normals, emission, studio: _ }) = (path.as_ref(), options);
+    let (path, LoadOptions { clip, normals, terminator, emission, studio: _ }) = (path.as_ref(), options);
     if !["gltf", "glb"].contains(&extension(path).as_str()) {
         return Err(SceneError::file(path, "unknown kind of file: expected .gltf or .glb"));
     }
     let document = Some(GltfDocument::default());
-    let mut context = Context { normals: *normals, emission: *emission, document, ..Context::default() };
+    let (normals, terminator) = (*normals, *terminator);
+    let mut context = Context { normals, terminator, emission: *emission, document, ..Context::default() };
     let (scene, animation, warnings) = load_in(path, clip.as_deref(), &mut context)?;
     Ok((scene, animation, context.document.unwrap_or_default(), warnings))
 }

@@ -54,7 +54,15 @@ pub(crate) fn bare_objects(path: &Path, file: Read, context: &mut Context) -> Ba
         }
         let (name, proxy) = (part.name.clone(), Proxy::Count(count));
         let shape = part.into_shape();
-        objects.push(Object { name, shape, material, proxy, visible: true, strategy: None });
+        objects.push(Object {
+            name,
+            shape,
+            material,
+            proxy,
+            visible: true,
+            strategy: None,
+            terminator: context.terminator,
+        });
     }
     Bare { objects, looks, animation, camera, lights }
 }

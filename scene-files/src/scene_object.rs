@@ -12,7 +12,7 @@ use crate::toml_reader::{Table, Value};
 use glam::{DVec3, Mat4, Vec3};
 use lobe_core::Sphere;
 use scene::motion::{Body, BoundSphere, Mover, Origins, Placement};
-use scene::{Mesh, Object, Proxy, Scene, SceneError, Shape, Strategy};
+use scene::{Mesh, Object, Proxy, Scene, SceneError, Shape, Strategy, Terminator};
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -56,6 +56,7 @@ fn objects(
     let name = t.get("name").map_or(Ok(format!("object {index}")), |v| v.string().map(str::to_owned))?;
     let wish = read_normals(&mut t)?;
     let normals = wish.unwrap_or(context.normals);
+    let terminator = t.get("terminator").map_or(Ok(context.terminator), read_terminator)?;
     let (shape, value) = t.one_of(&["quad", "plane", "box", "sphere", "spheres", "mesh"])?;
     let clip = t.get("clip").map(|v| read_clip(v).map(|name| (v, name))).transpose()?;
     let first_clip = context.clips.len();
@@ -141,7 +142,10 @@ fn objects(
             };
             let material = material.unwrap_or_else(|| materials.fallback());
             let mover = moves.then(|| Mover { placement, body: Body::Spheres(own), proxy: bind(&proxy, &matrix) });
-            Ok(vec![(Object { name, shape: Shape::Spheres(spheres), material, proxy, visible, strategy }, mover)])
+            Ok(vec![(
+                Object { name, shape: Shape::Spheres(spheres), material, proxy, visible, strategy, terminator },
+                mover,
+            )])
         }
         Geometry::Flat(mesh) => {
             let mut part = Part::fixed(name, mesh, None);
@@ -157,7 +161,7 @@ fn objects(
             let proxy = proxy.unwrap_or(Proxy::None);
             let mover = mover.map(|m| Mover { proxy: bind(&proxy, &matrix), ..m });
             let shape = Shape::Mesh(part.mesh);
-            Ok(vec![(Object { name: part.name, shape, material, proxy, visible, strategy }, mover)])
+            Ok(vec![(Object { name: part.name, shape, material, proxy, visible, strategy, terminator }, mover)])
         }
         Geometry::Solid(parts) => {
             let normals = if shape == "box" { wish.unwrap_or_default() } else { normals };
@@ -215,7 +219,10 @@ fn objects(
                     let proxy = context.bind_proxy(&mover, &part.mesh, &proxy);
                     Mover { proxy, ..mover }
                 });
-                out.push((Object { name, shape: part.into_shape(), material, proxy, visible, strategy }, mover));
+                out.push((
+                    Object { name, shape: part.into_shape(), material, proxy, visible, strategy, terminator },
+                    mover,
+                ));
             }
             Ok(out)
         }
@@ -226,6 +233,14 @@ fn objects(
 fn bind(proxy: &Proxy, matrix: &Mat4) -> Vec<BoundSphere> {
     let Proxy::Spheres(spheres) = proxy else { return Vec::new() };
     spheres.iter().map(|&b| BoundSphere::new(b, [0; 4], [1.0, 0.0, 0.0, 0.0], std::slice::from_ref(matrix))).collect()
+}
+
+fn read_terminator(v: Value<'_>) -> Result<Terminator, SceneError> {
+    match v.string()? {
+        "exact" => Ok(Terminator::Exact),
+        "smooth" => Ok(Terminator::Smooth),
+        _ => Err(v.error("expected \"exact\" or \"smooth\"")),
+    }
 }
 
 /// The normals that a mesh gets, where its table says so.

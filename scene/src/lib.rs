@@ -72,7 +72,7 @@ pub use crate::duplicates::Duplicates;
 pub use crate::error::SceneError;
 pub use crate::instances::Instances;
 pub use crate::mesh::{MAX_COORDINATE, Mesh};
-pub use crate::scene::{Object, Proxy, Scene, Shape};
+pub use crate::scene::{Object, Proxy, Scene, Shape, Terminator};
 pub use crate::shade::{BlockerSet, Counts, Frame, Shade, ShadeStats, ShadingPoints, StageSeconds};
 pub use crate::strategy::Strategy;
 pub use crate::surface::{Channel, Surface, TextureMap, TexturePlace};

@@ -51,6 +51,19 @@ pub struct Object {
     pub visible: bool,
     /// How it blocks light; `None` for the renderer's own choice.
     pub strategy: Option<Strategy>,
+    /// How light ends on its smooth meshes.
+    pub terminator: Terminator,
+}
+
+/// How light ends on a mesh whose normals are smooth and whose faces are not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Terminator {
+    /// At the faces, which hide from themselves what is behind them: the truth of the triangles, in steps of a face.
+    #[default]
+    Exact,
+    /// As on the rounded surface that the normals describe: points are raised onto it before they are lit, and the smooth normal bounds what
+    /// they see. Shadows that the mesh casts stay those of its triangles.
+    Smooth,
 }
 
 /// Everything that a picture is made of.
@@ -168,13 +181,29 @@ impl Object {
     #[must_use]
     pub fn spheres(name: impl Into<String>, spheres: Vec<Sphere>, material: usize) -> Self {
         let proxy = Proxy::Spheres(spheres.clone());
-        Self { name: name.into(), shape: Shape::Spheres(spheres), material, proxy, visible: true, strategy: None }
+        Self {
+            name: name.into(),
+            shape: Shape::Spheres(spheres),
+            material,
+            proxy,
+            visible: true,
+            strategy: None,
+            terminator: Terminator::Exact,
+        }
     }
 
     /// A mesh.
     #[must_use]
     pub fn mesh(name: impl Into<String>, mesh: Mesh, material: usize, proxy: Proxy) -> Self {
-        Self { name: name.into(), shape: Shape::Mesh(mesh), material, proxy, visible: true, strategy: None }
+        Self {
+            name: name.into(),
+            shape: Shape::Mesh(mesh),
+            material,
+            proxy,
+            visible: true,
+            strategy: None,
+            terminator: Terminator::Exact,
+        }
     }
 }
 

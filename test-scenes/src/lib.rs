@@ -31,6 +31,7 @@ pub fn floor_and_ball() -> Scene {
         proxy,
         visible: true,
         strategy: None,
+        terminator: scene::Terminator::Exact,
     };
     Scene {
         camera: Camera { eye: Vec3::new(0.0, 3.0, 8.0), target: Vec3::Y, up: Vec3::Y, vertical_fov: 0.6 },

@@ -13,6 +13,10 @@ pub(crate) struct ModelArgs {
     #[arg(long, value_name = "DEGREES", default_value_t = 180.0, value_parser = crease)]
     crease: f32,
 
+    /// Where light ends on smooth meshes; on those of a scene file where it does not say it
+    #[arg(long, value_enum, default_value_t = Terminator::Exact)]
+    terminator: Terminator,
+
     /// Objects whose material emits
     #[arg(long, value_enum, default_value_t = Emission::Lights)]
     emission: Emission,
@@ -31,6 +35,15 @@ enum Normals {
     /// Those of the faces
     Face,
     /// Means of the faces around a vertex
+    Smooth,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Terminator {
+    /// At their faces: the truth of the triangles, in steps where these are large
+    #[default]
+    Exact,
+    /// As on the rounded surface that their normals describe
     Smooth,
 }
 
@@ -60,6 +73,10 @@ impl ModelArgs {
             Normals::Face => scene::Normals::Face,
             Normals::Smooth => scene::Normals::Smooth { crease: self.crease },
         };
+        let terminator = match self.terminator {
+            Terminator::Exact => scene::Terminator::Exact,
+            Terminator::Smooth => scene::Terminator::Smooth,
+        };
         let emission = match self.emission {
             Emission::Lights => scene::Emission::Lights,
             Emission::Seen => scene::Emission::Seen,
@@ -68,6 +85,11 @@ impl ModelArgs {
             Studio::Soft => scene::Studio::Soft,
             Studio::Key => scene::Studio::Key,
         };
-        LoadOptions::new().with_clip(clip).with_normals(normals).with_emission(emission).with_studio(studio)
+        LoadOptions::new()
+            .with_clip(clip)
+            .with_normals(normals)
+            .with_terminator(terminator)
+            .with_emission(emission)
+            .with_studio(studio)
     }
 }

@@ -84,6 +84,7 @@ fn shared_edges_have_no_cracks() {
         proxy: Proxy::None,
         visible: true,
         strategy: None,
+        terminator: scene::Terminator::Exact,
     };
     // Exactly in front: pixel centres and corners fall on edges and diagonals.
     let camera = Camera { eye: Vec3::Z * 4.0, target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.4 };

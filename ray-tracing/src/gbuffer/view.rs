@@ -9,7 +9,7 @@ use core::ops::Range;
 use glam::{Vec2, Vec3};
 use lobe_core::Receiver;
 use rayon::prelude::*;
-use scene::{Cancel, Surface};
+use scene::{Cancel, Surface, Terminator};
 
 /// Tiles that a thread takes at once.
 const TASK: usize = 8;
@@ -27,6 +27,7 @@ pub(super) struct View<'w> {
     rows: Range<u32>,
     /// For each object whether its points have an appearance of their own, if any has.
     varied: Option<Vec<bool>>,
+    has_smooth_terminators: bool,
     cancel: Option<&'w Cancel>,
     /// The pixels that are wanted; all without.
     marks: Option<Marks>,
@@ -145,6 +146,7 @@ impl<'w> View<'w> {
             columns,
             rows,
             varied: varied(world.scene()),
+            has_smooth_terminators: world.scene().objects.iter().any(|object| object.terminator == Terminator::Smooth),
             cancel: None,
             marks: None,
         }
@@ -345,6 +347,7 @@ impl<'w> View<'w> {
             *material = objects[at.object as usize].material as u32;
             *depth = (at.position - self.rays.eye).dot(self.rays.forward);
         }
+        let smooth: [Vec3; SIDE] = core::array::from_fn(|l| now.receivers.get(l).map_or(Vec3::Z, |at| at.normal));
         if let Some(varied) = &self.varied {
             for l in 0..count {
                 let at = &mut now.receivers[l];
@@ -359,6 +362,13 @@ impl<'w> View<'w> {
                 }
                 if let Some(emission) = now.emission.get_mut(l) {
                     *emission = appearance.emission;
+                }
+            }
+        }
+        if self.has_smooth_terminators {
+            for (l, at) in now.receivers.iter_mut().enumerate() {
+                if objects[at.object as usize].terminator == Terminator::Smooth {
+                    self.world.raise(met.hits.found[l], smooth[l], at);
                 }
             }
         }

@@ -157,6 +157,7 @@ fn penumbra_of_a_small_light() {
             proxy: Proxy::Spheres(vec![sphere]),
             visible: false,
             strategy: None,
+            terminator: scene::Terminator::Exact,
         }];
         let receiver = Receiver { object: 7, ..at(Vec3::ZERO, Vec3::Y, Vec3::Y) };
         let g = points(vec![receiver]);
