@@ -307,7 +307,14 @@ fn brightness(
         return Err(SaveError::Text("a light has no brightness".to_owned()));
     };
     let value = match before {
-        None => radiance * *factor,
+        None => {
+            let (value, old) = (radiance * *factor, table.get(unit).and_then(read_color));
+            // As it was written, but for rounding.
+            match old.filter(|old| (value - old).abs().cmple(value.abs() * 1e-6).all()) {
+                Some(_) => return Ok(()),
+                None => value,
+            }
+        }
         Some(before) if before == radiance => return Ok(()),
         Some(before) => {
             let old = table.get(unit).and_then(read_color).ok_or_else(|| change("its brightness cannot be read"))?;

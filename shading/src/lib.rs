@@ -33,7 +33,8 @@
 //! let cone = Cone::of_sphere(at.position, Sphere { center: Vec3::new(0.0, 0.0, 5.0), radius: 1.0 });
 //! let light = SeenLight::of_cone(cone, Vec3::splat(3.0));
 //! let brdf = [Lobe::new(at.normal, 1.0, Vec3::ONE).into()];
-//! let mut visibility = LightVisibility::alone(&Unshadowed, LightId(0), Accuracy::default(), &mut ());
+//! let mut scratch = ();
+//! let mut visibility = LightVisibility::alone(&Unshadowed, LightId(0), Accuracy::default(), &mut scratch);
 //! let point = Interaction { at: &at, brdf: &brdf, light: &light, threshold: 0.0 };
 //! let radiance = FractionIntegrator.radiance(&point, &mut visibility, &mut (), &mut ()).radiance;
 //! // π · radiance · sin²θ of a disc straight above.
