@@ -1,5 +1,5 @@
 //! The contracts of reflectance, light and visibility, and the integrators that put them together. No files, no pictures, no graphics
-//! library: what shades one point or a tile of points stands here, and whoever has scenes stands above.
+//! library: all that it takes to shade one point or a tile of points. Scenes stand above.
 //!
 //! | contract | gives |
 //! |---|---|
