@@ -63,6 +63,7 @@ const PAIRS: &[Pair] = &[
     ("lighting/src/plane_lights.wgsl", "TUBE_REACH", Number(consts::FRAC_PI_3)),
     ("visibility-mask/src/flat.wgsl", "FLAT_WIDE", Is("visibility-mask/src/visibility.rs", "WIDE")),
     ("paper/src/tables.wgsl", "PAPER_LAST", Is("paper/src/product_table.rs", "LAST")),
+    ("visibility-mask/src/contour.wgsl", "CONTOUR_WIDE", Is("visibility-mask/src/contour.rs", "WIDE")),
     // In 127ths of a cell.
     ("visibility-mask/src/contour.wgsl", "CONTOUR_WHOLE", Number(i8::MAX as f64)),
     ("visibility-mask/src/edges.wgsl", "EDGES_PLANE", Is("visibility-mask/src/edges.rs", "PLANE")),

@@ -9,6 +9,8 @@ const WHOLE: i8 = i8::MAX;
 const RIM: usize = 32;
 /// Number of columns that share one test of the contour's height between two rows.
 const STRIDE: usize = 2;
+/// Half a window's side, at distance 1, beyond which a light is wide: through an opening, of a wall or between leaves, little of it may be seen.
+const WIDE: f32 = 0.3;
 /// The length in columns up to which a contour may pass from one row to the next without a test of its height.
 const LONG: usize = 3;
 
@@ -19,7 +21,8 @@ const LONG: usize = 3;
 /// Cells along the rim of the emitting region are tested first, since blockers that move in front of the light enter there; then
 /// one cell of each block of a coarse grid. Untested cells take the result of their block. Then the contour is followed: if
 /// neighbours in a row or column differ, the untested ones are tested, until both sides of the whole contour are known. If the
-/// contour shows a thin shape, the grid is made twice as fine and the contour followed again. Finally the point at which the
+/// contour shows a thin shape, the grid is made twice as fine and the contour followed again; of a wide light of which nothing is lit (more than 17° to
+/// each side), until something is or all cells are tested, since it may be seen through a small opening. Finally the point at which the
 /// contour crosses each row is found between two cells by bisection, so that spans end at a fraction of a cell; and if the contour
 /// runs between two rows, its height.
 ///
@@ -30,12 +33,14 @@ const LONG: usize = 3;
 /// cells of the coarse grid and do not touch the rim can be missed: up to 2.5 % of the light at depth 5.
 ///
 /// # Cost
-/// Up to 140 tests if nothing is hidden or everything, and about two for each cell of the contour. The type is also the working
+/// Up to 140 tests if nothing is hidden or everything (every cell if that is all of a wide light), and about two for each cell of the contour. The type is also the working
 /// memory (9 kB): keep one a thread.
 #[derive(Clone, Debug)]
 pub struct Contour {
     start: usize,
     bisections: u32,
+    /// Whether small openings before wide lights are looked for.
+    seeks: bool,
     /// Sine and cosine of the directions in which the rim is tested.
     rim: [(f32, f32); RIM],
     /// Cells that were tested.
@@ -65,6 +70,7 @@ impl Contour {
         Self {
             start,
             bisections,
+            seeks: true,
             rim: core::array::from_fn(|k| (core::f32::consts::TAU * (k as f32 + 0.5) / RIM as f32).sin_cos()),
             known: [0; SIDE],
             dark: [0; SIDE],
@@ -72,6 +78,12 @@ impl Contour {
             emitting: [0; SIDE],
             covered: [[0; SIDE]; SIDE],
         }
+    }
+
+    /// Whether all cells of a wide light are tested where nothing of it is lit, as it is by default. Parts of a sky need not: [`MaskVisibility`](crate::MaskVisibility)
+    /// looks between the samples of those by itself.
+    pub const fn seek_openings(&mut self, seeks: bool) {
+        self.seeks = seeks;
     }
 
     /// Blocks the hidden part of the light, in addition to the mask's own blockers. `hidden` tests unit directions in world space,
@@ -126,10 +138,22 @@ impl Contour {
         self.rim(side, &mut ask);
         self.coarse(side, start, &mut ask);
         self.follow(side, &mut ask);
-        if start < side && self.is_thin(side) {
+        let mut blocks = start;
+        let is_wide = self.seeks && mask.square().half.max_element() > WIDE;
+        while is_wide && blocks < side && self.is_dark(side) {
+            blocks *= 2;
+            self.coarse(side, blocks, &mut ask);
+            self.follow(side, &mut ask);
+        }
+        if start < side && blocks == start && self.is_thin(side) {
             self.coarse(side, 2 * start, &mut ask);
             self.follow(side, &mut ask);
         }
+    }
+
+    /// Whether no cell is known to be lit.
+    fn is_dark(&self, side: usize) -> bool {
+        (0..side).all(|j| self.emitting[j] & !self.dark[j] == 0)
     }
 
     /// Tests a cell unless its result is known.

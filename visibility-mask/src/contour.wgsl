@@ -12,6 +12,8 @@ const CONTOUR_STEPS = 1u << CONTOUR_BISECTIONS;
 const CONTOUR_LONG = 3u;
 // One whole cell, in contour coverage units.
 const CONTOUR_WHOLE = 127.0;
+// Half a window's side, at distance 1, beyond which a light is wide.
+const CONTOUR_WIDE = 0.3;
 const CONTOUR_WORDS = 2u * LANES;
 const CONTOUR_PART = LANES / 8u;
 // A byte for every second cell, in three layers.
@@ -30,15 +32,17 @@ const CONTOUR_RIM = array<vec2f, 8>(
 const CONTOUR_RIM_CELLS = 0u;
 const CONTOUR_COARSE = 1u;
 const CONTOUR_FOLLOW = 2u;
+// Whether anything is lit.
+const CONTOUR_LIT = 3u;
 // Tests nothing.
-const CONTOUR_THIN = 3u;
+const CONTOUR_THIN = 4u;
 // Between two rows; between the outermost rows and the rim below and above; beside the runs of a row. Layers are counted from the
 // first of these stages, and again from the fourth.
-const CONTOUR_BETWEEN = 4u;
-const CONTOUR_BELOW = 5u;
-const CONTOUR_ABOVE = 6u;
-const CONTOUR_LEFT = 7u;
-const CONTOUR_RIGHT = 8u;
+const CONTOUR_BETWEEN = 5u;
+const CONTOUR_BELOW = 6u;
+const CONTOUR_ABOVE = 7u;
+const CONTOUR_LEFT = 8u;
+const CONTOUR_RIGHT = 9u;
 
 // For each row: samples that emit, cells that emit, cells that were tested, cells that are hidden as far as is known.
 var<workgroup> contour_spans: array<vec2u, LANES>;
@@ -174,6 +178,9 @@ fn contour_wish(lane: u32, mask: Mask, stage: u32, whole: vec2u) -> vec2u {
         case CONTOUR_FOLLOW: {
             return contour_open(lane);
         }
+        case CONTOUR_LIT: {
+            return contour_emit[lane] & ~contour_dark_of(lane);
+        }
         case CONTOUR_THIN: {
             return contour_thin(lane);
         }
@@ -205,8 +212,9 @@ fn contour_wish(lane: u32, mask: Mask, stage: u32, whole: vec2u) -> vec2u {
 }
 
 // Blocks the hidden part of the row, in addition to its own blockers. Tests only the samples `span` of the row, start and end:
-// those that emit, or a part of them if the others are blocked.
-fn contour_block(lane: u32, mask: Mask, span: vec2u) {
+// those that emit, or a part of them if the others are blocked. `seeks`:
+// all cells of a wide light are tested where nothing of it is lit.
+fn contour_block(lane: u32, mask: Mask, span: vec2u, seeks: bool) {
     contour_spans[lane] = span;
     contour_emit[lane] = contour_cells(span);
     for (var word = 2u * lane; word < 2u * lane + 2u; word++) {
@@ -219,13 +227,14 @@ fn contour_block(lane: u32, mask: Mask, span: vec2u) {
     var whole = vec2u(0u);
     var blocks = min(CONTOUR_START, SIDE);
     var is_last = blocks == SIDE;
+    let is_wide = seeks && max(mask.square.half.x, mask.square.half.y) > CONTOUR_WIDE;
     for (var stage = CONTOUR_RIM_CELLS; stage <= CONTOUR_RIGHT;) {
         if (stage == CONTOUR_COARSE) {
             contour_coarse(lane, blocks);
         }
         workgroupBarrier();
         let count = contour_items(lane, contour_wish(lane, mask, stage, whole));
-        if (stage != CONTOUR_THIN) {
+        if (stage != CONTOUR_LIT && stage != CONTOUR_THIN) {
             for (var k = lane; k < count; k += LANES) {
                 let item = contour_item(k);
                 contour_do(mask, stage, item.x, item.y);
@@ -242,6 +251,12 @@ fn contour_block(lane: u32, mask: Mask, span: vec2u) {
             contour_forget(lane);
         }
         if (stage == CONTOUR_FOLLOW && count > 0u) {
+            continue;
+        }
+        if (stage == CONTOUR_LIT && count == 0u && blocks < SIDE && is_wide) {
+            is_last = true;
+            blocks *= 2u;
+            stage = CONTOUR_COARSE;
             continue;
         }
         if (stage == CONTOUR_THIN && count > 0u && !is_last) {

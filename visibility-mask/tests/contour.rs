@@ -36,6 +36,27 @@ fn nothing_and_everything() {
     }
 }
 
+/// A wide light through an opening that the coarse grid misses; a narrow one is left dark there.
+#[test]
+fn wide_lights_are_seen_through_small_openings() {
+    let mut random = Random::new(5);
+    for radius in [0.03, 0.05, 0.1] {
+        let (mut sum, mut missed) = (0.0, 0);
+        for _ in 0..200 {
+            let middle = DVec2::from_angle(random.uniform() * core::f64::consts::TAU) * (0.8 * random.uniform().sqrt());
+            let (share, asked) = dark(&square(0.8), 5, |p| p.as_dvec2().distance(middle) > radius);
+            assert!(asked < 1000, "{asked}");
+            sum += (1.0 - share) / 200.0;
+            missed += usize::from(share == 1.0);
+        }
+        let want = radius * radius;
+        println!("{radius}: lit {sum:.5} for {want:.5}, missed {missed}");
+        // An opening of less than a cell may lie between four of them.
+        assert!(if radius > 0.04 { missed == 0 } else { missed < 60 });
+        assert!((sum / want - 1.0).abs() < if radius > 0.04 { 0.1 } else { 0.5 }, "{radius}: {sum} for {want}");
+    }
+}
+
 /// Half-planes at all angles and offsets; the segment of a disc beyond `c` radii is (acos c − c√(1 − c²))/π of it.
 #[test]
 fn half_planes() {

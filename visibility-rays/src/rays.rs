@@ -1,6 +1,6 @@
 use core::sync::atomic::{AtomicU64, Ordering};
 use glam::Vec3;
-use lobe_core::{Cone, NO_OBJECT};
+use lobe_core::{Cone, NO_OBJECT, Outline};
 use ray_tracing::{Primitive, Region, World};
 use shading::{Coverage, Shaft, VisibilityQuery};
 use visibility_mask::{Blockers, Contour, Edges, Mask, facet_coverage};
@@ -147,6 +147,8 @@ impl Blockers for RayBlockers<'_> {
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut RayScratch, mask: &mut Mask) {
         let RayScratch { origin, facet, is_met, contour, .. } = scratch;
+        // Parts of a sky are looked into by the mask.
+        contour.seek_openings(!query.outline.is_some_and(Outline::has_sides));
         let distance = |v: Vec3| query.outline.map_or_else(|| to_surface(query.cone, v), |light| light.distance(v));
         let hidden = |v: Vec3| self.hides(*origin, v, distance(v));
         let rays = match *facet {

@@ -50,5 +50,5 @@ fn rays_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
         rays_face = at.face;
         span = mask_block_below(mask, lane, at.face);
     }
-    contour_block(lane, mask, span);
+    contour_block(lane, mask, span, !outline_has_sides());
 }

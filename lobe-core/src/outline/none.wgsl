@@ -2,6 +2,8 @@
 
 fn light_is_flat() -> bool { return false; }
 
+fn outline_has_sides() -> bool { return false; }
+
 fn light_plane() -> vec4f { return vec4f(0.0); }
 
 fn light_distance(direction: vec3f) -> f32 { return 0.0; }
