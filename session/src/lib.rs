@@ -11,7 +11,7 @@
 //! - [`Snapshot`]: the scene that a picture shows, as lists; [`Editor`]: the same with all changes so far, for handles and sliders.
 //! - [`orbited`], [`panned`], [`zoomed`], [`framed`]: cameras that follow a pointer; [`Projection`]: from points to pixels and back;
 //!   [`Handles`]: where lights and objects are taken hold of, and what drags do; [`lamp`]: the same light elsewhere, larger, brighter; [`gloss`]: the
-//!   same material sharper or duller.
+//!   same material sharper or duller; [`NewLight`], [`Primitive`]: lights and objects that a window adds.
 //!
 //! No window, no input, no drawing here.
 //!
@@ -38,7 +38,9 @@ mod handles;
 mod history;
 pub mod lamp;
 mod navigation;
+mod new_light;
 mod picture;
+mod primitive;
 mod probe;
 mod projection;
 #[cfg(feature = "files")]
@@ -54,7 +56,9 @@ pub use crate::edit::Edit;
 pub use crate::editor::Editor;
 pub use crate::handles::{Drag, Dragged, Grip, Handles};
 pub use crate::navigation::{framed, orbited, panned, zoomed};
+pub use crate::new_light::NewLight;
 pub use crate::picture::Picture;
+pub use crate::primitive::Primitive;
 pub use crate::probe::{LightPart, Probe};
 pub use crate::projection::Projection;
 #[cfg(feature = "files")]

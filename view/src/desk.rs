@@ -239,8 +239,8 @@ impl Desk {
         let Some(before) = &self.saved else { return "not saved: there is no picture yet".to_owned() };
         let now = self.editor.scene().clone();
         match save(&path, before, &now) {
-            Ok(()) => {
-                self.saved = Some(now);
+            Ok(saved) => {
+                self.saved = Some(saved);
                 format!("saved to {}", path.display())
             }
             Err(error) => error.to_string(),
