@@ -73,6 +73,13 @@ export function init(source) {
   return starting;
 }
 
+/** A choice as the module reads it: its name, with what belongs to it. */
+export function tagged(name, rest) {
+  return Object.keys(rest).length > 0 ? { [name]: rest } : name;
+}
+
+const ofCommand = ({ do: name, ...rest }) => tagged(name, rest);
+
 /** Does a command, whose typed arrays go beside its JSON; `read` gets the answer's JSON, and a function that gives its arrays. */
 export function call(command, read = (head) => head) {
   if (!wasm) throw new LobesError("the module is not loaded: await init() first");
@@ -80,7 +87,8 @@ export function call(command, read = (head) => head) {
   const arrays = [];
   let length = 0;
   const json = new TextEncoder().encode(
-    JSON.stringify(command, (_, value) => {
+    JSON.stringify(ofCommand(command), (key, value) => {
+      if (key === "then") return ofCommand(value);
       if (!ArrayBuffer.isView(value)) return value;
       const span = { at: length, bytes: value.byteLength };
       arrays.push([length, value]);

@@ -63,6 +63,7 @@ type Radiant = { radiance: Color; flux?: undefined } | { radiance?: undefined; f
 export class Light {
   private constructor(fields: object);
   readonly kind: string;
+  toJSON(): unknown;
   /** A sphere. */
   static sphere(center: Vec3, radius: number, options: Radiant): Light;
   /** A small sphere, by its intensity; `radius` is 0.01 if left out. */
@@ -89,6 +90,7 @@ type Glossy = { kd?: Color; ks?: Color; exponent: number; emission?: Color };
 export class Material {
   private constructor(fields: object);
   readonly model: string;
+  toJSON(): unknown;
   readonly emission: readonly number[];
   /** Ideally diffuse. */
   static lambert(albedo: Color, options?: { emission?: Color }): Material;

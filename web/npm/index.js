@@ -53,13 +53,15 @@ const environmentOf = (value) => (value === null ? null : of(Environment, "envir
 /** A material, the number of one, or none. */
 function materialOf(value) {
   if (value === undefined || value === null) return null;
-  if (value instanceof Material || Number.isInteger(value)) return value;
+  if (value instanceof Material) return { own: value };
+  if (Number.isInteger(value)) return { number: value };
   throw new TypeError(`material is ${kind(value)}: expected a Material or a number`);
 }
 
 /** An object by its number or its name. */
 function keyOf(value) {
-  if (typeof value === "string" || Number.isInteger(value)) return value;
+  if (typeof value === "string") return { name: value };
+  if (Number.isInteger(value)) return { number: value };
   throw new TypeError(`object is ${kind(value)}: expected a number or a name`);
 }
 
@@ -90,7 +92,7 @@ function mannerOf({ name = null, visible = true, visibility = null, spheres = 64
     name: name === null ? null : text("name", name),
     visible: flag("visible", visible),
     visibility: visibility === null ? null : text("visibility", visibility),
-    spheres: isList(spheres) ? rows("spheres", spheres, 4) : whole("spheres", spheres, 0, 100000),
+    spheres: isList(spheres) ? { rows: rows("spheres", spheres, 4) } : { count: whole("spheres", spheres, 0, 100000) },
   };
 }
 
@@ -338,7 +340,7 @@ export class Renderer {
       views: optional("views", views),
       faces: optional("faces", faces),
       material: materialOf(material),
-      objects: objects === undefined || objects === null ? null : isList(objects) ? { each: numbersFor("objects", objects, count) } : keyOf(objects),
+      objects: objects === undefined || objects === null ? null : isList(objects) ? { each: numbersFor("objects", objects, count) } : { all: keyOf(objects) },
     };
   }
 

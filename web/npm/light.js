@@ -1,4 +1,5 @@
 import { color, direction, flag, number, oneColor, only, positive, vec3 } from "./args.js";
+import { tagged } from "./engine.js";
 
 /** Degrees under which the sun is seen. */
 const SUN = 0.53;
@@ -8,6 +9,12 @@ export class Light {
   constructor(fields) {
     Object.assign(this, fields);
     Object.freeze(this);
+  }
+
+  /** As the module reads it. */
+  toJSON() {
+    const { kind, ...rest } = this;
+    return tagged(kind, rest);
   }
 
   static sphere(center, radius, options) {

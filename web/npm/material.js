@@ -1,4 +1,5 @@
 import { color, matrix3, number, only, positive, vec3 } from "./args.js";
+import { tagged } from "./engine.js";
 
 const black = (name, value) => (value === undefined ? [0, 0, 0] : color(name, value));
 
@@ -12,6 +13,12 @@ export class Material {
   constructor(fields) {
     Object.assign(this, fields);
     Object.freeze(this);
+  }
+
+  /** As the module reads it. */
+  toJSON() {
+    const { model, emission, ...rest } = this;
+    return { model: tagged(model, rest), emission };
   }
 
   static lambert(albedo, options = {}) {

@@ -1,4 +1,5 @@
-//! The commands of JavaScript. Scenes, renderers and their items are numbers.
+//! The commands of JavaScript. Scenes, renderers and their items are numbers. Every choice is tagged from outside, since other forms keep
+//! what they read in a second form first, and take more code.
 
 use crate::library::given::{CameraGiven, EnvironmentGiven, MannerGiven, MeshGiven, SettingsGiven};
 use crate::library::light::LightGiven;
@@ -8,7 +9,7 @@ use glam::Vec3;
 use serde::Deserialize;
 
 #[derive(Clone, Debug, Deserialize)]
-#[serde(tag = "do", rename_all = "camelCase")]
+#[serde(rename_all = "camelCase")]
 pub(crate) enum Command {
     /// An empty scene.
     NewScene,
@@ -29,7 +30,7 @@ pub(crate) enum Command {
 }
 
 #[derive(Clone, Debug, Deserialize)]
-#[serde(tag = "do", rename_all = "camelCase")]
+#[serde(rename_all = "camelCase")]
 pub(crate) enum SceneCommand {
     AddMesh {
         mesh: MeshGiven,
@@ -65,7 +66,7 @@ pub(crate) enum SceneCommand {
 }
 
 #[derive(Clone, Debug, Deserialize)]
-#[serde(tag = "do", rename_all = "camelCase")]
+#[serde(rename_all = "camelCase")]
 pub(crate) enum RendererCommand {
     Render {
         window: Option<[usize; 4]>,
@@ -168,7 +169,7 @@ pub(crate) enum RendererCommand {
 
 /// An object by its number or its name.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(untagged)]
+#[serde(rename_all = "camelCase")]
 pub(crate) enum Key {
     Number(i64),
     Name(String),
@@ -176,7 +177,7 @@ pub(crate) enum Key {
 
 /// A material of the scene, or one of its own.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(untagged)]
+#[serde(rename_all = "camelCase")]
 pub(crate) enum MaterialKey {
     Number(i64),
     Own(MaterialGiven),
@@ -206,8 +207,8 @@ pub(crate) struct Points {
 
 /// The object that all points are on, or a number for each, of which −1 is none.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(untagged)]
+#[serde(rename_all = "camelCase")]
 pub(crate) enum Objects {
-    Each { each: Span },
+    Each(Span),
     All(Key),
 }

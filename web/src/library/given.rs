@@ -112,7 +112,7 @@ pub(crate) struct MannerGiven {
 
 /// The spheres by which a mesh blocks light in the strategy `spheres`: how many are fitted, or rows of x, y, z and radius.
 #[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(untagged)]
+#[serde(rename_all = "camelCase")]
 enum ProxyGiven {
     Count(usize),
     Rows(Span),

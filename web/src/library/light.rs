@@ -9,7 +9,7 @@ const NOWHERE: Sphere = Sphere { center: Vec3::ZERO, radius: 1e-3 };
 
 /// A light as JavaScript describes it: angles in degrees, and how bright it is by one of several units.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
+#[serde(rename_all = "lowercase")]
 pub(crate) enum LightGiven {
     Sphere {
         center: Vec3,

@@ -10,14 +10,12 @@ use serde::Deserialize;
 /// A material as JavaScript describes it.
 #[derive(Clone, Debug, Deserialize)]
 pub(crate) struct MaterialGiven {
-    #[serde(flatten)]
     model: Model,
-    #[serde(default)]
     emission: Vec3,
 }
 
 #[derive(Clone, Debug, Deserialize)]
-#[serde(tag = "model", rename_all = "camelCase")]
+#[serde(rename_all = "camelCase")]
 enum Model {
     Lambert { albedo: Vec3 },
     Phong { kd: Vec3, ks: Vec3, exponent: f32 },

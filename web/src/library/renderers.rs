@@ -247,7 +247,7 @@ impl RendererItem {
         match given {
             None => Ok(vec![NO_OBJECT; count]),
             Some(Objects::All(key)) => Ok(vec![place(self.object(&key)?)?; count]),
-            Some(Objects::Each { each }) => {
+            Some(Objects::Each(each)) => {
                 let numbers = arrays.list::<i32>(each)?;
                 // Most points have their neighbour's object.
                 let mut last = (-1, NO_OBJECT);
