@@ -5,7 +5,7 @@
 //!   [`Renderer::render`](renderer::Renderer::render).
 //! - [`Driver`]: the same without a thread, in steps that the caller takes, for browsers; several share a picture by rows.
 //! - [`Edit`]: one change of a scene, with its inverse: [`Session::undo`], [`Session::redo`].
-//! - [`Probe`]: one pixel taken apart by lights, beside the Monte Carlo reference; [`Truth`]: the reference of the whole picture, which
+//! - [`Probe`]: one pixel taken apart by lights, beside the Monte Carlo reference, and the [`Hemisphere`] of its reflectance; [`Truth`]: the reference of the whole picture, which
 //!   grows while nothing else is to be done.
 //! - [`Trade`]: error against time of a scene, measured beside the session.
 //! - [`Snapshot`]: the scene that a picture shows, as lists; [`Editor`]: the same with all changes so far, for handles and sliders.
@@ -35,6 +35,7 @@ mod edit;
 mod editor;
 pub mod gloss;
 mod handles;
+mod hemisphere;
 mod history;
 pub mod lamp;
 mod navigation;
@@ -55,6 +56,7 @@ pub use crate::driver::{Driver, Task};
 pub use crate::edit::Edit;
 pub use crate::editor::Editor;
 pub use crate::handles::{Drag, Dragged, Grip, Handles};
+pub use crate::hemisphere::{Hemisphere, HemispherePixel};
 pub use crate::navigation::{framed, orbited, panned, zoomed};
 pub use crate::new_light::NewLight;
 pub use crate::picture::Picture;
