@@ -19,9 +19,9 @@ pub(crate) fn run(args: Args) -> Result<(), String> {
         .with_inner_size([1320.0, 780.0])
         .with_drag_and_drop(true);
     let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
-    let smoke = args.smoke.map(Smoke::new);
+    let smoke = args.smoke.map(|path| Smoke::new(path, args.pixel.is_some()));
     let failed = smoke.as_ref().map(Smoke::outcome);
-    let start = move |context: &Context| App::new(context, args.file, smoke);
+    let start = move |context: &Context| App { pixel: args.pixel, ..App::new(context, args.file, smoke) };
     eframe::run_native("lobes", options, Box::new(move |creation| Ok(Box::new(start(&creation.egui_ctx)))))
         .map_err(|error| format!("no window: {error}"))?;
     failed.map_or(Ok(()), |outcome| outcome.result())
@@ -38,6 +38,8 @@ pub(crate) struct App {
     inspector: Inspector,
     title: String,
     smoke: Option<Smoke>,
+    /// The pixel that is taken apart once a scene is open.
+    pixel: Option<[u32; 2]>,
 }
 
 impl App {
@@ -53,6 +55,7 @@ impl App {
             inspector: Inspector::default(),
             title: String::new(),
             smoke,
+            pixel: None,
         }
     }
 
@@ -83,7 +86,10 @@ impl App {
 
     fn show(&mut self, opened: Opened, context: &Context) {
         self.message = opened.warning.clone();
-        let desk = Desk::new(opened);
+        let mut desk = Desk::new(opened);
+        if let Some(pixel) = self.pixel.take() {
+            desk.look_into(pixel);
+        }
         self.title = format!("{} – lobes", desk.title());
         context.send_viewport_cmd(ViewportCommand::Title(self.title.clone()));
         self.desk = Some(desk);
@@ -121,7 +127,9 @@ impl App {
         if pressed(Modifiers::NONE, Key::F) {
             desk.frame_all();
         }
-        if pressed(Modifiers::NONE, Key::Delete) {
+        if pressed(Modifiers::SHIFT, Key::Delete) {
+            desk.remove();
+        } else if pressed(Modifiers::NONE, Key::Delete) {
             desk.delete();
         }
         if pressed(Modifiers::NONE, Key::Escape) {
