@@ -21,7 +21,8 @@ pub(crate) fn run(args: Args) -> Result<(), String> {
     let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
     let smoke = args.smoke.map(|path| Smoke::new(path, args.pixel.is_some()));
     let failed = smoke.as_ref().map(Smoke::outcome);
-    let start = move |context: &Context| App { pixel: args.pixel, ..App::new(context, args.file, smoke) };
+    let (pixel, shows_spheres) = (args.pixel, args.spheres);
+    let start = move |context: &Context| App { pixel, shows_spheres, ..App::new(context, args.file, smoke) };
     eframe::run_native("lobes", options, Box::new(move |creation| Ok(Box::new(start(&creation.egui_ctx)))))
         .map_err(|error| format!("no window: {error}"))?;
     failed.map_or(Ok(()), |outcome| outcome.result())
@@ -40,6 +41,8 @@ pub(crate) struct App {
     smoke: Option<Smoke>,
     /// The pixel that is taken apart once a scene is open.
     pixel: Option<[u32; 2]>,
+    /// Whether the first scene shows the spheres that block.
+    shows_spheres: bool,
 }
 
 impl App {
@@ -56,6 +59,7 @@ impl App {
             title: String::new(),
             smoke,
             pixel: None,
+            shows_spheres: false,
         }
     }
 
@@ -87,6 +91,7 @@ impl App {
     fn show(&mut self, opened: Opened, context: &Context) {
         self.message = opened.warning.clone();
         let mut desk = Desk::new(opened);
+        desk.shows_spheres = core::mem::take(&mut self.shows_spheres);
         if let Some(pixel) = self.pixel.take() {
             desk.look_into(pixel);
         }

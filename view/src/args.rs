@@ -7,6 +7,7 @@ Usage: lobes-view [FILE]
 
   FILE          scene (.toml) or model (.gltf, .glb, .obj, .ply); the built-in scene when left out
   --pixel X,Y   takes that pixel apart
+  --spheres     draws the spheres that block light
   --smoke PNG   opens, draws one picture, saves the window to PNG, and ends
   --help        this";
 
@@ -18,6 +19,8 @@ pub(crate) struct Args {
     pub(crate) smoke: Option<PathBuf>,
     /// The pixel that is taken apart as soon as there is a picture.
     pub(crate) pixel: Option<[u32; 2]>,
+    /// Whether the spheres that block light are drawn.
+    pub(crate) spheres: bool,
 }
 
 /// None where the help is requested.
@@ -32,6 +35,7 @@ pub(crate) fn parse(words: impl Iterator<Item = OsString>) -> Result<Option<Args
             Some("--smoke") if !only_files => {
                 args.smoke = Some(words.next().ok_or("--smoke needs the name of a PNG file")?.into());
             }
+            Some("--spheres") if !only_files => args.spheres = true,
             Some("--pixel") if !only_files => {
                 let given = words.next().and_then(|word| word.into_string().ok()).unwrap_or_default();
                 let numbers = given.split_once(',').map(|(x, y)| [x, y].map(|n| n.parse::<u32>().ok()));

@@ -6,7 +6,7 @@ use cosine_lobes::Display;
 use cosine_lobes::glam::{Mat4, Vec2, Vec3};
 use cosine_lobes::lighting::Light;
 use cosine_lobes::renderer::{LightHandle, ObjectHandle, RenderError, Renderer, Settings};
-use cosine_lobes::scene::{Animation, Camera, Scene, Strategy};
+use cosine_lobes::scene::{Animation, BlockerSet, Camera, Scene, Strategy};
 use cosine_lobes::session::{
     Drag, Dragged, Editor, NewLight, Primitive, Probe, Projection, Snapshot, Trade, framed, lamp, save,
 };
@@ -63,6 +63,12 @@ pub(crate) struct Desk {
     off: HashMap<LightHandle, Vec3>,
     /// All things as they were before one was added that is to be selected.
     known: Option<Vec<Thing>>,
+    /// Whether the spheres that block light are drawn.
+    pub(crate) shows_spheres: bool,
+    /// These spheres, and the number of changes that they show.
+    pub(crate) spheres: (u64, BlockerSet),
+    /// Those of a later picture, on their way from the session.
+    coming: Option<(u64, Receiver<BlockerSet>)>,
     /// The strategies of objects that are hidden.
     hidden: HashMap<ObjectHandle, Option<Strategy>>,
     pub(crate) is_playing: bool,
@@ -101,6 +107,9 @@ impl Desk {
             asked: None,
             off: HashMap::new(),
             known: None,
+            shows_spheres: false,
+            spheres: (u64::MAX, BlockerSet::default()),
+            coming: None,
             hidden: HashMap::new(),
             is_playing: false,
             requested: None,
@@ -119,6 +128,7 @@ impl Desk {
     pub(crate) fn follow(&mut self, context: &Context) -> Option<String> {
         self.editor.follow();
         self.select_new();
+        self.follow_spheres();
         self.begin_to_measure(context);
         if self.first_size == [0; 2] && !self.editor.picture().radiance.is_empty() {
             self.first_size = self.editor.scene().size;
@@ -356,6 +366,19 @@ impl Desk {
         let scene = self.editor.scene();
         let lights = scene.lights.iter().map(|item| Thing::Light(item.handle));
         lights.chain(scene.objects.iter().map(|item| Thing::Object(item.handle))).collect()
+    }
+
+    /// Requests the spheres of a whole picture, which that would interrupt before, and takes them.
+    fn follow_spheres(&mut self) {
+        let edits = self.editor.picture().edits;
+        if let Some((edits, set)) = self.coming.as_ref().and_then(|(edits, set)| Some((*edits, set.try_recv().ok()?))) {
+            self.spheres = (edits, set);
+            self.coming = None;
+        }
+        if self.shows_spheres && self.coming.is_none() && self.editor.is_finished() && self.spheres.0 != edits {
+            let set = self.editor.session().query(|renderer| renderer.blocker_spheres().clone());
+            self.coming = Some((edits, set));
+        }
     }
 
     /// Selects what was added, once it is there.

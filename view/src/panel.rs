@@ -91,6 +91,8 @@ fn view(ui: &mut Ui, desk: &mut Desk, figures: Option<&Figures>) {
     if ui.checkbox(&mut is_split, "reference beside it").on_hover_text("R; drag the line").changed() {
         desk.look.split = is_split.then_some(0.5);
     }
+    let spheres = ui.checkbox(&mut desk.shows_spheres, "spheres that block");
+    spheres.on_hover_text("those of all objects whose shadows are by spheres; yellow: the selected object's");
     ui.horizontal(|ui| {
         let range = desk.metered - 8.0..=desk.metered + 8.0;
         ui.add(slider(&mut desk.look.display.exposure, range).step_by(0.1).text("exposure"));

@@ -67,7 +67,9 @@ impl Smoke {
             self.first = Some(self.start.elapsed());
         }
         self.looks += u32::from(desk.is_some_and(|desk| desk.probed.is_some()));
-        let is_ready = |desk: &Desk| desk.editor.is_finished() && (!self.wants_pixel || self.looks > FRAMES);
+        let has_spheres = |desk: &Desk| !desk.shows_spheres || desk.spheres.0 == desk.editor.picture().edits;
+        let has_pixel = !self.wants_pixel || self.looks > FRAMES;
+        let is_ready = |desk: &Desk| desk.editor.is_finished() && has_pixel && has_spheres(desk);
         if is_seen && !self.is_saving && desk.is_some_and(is_ready) {
             self.is_saving = true;
             let (first, whole) = (self.first.unwrap_or_default().as_secs_f64(), self.start.elapsed().as_secs_f64());

@@ -77,7 +77,7 @@ impl Shot {
         }
         println!("{said}");
         if let Some(shots) = std::env::var_os("SHOTS") {
-            std::fs::copy(&file, Path::new(&shots).join(format!("window{}.png", arguments.len())))?;
+            std::fs::copy(&file, Path::new(&shots).join(format!("window{}.png", arguments.concat())))?;
         }
         let decoder = png::Decoder::new(BufReader::new(std::fs::File::open(&file)?));
         let mut reader = decoder.read_info()?;
@@ -113,6 +113,21 @@ fn draws_the_lobes_of_a_pixel() -> Result<(), Failed> {
     for want in [[250, 190, 90], [110, 190, 255]] {
         assert!(colors.iter().any(|color| is_near(color, want)), "{want:?}");
     }
+    Ok(())
+}
+
+/// The spheres that block are drawn over the picture, and nothing else is changed.
+fn draws_the_spheres_that_block() -> Result<(), Failed> {
+    let (without, with) = (Shot::take(&[])?, Shot::take(&["--spheres"])?);
+    let pairs = without.pixels.as_chunks::<3>().0.iter().zip(with.pixels.as_chunks::<3>().0);
+    let in_picture =
+        pairs.enumerate().filter(|(place, _)| place % with.width < with.width - 380 && place / with.width < 700);
+    let changed: Vec<_> = in_picture.filter(|(_, (a, b))| a != b).collect();
+    let cyan =
+        changed.iter().filter(|(_, (a, b))| i32::from(b[2]) - i32::from(b[0]) > i32::from(a[2]) - i32::from(a[0]));
+    let (count, cyan) = (changed.len(), cyan.count());
+    println!("{count} pixels are others, {cyan} of them more blue");
+    assert!(count > 3000 && count < 200_000 && cyan > count / 2, "{count} {cyan}");
     Ok(())
 }
 
@@ -154,6 +169,7 @@ fn main() {
     let trials = vec![
         Trial::test("shows_a_picture", shows_a_picture).with_ignored_flag(!can_show),
         Trial::test("draws_the_lobes_of_a_pixel", draws_the_lobes_of_a_pixel).with_ignored_flag(!can_show),
+        Trial::test("draws_the_spheres_that_block", draws_the_spheres_that_block).with_ignored_flag(!can_show),
         Trial::test("a_missing_file_is_one_line", a_missing_file_is_one_line).with_ignored_flag(!can_show),
         Trial::test("the_command_line", the_command_line),
     ];
