@@ -44,7 +44,9 @@ async function compiled(source) {
   if (!(typeof Response === "function" && source instanceof Response)) {
     const url = source === undefined ? new URL("./cosine-lobes.wasm", import.meta.url) : new URL(source, import.meta.url);
     if (url.protocol === "file:") {
-      const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ "node:fs/promises");
+      // By a name that bundlers do not follow.
+      const files = "node:fs/promises";
+      const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ files);
       return WebAssembly.compile(await readFile(url));
     }
     answer = await fetch(url);

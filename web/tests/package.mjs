@@ -4,6 +4,7 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { cpSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { createServer } from "node:http";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import test, { after } from "node:test";
@@ -374,6 +375,29 @@ test("memory is given back", () => {
   }
 });
 
+test("the module is fetched, whatever type the server says it has", async () => {
+  const bytes = readFileSync(new URL(place("cosine-lobes.wasm")));
+  const server = createServer(({ url }, answer) => {
+    const type = url === "/typed.wasm" ? "application/wasm" : "application/octet-stream";
+    answer.writeHead(url === "/none.wasm" ? 404 : 200, { "Content-Type": type }).end(bytes);
+  });
+  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  try {
+    const at = `http://127.0.0.1:${server.address().port}`;
+    for (const name of ["typed.wasm", "untyped.wasm"]) {
+      const fresh = await import(`${place("engine.js")}?${name}`);
+      await assert.rejects(fresh.init(`${at}/none.wasm`), /none\.wasm: 404/);
+      await fresh.init(`${at}/${name}`);
+      assert.equal(fresh.call({ do: "builtin" }).number, 1);
+    }
+    const fresh = await import(`${place("engine.js")}?bytes`);
+    await fresh.init(bytes);
+    assert.equal(fresh.call({ do: "builtin" }).number, 1);
+  } finally {
+    server.close();
+  }
+});
+
 test("the types name what there is", () => {
   const types = readFileSync(new URL(place("index.d.ts")), "utf8");
   for (const [name, value] of Object.entries(library)) {
@@ -400,6 +424,13 @@ test("the types compile", { skip: !(has("typescript") && has("three")) && "npm h
   const options = { noEmit: true, strict: true, target: "es2022", module: "nodenext", lib: ["es2022", "dom", "dom.iterable"], skipLibCheck: true, types: [] };
   writeFileSync(join(home, "tsconfig.json"), JSON.stringify({ compilerOptions: options, files: ["types.mts"] }));
   execFileSync(process.execPath, [join(home, "node_modules/typescript/bin/tsc"), "-p", home], { stdio: "inherit" });
+});
+
+test("the first example of the README runs", () => {
+  const [, code] = readFileSync(new URL(place("README.md")), "utf8").match(/```js\n([^]*?)```/);
+  const file = join(home, "first.mjs");
+  writeFileSync(file, `${code}\nconsole.log(picture.length, light.length);\n`);
+  assert.equal(execFileSync(process.execPath, [file], { encoding: "utf8" }), `${3 * 640 * 360} 3\n`);
 });
 
 test("examples run, and bake vertices of three.js", { skip: !has("three") && "npm has no three" }, async () => {
