@@ -374,3 +374,34 @@ fn objects_and_lights_come_back_as_they_were() {
     assert_eq!(errors, ["object \"ball\" is moved by the animation", "light 1 is moved by the animation"]);
     assert_eq!(editor.picture().radiance, start);
 }
+
+#[test]
+fn a_still_light_between_those_that_move_as_one_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let list = "spheres = [[0.0, 3.0, 1.0, 0.1], [0.5, 3.0, 1.0, 0.1]]";
+    let path = file(
+        &folder,
+        &TEXT.replace(list, &format!("{list}\nkeys = [{{ time = 0 }}, {{ time = 2, translate = [0, 0, 2] }}]")),
+    );
+    let (mut scene, mut animation, _) = scene_files::load_animated(&path).unwrap();
+    let moves = |animation: &scene::Animation| (0..6).map(|light| animation.moves_light(light)).collect::<Vec<_>>();
+    assert_eq!(moves(&animation), [false, false, true, true, false, false]);
+    // Between the two, then before both.
+    for place in [3, 0] {
+        animation.insert_light(place);
+        scene.lights.insert(place, scene.lights[0].clone());
+    }
+    assert_eq!(moves(&animation), [false, false, false, true, false, true]);
+    let before: Vec<_> = scene.lights.iter().map(lamp::center).collect();
+    animation.seek(1.0, &mut scene);
+    for (number, (light, before)) in scene.lights.iter().zip(before).enumerate() {
+        let step = if [3, 5].contains(&number) { Vec3::Z } else { Vec3::ZERO };
+        assert_eq!(lamp::center(light), before.map(|center| center + step), "{number}");
+    }
+    for place in [0, 3] {
+        animation.remove_light(place);
+        scene.lights.remove(place);
+    }
+    animation.seek(0.0, &mut scene);
+    assert_eq!(scene.lights, scene_files::load_animated(&path).unwrap().0.lights);
+}
