@@ -32,7 +32,7 @@ impl Renderer {
         self.rows.place(object.0).ok_or(EditError::NoObject(object))
     }
 
-    fn light_place(&self, light: LightHandle) -> Result<usize, EditError> {
+    pub(crate) fn light_place(&self, light: LightHandle) -> Result<usize, EditError> {
         self.light_handles.place(light.0).ok_or(EditError::NoLight(light))
     }
 
@@ -41,7 +41,7 @@ impl Renderer {
     }
 
     /// The place of an object, if the animation does not move it.
-    fn still_object(&self, object: ObjectHandle) -> Result<usize, EditError> {
+    pub(crate) fn still_object(&self, object: ObjectHandle) -> Result<usize, EditError> {
         let place = self.object_place(object)?;
         if self.animation.moves_object(place) {
             return Err(EditError::Animated(format!("object \"{}\"", self.scene.objects[place].name)));
@@ -242,7 +242,7 @@ impl Renderer {
         Ok(self.mark(LIT | Stale::POINTS))
     }
 
-    fn check_light(&self, number: usize, light: &Light) -> Result<(), RenderError> {
+    pub(crate) fn check_light(&self, number: usize, light: &Light) -> Result<(), RenderError> {
         Scene::check_light(number, light)?;
         check_method(self.settings.method, core::slice::from_ref(light)).map_err(|error| match error {
             RenderError::PaperLight(_, kind) => RenderError::PaperLight(number, kind),
@@ -409,7 +409,7 @@ impl Renderer {
 }
 
 /// The consequences of a change of a light.
-const LIT: Stale = Stale::SHADING.with(Stale::LIGHTS).with(Stale::MAPS);
+pub(crate) const LIT: Stale = Stale::SHADING.with(Stale::LIGHTS).with(Stale::MAPS);
 
 /// The reason why an object cannot follow a matrix.
 fn fault_of(object: &Object, matrix: &Mat4) -> Option<&'static str> {

@@ -13,6 +13,12 @@ pub enum EditError {
     /// The material has been removed.
     #[error("material {n} is not in the scene", n = .0.0)]
     NoMaterial(MaterialHandle),
+    /// The item that is to come back is there.
+    #[error("{0} is in the scene")]
+    Present(String),
+    /// A light that goes with its environment alone.
+    #[error("light {0} is a patch of the environment")]
+    Patch(usize),
     /// The animation moves this item and would undo the edit.
     #[error("{0} is moved by the animation")]
     Animated(String),

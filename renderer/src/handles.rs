@@ -46,4 +46,11 @@ impl Handles {
     pub(crate) fn remove(&mut self, place: usize) {
         self.list.remove(place);
     }
+
+    /// Puts a handle back that was removed; its place in the list. `None` if it is there, or never was.
+    pub(crate) fn put(&mut self, handle: u64) -> Option<usize> {
+        let place = self.list.binary_search(&handle).err().filter(|_| handle < self.next)?;
+        self.list.insert(place, handle);
+        Some(place)
+    }
 }

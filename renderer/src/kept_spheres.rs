@@ -32,6 +32,12 @@ impl KeptSpheres {
         true
     }
 
+    /// The spheres, with the numbers of their objects.
+    #[must_use]
+    pub const fn set(&self) -> &BlockerSet {
+        &self.set
+    }
+
     /// The blockers, if there are any.
     #[must_use]
     pub fn get(&self) -> Option<&SphereBlockers> {

@@ -58,6 +58,7 @@ mod settings;
 mod sphere_cache;
 mod stale;
 mod tables;
+mod taken;
 
 pub use crate::backend::{Backend, Shader};
 pub use crate::bands::{BAND_RAYS, seconds};
@@ -83,6 +84,7 @@ pub use crate::settings::{Device, Method, Settings};
 pub use crate::sphere_cache::{known_set, scene_spheres};
 pub use crate::stale::{Stale, Upkeep};
 pub use crate::tables::paper_tables;
+pub use crate::taken::{TakenLight, TakenObject};
 pub use glam;
 pub use pictures::Window;
 pub use render_cpu::PixelSamples;

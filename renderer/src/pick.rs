@@ -10,12 +10,12 @@ use brdf::Material;
 use core::ops::{ControlFlow, Range};
 use glam::Vec3;
 use lighting::Light;
-use lobe_core::Receiver;
+use lobe_core::{BrdfLobe, Receiver};
 use paper::Tables;
 use pictures::Window;
 use render_cpu::{CpuShader, GBuffer, ShadeRequest, World};
 use scene::{Frame, Scene, Shade, ShadingPoints};
-use shading::{Accuracy, LightId, LightLobes, Unshadowed};
+use shading::{Accuracy, BrdfLobes, LightId, LightLobes, Unshadowed};
 use visibility_shadowmap::ReceiverBounds;
 
 /// The surface that a pixel shows.
@@ -76,6 +76,30 @@ impl Renderer {
             receiver,
             distance: receiver.position.distance(self.scene.camera.eye),
         })
+    }
+
+    /// The lobes of reflectance of the surface in the middle of a pixel as the camera sees it, textures included: `f_r·(n·v)` as a sum of
+    /// lobes, below the horizon of [`pick`](Self::pick)'s normal to be taken as 0. Empty where the camera meets nothing there, and outside
+    /// the picture.
+    ///
+    /// # Cost
+    /// One ray, once the hierarchy is updated to the last edit.
+    #[must_use]
+    pub fn reflectance(&mut self, x: u32, y: u32) -> Vec<BrdfLobe> {
+        let (width, height) = (self.scene.width, self.scene.height);
+        if x >= width || y >= height {
+            return Vec::new();
+        }
+        let hierarchy = self.follow_hierarchy();
+        let world = World::with_hierarchy(&self.scene, hierarchy);
+        let found = GBuffer::window(&world, width, height, 1, x..x + 1, y..y + 1);
+        let mut lobes = Vec::new();
+        let first = found.points.receivers.first().zip(found.points.materials.first());
+        if let Some((at, material)) = first.and_then(|(at, number)| Some((at, found.materials.get(*number as usize)?)))
+        {
+            material.brdf_lobes(at, &mut lobes);
+        }
+        lobes
     }
 
     /// The fraction of each pixel of a window that shows a surface, row by row: the rest shows the background.

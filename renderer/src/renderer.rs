@@ -186,6 +186,13 @@ impl Renderer {
         }
     }
 
+    /// The spheres that block light for the objects that block by spheres, where the last picture had them; none before the first one.
+    /// Objects are their places in [`objects`](Self::objects).
+    #[must_use]
+    pub const fn blocker_spheres(&self) -> &BlockerSet {
+        self.spheres.set()
+    }
+
     /// Sets the request, which any thread may make, that stops pictures and their preparation with [`RenderError::Cancelled`].
     ///
     /// The renderer keeps all work done so far: once it has another request, the next picture has the same bits as if nothing had

@@ -11,8 +11,15 @@ pub(crate) struct Rows {
     next: u64,
 }
 
+/// All that is known of one object.
+#[derive(Clone, Debug)]
+pub(crate) struct Row {
+    revision: Revision,
+    rest: Option<Rest>,
+}
+
 /// An object's initial shape and proxy.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Rest {
     shape: Shape,
     proxy: Proxy,
@@ -39,9 +46,16 @@ impl Rows {
         object
     }
 
-    pub(crate) fn remove(&mut self, object: usize) {
-        self.revisions.remove(object);
-        self.rests.remove(object);
+    pub(crate) fn remove(&mut self, object: usize) -> Row {
+        Row { revision: self.revisions.remove(object), rest: self.rests.remove(object) }
+    }
+
+    /// Puts a row back that was removed; its place. `None` if it is there.
+    pub(crate) fn insert(&mut self, row: Row) -> Option<usize> {
+        let place = self.revisions.binary_search_by_key(&row.revision.object, |row| row.object).err()?;
+        self.revisions.insert(place, row.revision);
+        self.rests.insert(place, row.rest);
+        Some(place)
     }
 
     /// A number that no handle and no revision has had.

@@ -1,6 +1,6 @@
 //! Animations that are made and changed in code.
 
-use crate::animation::{Body, Mover};
+use crate::animation::{Body, LightMover, Mover};
 use crate::camera_keys::MAX_SECONDS;
 use crate::deformer::{BoundSphere, Deformer};
 use crate::mesh::MAX_COORDINATE;
@@ -192,6 +192,36 @@ impl Animation {
         lights.for_each(|light| forget_object(light, object));
     }
 
+    /// Makes room for an object that is [put into](Scene::insert_object) the scene and stands still: those from its number on have
+    /// numbers that are one more.
+    pub fn insert_object(&mut self, object: usize) {
+        if object < self.movers.len() {
+            self.movers.insert(object, None);
+        }
+        let lights = self.lights.iter_mut().flat_map(|mover| &mut mover.lights);
+        lights.for_each(|light| make_room(light, object));
+    }
+
+    /// Makes room for a light that is put into the scene and stands still: those from its number on have numbers that are one more.
+    pub fn insert_light(&mut self, light: usize) {
+        let mut parts = Vec::with_capacity(self.lights.len());
+        for mut mover in self.lights.drain(..) {
+            // A row of lights that move as one becomes two.
+            if mover.first < light && light < mover.first + mover.lights.len() {
+                let lights = mover.lights.split_off(light - mover.first);
+                let placement = mover.placement.clone();
+                parts.push(mover);
+                parts.push(LightMover { first: light + 1, lights, placement });
+                continue;
+            }
+            if mover.first >= light {
+                mover.first += 1;
+            }
+            parts.push(mover);
+        }
+        self.lights = parts;
+    }
+
     /// Forgets a light that is taken out of the scene: those behind it have numbers that are one less.
     pub fn remove_light(&mut self, light: usize) {
         let mut parts = Vec::with_capacity(self.lights.len());
@@ -217,6 +247,23 @@ impl Scene {
     pub fn remove_object(&mut self, object: usize) -> Object {
         self.lights.iter_mut().for_each(|light| forget_object(light, object));
         self.objects.remove(object)
+    }
+
+    /// Puts an object in at a number; those from there on have numbers that are one more, for the lights inside them as well.
+    ///
+    /// # Panics
+    /// When the number is more than that of the objects.
+    pub fn insert_object(&mut self, number: usize, object: Object) {
+        self.lights.iter_mut().for_each(|light| make_room(light, number));
+        self.objects.insert(number, object);
+    }
+}
+
+/// Keeps a light inside its object when another one is put in.
+fn make_room(light: &mut Light, object: usize) {
+    let Light::Enclosed(inside) = light else { return };
+    if inside.object != NO_OBJECT && inside.object as usize >= object {
+        inside.object += 1;
     }
 }
 

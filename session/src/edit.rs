@@ -1,11 +1,10 @@
 use brdf::Material;
 use glam::Mat4;
 use lighting::Light;
-use renderer::{LightHandle, MaterialHandle, ObjectHandle, RenderError, Renderer, Settings};
-use scene::{Camera, Strategy, Surface};
+use renderer::{LightHandle, MaterialHandle, ObjectHandle, RenderError, Renderer, Settings, TakenLight, TakenObject};
+use scene::{Camera, Object, Strategy, Surface};
 
-/// One change of a scene, of the camera or of how it is drawn. Objects and lights that come or go are no such change: they have no
-/// inverse with the same handles. [`Session::query`](crate::Session::query) adds and removes them.
+/// One change of a scene, of the camera or of how it is drawn. Objects and lights that go and come back have the handles that they had.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum Edit {
@@ -29,6 +28,18 @@ pub enum Edit {
     Settings(Box<Settings>),
     /// The moment of the animation, in seconds.
     Seek(f32),
+    /// A new light, behind the others.
+    AddLight(Box<Light>),
+    /// A light goes.
+    TakeLight(LightHandle),
+    /// A light comes back at its place.
+    PutLight(Box<TakenLight>),
+    /// A new object, behind the others.
+    AddObject(Box<Object>),
+    /// An object goes, and with it the lights that its material's emission stands for.
+    TakeObject(ObjectHandle),
+    /// An object comes back at its place, with its lights.
+    PutObject(Box<TakenObject>),
     /// Several, one after the other, as one step: all of them or none.
     All(Vec<Edit>),
 }
@@ -96,6 +107,18 @@ impl Edit {
                 let before = renderer.time();
                 renderer.seek(time);
                 Ok(Self::Seek(before))
+            }
+            Self::AddLight(light) => Ok(Self::TakeLight(renderer.add_light(*light)?)),
+            Self::TakeLight(handle) => Ok(Self::PutLight(Box::new(renderer.take_light(handle)?))),
+            Self::PutLight(taken) => {
+                renderer.put_light(&taken)?;
+                Ok(Self::TakeLight(taken.handle()))
+            }
+            Self::AddObject(object) => Ok(Self::TakeObject(renderer.add_object(*object)?)),
+            Self::TakeObject(handle) => Ok(Self::PutObject(Box::new(renderer.take_object(handle)?))),
+            Self::PutObject(taken) => {
+                renderer.put_object(&taken)?;
+                Ok(Self::TakeObject(taken.handle()))
             }
             Self::All(edits) => {
                 let mut inverses = Vec::with_capacity(edits.len());

@@ -3,7 +3,7 @@ use brdf::Material;
 use glam::Mat4;
 use lighting::Light;
 use renderer::{LightHandle, MaterialHandle, ObjectHandle, RenderError, Settings};
-use scene::{Camera, Strategy};
+use scene::{Camera, Object, Strategy};
 use std::sync::Arc;
 
 /// A session beside the scene with all changes so far, also those that no picture shows yet.
@@ -122,6 +122,34 @@ impl Editor {
             (item.visible, item.strategy) = (visible, strategy);
             self.session.edit(Edit::All(vec![Edit::Visible(handle, visible), Edit::Strategy(handle, strategy)]));
         }
+    }
+
+    /// A new light, which is there with the next picture; a step of its own.
+    pub fn add_light(&mut self, light: Light) {
+        self.step(Edit::AddLight(Box::new(light)));
+    }
+
+    /// A light goes; a step of its own.
+    pub fn remove_light(&mut self, handle: LightHandle) {
+        self.scene.lights.retain(|item| item.handle != handle);
+        self.step(Edit::TakeLight(handle));
+    }
+
+    /// A new object, which is there with the next picture; a step of its own.
+    pub fn add_object(&mut self, object: Object) {
+        self.step(Edit::AddObject(Box::new(object)));
+    }
+
+    /// An object goes, with the lights that its material's emission stands for; a step of its own.
+    pub fn remove_object(&mut self, handle: ObjectHandle) {
+        self.scene.objects.retain(|item| item.handle != handle);
+        self.step(Edit::TakeObject(handle));
+    }
+
+    fn step(&self, edit: Edit) {
+        self.session.close_step();
+        self.session.edit(edit);
+        self.session.close_step();
     }
 
     /// Another size of the picture.

@@ -5,13 +5,13 @@
 //!   [`Renderer::render`](renderer::Renderer::render).
 //! - [`Driver`]: the same without a thread, in steps that the caller takes, for browsers; several share a picture by rows.
 //! - [`Edit`]: one change of a scene, with its inverse: [`Session::undo`], [`Session::redo`].
-//! - [`Probe`]: one pixel taken apart by lights, beside the Monte Carlo reference; [`Truth`]: the reference of the whole picture, which
+//! - [`Probe`]: one pixel taken apart by lights, beside the Monte Carlo reference, and the [`Hemisphere`] of its reflectance; [`Truth`]: the reference of the whole picture, which
 //!   grows while nothing else is to be done.
 //! - [`Trade`]: error against time of a scene, measured beside the session.
 //! - [`Snapshot`]: the scene that a picture shows, as lists; [`Editor`]: the same with all changes so far, for handles and sliders.
 //! - [`orbited`], [`panned`], [`zoomed`], [`framed`]: cameras that follow a pointer; [`Projection`]: from points to pixels and back;
 //!   [`Handles`]: where lights and objects are taken hold of, and what drags do; [`lamp`]: the same light elsewhere, larger, brighter; [`gloss`]: the
-//!   same material sharper or duller.
+//!   same material sharper or duller; [`NewLight`], [`Primitive`]: lights and objects that a window adds.
 //!
 //! No window, no input, no drawing here.
 //!
@@ -35,10 +35,13 @@ mod edit;
 mod editor;
 pub mod gloss;
 mod handles;
+mod hemisphere;
 mod history;
 pub mod lamp;
 mod navigation;
+mod new_light;
 mod picture;
+mod primitive;
 mod probe;
 mod projection;
 #[cfg(feature = "files")]
@@ -53,8 +56,11 @@ pub use crate::driver::{Driver, Task};
 pub use crate::edit::Edit;
 pub use crate::editor::Editor;
 pub use crate::handles::{Drag, Dragged, Grip, Handles};
+pub use crate::hemisphere::{Hemisphere, HemispherePixel};
 pub use crate::navigation::{framed, orbited, panned, zoomed};
+pub use crate::new_light::NewLight;
 pub use crate::picture::Picture;
+pub use crate::primitive::Primitive;
 pub use crate::probe::{LightPart, Probe};
 pub use crate::projection::Projection;
 #[cfg(feature = "files")]

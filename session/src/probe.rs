@@ -1,3 +1,4 @@
+use crate::Hemisphere;
 use core::sync::atomic::AtomicBool;
 use glam::Vec3;
 use ray_tracing::GBuffer;
@@ -19,6 +20,8 @@ pub struct Probe {
     pub lights: Vec<LightPart>,
     /// The same by shadow rays on the true surfaces: radiance, and its standard error.
     pub reference: [Vec3; 2],
+    /// The surface's reflectance over the directions toward light.
+    pub hemisphere: Hemisphere,
 }
 
 /// The part of a light in a pixel.
@@ -44,6 +47,7 @@ impl Probe {
     pub fn new(renderer: &mut Renderer, x: u32, y: u32, samples: u32) -> Result<Option<Self>, RenderError> {
         let Some(pick) = renderer.pick(x, y) else { return Ok(None) };
         let lights: Vec<LightHandle> = renderer.lights().map(|(handle, _)| handle).collect();
+        let hemisphere = Hemisphere::new(&pick.receiver, renderer.reflectance(x, y));
         let (width, height) = (renderer.scene().width as usize, renderer.scene().height as usize);
         let (x, y) = (x as usize, y as usize);
         let window = Window { image: [width, height], columns: x..x + 1, rows: y..y + 1 };
@@ -61,7 +65,7 @@ impl Probe {
         }
         let reference = reference_of(renderer, &window, samples);
         let radiance = image.radiance.first().copied().unwrap_or_default();
-        Ok(Some(Self { pick, radiance, lights: parts, reference }))
+        Ok(Some(Self { pick, radiance, lights: parts, reference, hemisphere }))
     }
 }
 

@@ -51,6 +51,29 @@ impl Projection {
         self.size
     }
 
+    /// The outline of a sphere in the picture, as so many places in a circle: the points where rays from the eye touch the sphere,
+    ///
+    /// ```text
+    /// c − r²/d · n + r √(1 − r²/d²) · (unit vectors across n)
+    /// ```
+    ///
+    /// of its distance `d` from the eye, in the direction `n`. Empty where the eye is inside, and where a part of it is not before the eye.
+    #[must_use]
+    pub fn sphere_outline(&self, center: Vec3, radius: f32, count: usize) -> Vec<Vec2> {
+        let (toward, distance) = (center - self.camera.eye, center.distance(self.camera.eye));
+        if !(radius > 0.0 && distance > radius) {
+            return Vec::new();
+        }
+        let along = toward / distance;
+        let (across, beside) = along.any_orthonormal_pair();
+        let (back, round) = (radius * radius / distance, radius * (1.0 - (radius / distance).powi(2)).sqrt());
+        let place = |k: usize| {
+            let (sin, cos) = (core::f32::consts::TAU * k as f32 / count as f32).sin_cos();
+            self.pixel(center - back * along + round * (cos * across + sin * beside))
+        };
+        (0..count).map(place).collect::<Option<_>>().unwrap_or_default()
+    }
+
     /// The place of a point in the picture, which may be outside of it; none for points behind the eye.
     #[must_use]
     pub fn pixel(&self, point: Vec3) -> Option<Vec2> {
@@ -181,5 +204,22 @@ mod tests {
         assert!((seen - (center - 0.5 * p.axes()[2])).length() < 1e-3);
         let beside = p.on_sphere(Vec2::new(640.0, 180.0), center, 0.5);
         assert!((beside.distance(center) - 0.5).abs() < 1e-4);
+    }
+
+    #[test]
+    fn rays_through_the_outline_of_a_sphere_touch_it() {
+        let camera = Camera { eye: Vec3::new(1.0, 2.0, 6.0), target: Vec3::new(0.0, 0.5, 0.0), ..Camera::default() };
+        let projection = Projection::new(camera, Vec2::new(640.0, 360.0));
+        for (center, radius) in [(Vec3::new(0.5, 0.2, -1.0), 0.7), (Vec3::new(-1.5, 0.0, 4.0), 1.2)] {
+            let outline = projection.sphere_outline(center, radius, 32);
+            assert_eq!(outline.len(), 32);
+            for pixel in outline {
+                let ray = projection.direction(pixel);
+                let nearest = camera.eye + ray * (center - camera.eye).dot(ray);
+                assert!((nearest.distance(center) / radius - 1.0).abs() < 1e-3, "{pixel}");
+            }
+        }
+        assert!(projection.sphere_outline(camera.eye, 1.0, 8).is_empty(), "the eye is inside");
+        assert!(projection.sphere_outline(Vec3::new(2.0, 4.0, 20.0), 1.0, 8).is_empty(), "behind the eye");
     }
 }

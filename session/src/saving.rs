@@ -1,6 +1,6 @@
 //! Changes of a session written back into the scene file that it was opened from.
 
-use crate::{LightItem, MaterialItem, ObjectItem, Snapshot, lamp};
+use crate::{LightItem, MaterialItem, ObjectItem, Primitive, Snapshot, lamp};
 use brdf::Material;
 use core::f32::consts::PI;
 use core::fmt;
@@ -8,10 +8,11 @@ use glam::{DVec3, Mat4, Quat, Vec3};
 use lighting::Light;
 use scene::SceneError;
 use scene_files::{Disk, Files};
+use shading::LightLobes;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, TableLike, Value};
+use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
 /// Why changes were not saved. The file is then as it was.
 #[derive(Debug)]
@@ -47,21 +48,24 @@ fn change(what: impl Into<String>) -> SaveError {
 /// Writes the changes from one snapshot to another into the scene file that the first one was loaded from. Comments, the order of keys
 /// and all that has not changed stay as they are.
 ///
-/// The camera, the size of the picture, lights, materials, and how objects stand, are seen and block are saved; settings are not part of
-/// a scene. The new text is read before it is written, and must give this scene.
+/// The camera, the size of the picture, lights, materials, and how objects stand, are seen and block are saved, and lights, spheres and boxes
+/// that came and all that went; settings are not part of a scene. The new text is read before it is written, and must give this scene.
+///
+/// Returns the new snapshot with its lights in the order of the file, for the next time: new lights stand before those of objects
+/// that emit.
 ///
 /// # Errors
 /// [`SaveError`]; the file is then as it was.
-pub fn save(path: &Path, before: &Snapshot, now: &Snapshot) -> Result<(), SaveError> {
+pub fn save(path: &Path, before: &Snapshot, now: &Snapshot) -> Result<Snapshot, SaveError> {
     let text = std::fs::read_to_string(path).map_err(SaveError::Io)?;
-    let text = changed_text(&text, before, now)?;
-    check(path, &text, now)?;
+    let (text, now) = changed(&text, before, now)?;
+    check(path, &text, &now)?;
     // Beside it first: a full disk leaves the old one.
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".new");
     let new = path.with_file_name(name);
     let written = std::fs::write(&new, text).and_then(|()| std::fs::rename(&new, path));
-    written.map_err(|error| {
+    written.map(|()| now).map_err(|error| {
         let _ = std::fs::remove_file(&new);
         SaveError::Io(error)
     })
@@ -72,6 +76,11 @@ pub fn save(path: &Path, before: &Snapshot, now: &Snapshot) -> Result<(), SaveEr
 /// # Errors
 /// [`SaveError`].
 pub fn changed_text(text: &str, before: &Snapshot, now: &Snapshot) -> Result<String, SaveError> {
+    changed(text, before, now).map(|(text, _)| text)
+}
+
+/// The text, and the scene with its lights in their order there.
+fn changed(text: &str, before: &Snapshot, now: &Snapshot) -> Result<(String, Snapshot), SaveError> {
     let mut document: DocumentMut =
         text.parse().map_err(|e: toml_edit::TomlError| SaveError::Text(e.message().to_owned()))?;
     if before.size != now.size {
@@ -83,10 +92,28 @@ pub fn changed_text(text: &str, before: &Snapshot, now: &Snapshot) -> Result<Str
         camera(table(document.as_table_mut(), "camera")?, before, now);
     }
     materials(&mut document, before, now)?;
-    lights(&mut document, before, now)?;
-    objects(&mut document, before, now)?;
-    Ok(document.to_string())
+    let (lights, light_cuts) = lights(&mut document, before, now)?;
+    let (objects, object_cuts) = objects(&mut document, before, now)?;
+    let cuts = Cuts { lights: light_cuts, objects: object_cuts };
+    Ok((document.to_string(), Snapshot { lights, objects, cuts, ..now.clone() }))
 }
+
+/// Entries that savings have removed from the file: undo may bring them back.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Cuts {
+    lights: Vec<Cut<LightItem>>,
+    objects: Vec<Cut<ObjectItem>>,
+}
+
+/// A removed entry, with the items that it gave.
+#[derive(Clone, Debug)]
+struct Cut<T> {
+    items: Vec<T>,
+    table: Table,
+}
+
+/// The items in the order in which the file gives them, and the entries that it no longer has.
+type Order<T> = (Vec<T>, Vec<Cut<T>>);
 
 fn camera(to: &mut dyn TableLike, before: &Snapshot, now: &Snapshot) {
     let (old, new) = (&before.camera, &now.camera);
@@ -179,9 +206,11 @@ fn elements<'d>(document: &'d mut DocumentMut, key: &str) -> Vec<&'d mut dyn Tab
     }
 }
 
-fn lights(document: &mut DocumentMut, before: &Snapshot, now: &Snapshot) -> Result<(), SaveError> {
-    let mut next = 0;
-    for table in elements(document, "lights") {
+/// Writes the lights.
+fn lights(document: &mut DocumentMut, before: &Snapshot, now: &Snapshot) -> Result<Order<LightItem>, SaveError> {
+    let mut cuts = before.cuts.lights.clone();
+    let (mut next, mut order, mut gone) = (0, Vec::with_capacity(now.lights.len()), Vec::new());
+    for (index, table) in elements(document, "lights").into_iter().enumerate() {
         let kind = table.get("kind").and_then(Item::as_str).unwrap_or_default().to_owned();
         let count = match kind.as_str() {
             "spheres" => table.get("spheres").and_then(Item::as_array).map_or(0, Array::len),
@@ -194,23 +223,93 @@ fn lights(document: &mut DocumentMut, before: &Snapshot, now: &Snapshot) -> Resu
         };
         let range = next..next + count;
         next += count;
-        let (Some(old), Some(new)) = (before.lights.get(range.clone()), now.lights.get(range)) else {
-            return Err(SaveError::Text("it has other lights".to_owned()));
-        };
-        if old.iter().zip(new).any(|(old, new)| old.light != new.light && !new.is_animated) {
+        let other = || SaveError::Text("it has other lights".to_owned());
+        let old = before.lights.get(range).ok_or_else(other)?;
+        let new: Vec<LightItem> = old.iter().filter_map(|item| now.light(item.handle)).cloned().collect();
+        if new.is_empty() && count > 0 {
+            gone.push(index);
+            cuts.push(Cut { items: old.to_vec(), table: copy(table) });
+        } else if new.len() < count && kind != "spheres" {
+            return Err(other());
+        } else if new.len() < count || old.iter().zip(&new).any(is_changed) {
             match kind.as_str() {
-                "spheres" => spheres(table, new, now.origin)?,
+                "spheres" => spheres(table, &new, now.origin)?,
                 _ => light(table, (&old[0], &new[0]), now.origin)?,
             }
         }
+        order.extend(new);
+    }
+    remove(document, "lights", &gone);
+    for item in now.lights.iter().filter(|item| before.light(item.handle).is_none()) {
+        if order.iter().any(|known: &LightItem| known.handle == item.handle) {
+            continue;
+        }
+        let is_cut = |cut: &Cut<LightItem>| cut.items.iter().any(|old| old.handle == item.handle);
+        let Some(place) = cuts.iter().position(is_cut) else {
+            append(document, "lights", new_light(item, now.origin)?)?;
+            order.push(item.clone());
+            continue;
+        };
+        let Cut { items: old, mut table } = cuts.remove(place);
+        let new: Vec<LightItem> = old.iter().filter_map(|item| now.light(item.handle)).cloned().collect();
+        if table.get("kind").and_then(Item::as_str) == Some("spheres") {
+            spheres(&mut table, &new, now.origin)?;
+        } else if old.iter().zip(&new).any(is_changed) {
+            light(&mut table, (&old[0], &new[0]), now.origin)?;
+        }
+        append(document, "lights", table)?;
+        order.extend(new);
     }
     // Those of objects that emit follow.
-    let is_changed = |(old, new): (&LightItem, &LightItem)| old.light != new.light && !new.is_animated;
-    let rest = before.lights.get(next..).unwrap_or_default().iter().zip(now.lights.get(next..).unwrap_or_default());
-    match rest.into_iter().any(is_changed) {
-        true => Err(change("a light that an object of the file shines with is changed by the object's material")),
-        false => Ok(()),
+    let rest = before.lights.get(next..).unwrap_or_default();
+    for (old, new) in rest.iter().filter_map(|old| Some((old, now.light(old.handle)?))) {
+        if is_changed((old, new)) {
+            return Err(change("a light that an object of the file shines with is changed by the object's material"));
+        }
+        order.push(new.clone());
     }
+    Ok((order, cuts))
+}
+
+/// A table of the file by itself.
+fn copy(table: &dyn TableLike) -> Table {
+    table.iter().map(|(key, item)| (key, item.clone())).collect()
+}
+
+fn is_changed((old, new): (&LightItem, &LightItem)) -> bool {
+    old.light != new.light && !new.is_animated
+}
+
+/// The table of a light that came.
+fn new_light(item: &LightItem, origin: DVec3) -> Result<Table, SaveError> {
+    let mut table = Table::new();
+    let is_even = |corners: &[Vec3]| {
+        let &[a, b, c, d] = corners else { return false };
+        (a + c - b - d).abs().max_element() <= 1e-5 * (c - a).length()
+    };
+    let (kind, unit) = match &item.light {
+        light if light.image().is_some() => return Err(change("a new light with an image has no keys")),
+        Light::Sphere(_) => ("sphere", "radiance"),
+        Light::Spot(_) => ("spot", "intensity"),
+        Light::Flat(flat) if flat.as_disc().1.is_some() => ("disc", "radiance"),
+        Light::Flat(flat) if is_even(flat.corners()) => ("rectangle", "radiance"),
+        Light::Sun(_) => ("sun", "irradiance"),
+        other => return Err(change(format!("a new light of the kind {} has no keys", other.name()))),
+    };
+    put(&mut table, "kind", Value::from(kind));
+    // In the place of the number that follows.
+    put(&mut table, unit, Value::from(0));
+    light(&mut table, (item, item), origin)?;
+    match &item.light {
+        Light::Spot(spot) => {
+            let [inner, outer] = spot.cos.map(|cos| number(cos.clamp(-1.0, 1.0).acos().to_degrees()));
+            put(&mut table, "angle", outer);
+            put(&mut table, "inner", inner);
+        }
+        Light::Flat(flat) if flat.two_sided => put(&mut table, "two_sided", Value::from(true)),
+        _ => {}
+    }
+    Ok(table)
 }
 
 /// Whether ambient light is a part of the environment, whose lights take the place of the first of its tables.
@@ -326,30 +425,122 @@ fn brightness(
     Ok(())
 }
 
-fn objects(document: &mut DocumentMut, before: &Snapshot, now: &Snapshot) -> Result<(), SaveError> {
-    let mut next = 0;
+fn objects(document: &mut DocumentMut, before: &Snapshot, now: &Snapshot) -> Result<Order<ObjectItem>, SaveError> {
+    let mut cuts = before.cuts.objects.clone();
+    let (mut next, mut order, mut gone) = (0, Vec::with_capacity(now.objects.len()), Vec::new());
     for (index, table) in elements(document, "objects").into_iter().enumerate() {
-        let name = table.get("name").and_then(Item::as_str).map_or_else(|| format!("object {index}"), str::to_owned);
+        let given = table.get("name").and_then(Item::as_str).map(str::to_owned);
+        let name = given.clone().unwrap_or_else(|| format!("object {index}"));
         let is_part = |item: &&ObjectItem| item.name.strip_prefix(&name).is_some_and(|rest| rest.starts_with('/'));
         let rest = before.objects.get(next..).unwrap_or_default();
         let count = match rest.first() {
             Some(first) if first.name == name => 1,
             _ => rest.iter().take_while(is_part).count(),
         };
-        let range = next..next + count;
+        let old = rest.get(..count).filter(|old| !old.is_empty());
+        let old = old.ok_or_else(|| SaveError::Text("it has other objects".to_owned()))?;
         next += count;
-        let (Some(old), Some(new)) = (before.objects.get(range.clone()), now.objects.get(range)) else {
-            return Err(SaveError::Text("it has other objects".to_owned()));
-        };
-        let changes = old.iter().zip(new).map(|(old, new)| Changes::new(old, new));
-        let mut changes: Vec<Changes> = changes.collect();
-        let Some(one) = changes.pop() else { continue };
-        if changes.iter().any(|other| *other != one) {
-            return Err(change(format!(
-                "\"{name}\" is one object of the file: its parts change together or not at all"
-            )));
+        let new: Vec<&ObjectItem> = old.iter().filter_map(|item| now.object(item.handle)).collect();
+        if new.is_empty() {
+            gone.push(index);
+            let mut table = copy(table);
+            put(&mut table, "name", Value::from(name.as_str()));
+            cuts.push(Cut { items: old.to_vec(), table });
+            continue;
         }
-        object(table, &one, &name, now.origin)?;
+        // Its place in the file was its name.
+        if given.is_none() && !gone.is_empty() {
+            put(table, "name", Value::from(name.as_str()));
+        }
+        object(table, &Changes::of_all(old, &new, &name)?, &name, now.origin)?;
+        order.extend(new.into_iter().cloned());
+    }
+    if before.objects.len() != next {
+        return Err(SaveError::Text("it has other objects".to_owned()));
+    }
+    remove(document, "objects", &gone);
+    for item in now.objects.iter().filter(|item| before.object(item.handle).is_none()) {
+        if order.iter().any(|known: &ObjectItem| known.handle == item.handle) {
+            continue;
+        }
+        let is_cut = |cut: &Cut<ObjectItem>| cut.items.iter().any(|old| old.handle == item.handle);
+        let Some(place) = cuts.iter().position(is_cut) else {
+            let table = new_object(document, item, now.origin)?;
+            append(document, "objects", table)?;
+            order.push(item.clone());
+            continue;
+        };
+        let Cut { items: old, mut table } = cuts.remove(place);
+        let new: Vec<&ObjectItem> = old.iter().filter_map(|item| now.object(item.handle)).collect();
+        object(&mut table, &Changes::of_all(&old, &new, &item.name)?, &item.name, now.origin)?;
+        append(document, "objects", table)?;
+        order.extend(new.into_iter().cloned());
+    }
+    Ok((order, cuts))
+}
+
+/// The table of an object that came.
+fn new_object(document: &DocumentMut, item: &ObjectItem, origin: DVec3) -> Result<Table, SaveError> {
+    let name = &item.name;
+    let primitive =
+        item.primitive.ok_or_else(|| change(format!("\"{name}\" is new, and neither a sphere nor a box")))?;
+    let mut keys = InlineTable::new();
+    match primitive {
+        Primitive::Sphere(sphere) => {
+            keys.insert("center", place(sphere.center, origin));
+            keys.insert("radius", number(sphere.radius));
+        }
+        Primitive::Box { center, size } => {
+            keys.insert("center", place(center, origin));
+            keys.insert("size", vector(size));
+        }
+    }
+    let named = document.get("materials").and_then(Item::as_table_like);
+    let material = named.and_then(|all| all.iter().nth(item.material).map(|(key, _)| key.to_owned()));
+    let material = material.ok_or_else(|| change(format!("the material of \"{name}\" is not of the scene file")))?;
+    let mut table = Table::new();
+    put(&mut table, "name", Value::from(name.as_str()));
+    put(&mut table, &primitive.to_string(), Value::InlineTable(keys));
+    put(&mut table, "material", Value::from(material));
+    let changes = Changes {
+        step: (item.transform != Mat4::IDENTITY).then_some(item.transform),
+        visible: (!item.visible).then_some(false),
+        strategy: item.strategy.map(Some),
+        material: false,
+    };
+    object(&mut table, &changes, name, origin)?;
+    Ok(table)
+}
+
+/// Removes entries of a list of the file, however it is written. Comments above an entry go with it, but for those before a blank line.
+fn remove(document: &mut DocumentMut, key: &str, gone: &[usize]) {
+    for index in gone.iter().rev() {
+        match document.get_mut(key) {
+            Some(Item::ArrayOfTables(all)) => {
+                let prefix = |table: &Table| table.decor().prefix().and_then(|text| text.as_str()).map(str::to_owned);
+                let above = all.get(*index).and_then(prefix).unwrap_or_default();
+                let kept = above.rfind("\n\n").map_or("", |end| above[..end].trim_end_matches('\n'));
+                all.remove(*index);
+                if let Some(next) = all.get_mut(*index).filter(|_| !kept.is_empty()) {
+                    let own = prefix(next).unwrap_or_default();
+                    next.decor_mut().set_prefix(format!("{kept}\n{own}"));
+                }
+            }
+            Some(Item::Value(Value::Array(all))) => {
+                all.remove(*index);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Appends an entry to a list of the file, however it is written.
+fn append(document: &mut DocumentMut, key: &str, mut table: Table) -> Result<(), SaveError> {
+    table.decor_mut().set_prefix("\n");
+    match document.entry(key).or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new())) {
+        Item::ArrayOfTables(all) => all.push(table),
+        Item::Value(Value::Array(all)) => all.push(table.into_inline_table()),
+        _ => return Err(SaveError::Text(format!("{key} is no list"))),
     }
     Ok(())
 }
@@ -365,6 +556,18 @@ struct Changes {
 }
 
 impl Changes {
+    /// Those of all the parts that an entry gives.
+    fn of_all(old: &[ObjectItem], new: &[&ObjectItem], name: &str) -> Result<Self, SaveError> {
+        let mut changes = old.iter().zip(new).map(|(old, new)| Self::new(old, new));
+        let one = changes.next();
+        match one.filter(|one| old.len() == new.len() && changes.all(|other| other == *one)) {
+            Some(one) => Ok(one),
+            None => {
+                Err(change(format!("\"{name}\" is one object of the file: its parts change together or not at all")))
+            }
+        }
+    }
+
     fn new(old: &ObjectItem, new: &ObjectItem) -> Self {
         let step = (old.transform != new.transform).then(|| new.transform * old.transform.inverse());
         Self {
@@ -586,8 +789,16 @@ fn check(path: &Path, text: &str, now: &Snapshot) -> Result<(), SaveError> {
         if !is_same || object.visible != item.visible || object.strategy != item.strategy {
             return wrong(&format!("object \"{}\"", item.name));
         }
+        // By objects: numbers of materials are others where objects of models went.
+        let materials = now.materials.get(item.material).zip(scene.materials.get(object.material));
+        if materials.is_none_or(|(item, read)| !is_like(read, &item.material)) {
+            return wrong(&format!("material of \"{}\"", item.name));
+        }
     }
-    let mut pairs = scene.materials.iter().zip(&now.materials);
+    // Those that the file names come first, whether or not an object has them.
+    let named = text.parse::<DocumentMut>().ok();
+    let named = named.as_ref().and_then(|text| text.get("materials")).and_then(Item::as_table_like);
+    let mut pairs = scene.materials.iter().zip(&now.materials).take(named.map_or(0, TableLike::len));
     match pairs.position(|(read, item)| !is_like(read, &item.material)) {
         Some(place) => wrong(&format!("material {place}")),
         None => Ok(()),

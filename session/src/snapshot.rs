@@ -1,3 +1,4 @@
+use crate::Primitive;
 use brdf::Material;
 use glam::{DVec3, Mat4};
 use lighting::Light;
@@ -31,6 +32,9 @@ pub struct Snapshot {
     pub duration: f32,
     /// Numbers of steps that can be taken back, and made again.
     pub steps: [usize; 2],
+    /// Entries of the scene file that are there no more.
+    #[cfg(feature = "files")]
+    pub(crate) cuts: crate::saving::Cuts,
 }
 
 /// A light of a [`Snapshot`].
@@ -57,6 +61,8 @@ pub struct ObjectItem {
     pub parts: usize,
     /// Its material, as a place in [`Snapshot::materials`].
     pub material: usize,
+    /// The sphere or the box that it was when it came, if it was one.
+    pub primitive: Option<Primitive>,
     /// The strategy that it is given; none: the renderer's choice.
     pub strategy: Option<Strategy>,
     /// The strategy that its shadow takes.
@@ -100,6 +106,7 @@ impl Snapshot {
                 Shape::Spheres(spheres) => spheres.len(),
             },
             material: object.material,
+            primitive: Primitive::of(object, renderer.transform(handle).unwrap_or(Mat4::IDENTITY)),
             strategy: object.strategy,
             taken: plan.of(place),
             visible: object.visible,
@@ -125,6 +132,8 @@ impl Snapshot {
             time: renderer.time(),
             duration: animation.duration(),
             steps,
+            #[cfg(feature = "files")]
+            cuts: crate::saving::Cuts::default(),
         }
     }
 

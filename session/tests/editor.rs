@@ -137,3 +137,23 @@ fn the_reference_converges_to_the_picture_and_follows_edits() {
     assert!(off(&again) < 0.02, "{}", off(&again));
     assert!(told.try_iter().count() > 3);
 }
+
+#[test]
+fn spheres_that_block_follow_their_object() {
+    let mut editor = editor();
+    let spheres = |editor: &Editor| {
+        let set = editor.session().query(|renderer| renderer.blocker_spheres().clone()).recv().unwrap();
+        let own = set.objects.iter().zip(set.spheres).filter(|(object, _)| **object == 2);
+        own.map(|(_, sphere)| sphere.center).collect::<Vec<_>>()
+    };
+    let (before, knot) = (spheres(&editor), editor.scene().objects[2].clone());
+    assert!(before.len() > 10, "{}", before.len());
+    assert!(before.iter().all(|center| knot.bounds.union(knot.bounds.with_point(*center)) == knot.bounds));
+    editor.set_transform(knot.handle, Mat4::from_translation(Vec3::Y));
+    settle(&mut editor);
+    let after = spheres(&editor);
+    assert!(before.iter().zip(&after).all(|(a, b)| (*b - *a - Vec3::Y).length() < 1e-5));
+    editor.set_strategy(knot.handle, Some(Strategy::Silhouettes));
+    settle(&mut editor);
+    assert_eq!(spheres(&editor), []);
+}

@@ -7,7 +7,7 @@ use glam::{Mat4, Quat, Vec3};
 use lighting::Light;
 use renderer::{Renderer, Settings};
 use scene::{Camera, Strategy};
-use session::{Editor, SaveError, Session, Snapshot, gloss, lamp, save};
+use session::{Editor, NewLight, Primitive, SaveError, Session, Snapshot, gloss, lamp, save};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -229,4 +229,197 @@ fn a_file_that_cannot_hold_a_change_stays_as_it_is() {
     fs::write(&path, TEXT.replace("[[lights]]\nkind = \"sun\"", "[[lights]]\nkind = \"ambient\"")).unwrap();
     assert!(save(&path, &before, editor.scene()).is_err());
     assert!(!folder.path().join("scene.toml.new").exists());
+}
+
+#[test]
+fn lights_and_objects_that_come_and_go_are_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    // The box emits: its lights follow those of the file. The sphere has no name.
+    let text =
+        TEXT.replace("exponent = 40 # sharp", "exponent = 40 # sharp\nemission = 2").replace("name = \"ball\"\n", "");
+    let path = file(&folder, &text);
+    let Opened { mut editor, before } = open(&path);
+    let first = editor.picture().clone();
+    let count = before.lights.len();
+    assert!(count > 5, "the box shines by {count} lights");
+    let around = editor.scene().bounds();
+    for kind in NewLight::ALL {
+        editor.add_light(kind.light(around, 0.5));
+    }
+    editor.add_object(Primitive::sphere_on(around).object("new sphere", 1));
+    editor.add_object(Primitive::box_on(around).object("new box", 1));
+    settle(&mut editor);
+    let cube = editor.scene().objects.last().unwrap().clone();
+    let middle = cube.bounds.center();
+    let turn = Mat4::from_translation(middle + Vec3::X) * Mat4::from_rotation_y(0.4) * Mat4::from_translation(-middle);
+    editor.set_transform(cube.handle, turn);
+    let floor = editor.scene().objects[0].handle;
+    editor.remove_object(floor);
+    let (second, _) = light(&editor, 2);
+    editor.remove_light(before.lights[0].handle);
+    editor.remove_light(second);
+    settle(&mut editor);
+    let saved = save(&path, &before, editor.scene()).unwrap();
+    let text = fs::read_to_string(&path).unwrap();
+    println!("{text}");
+    for line in [
+        "name = \"object 2\"",
+        "spheres = [[0.5, 3.0, 1.0, 0.1]]",
+        "kind = \"spot\"",
+        "rotate = ",
+        "sphere = { center = ",
+    ] {
+        assert!(text.contains(line), "{line}");
+    }
+    for line in ["# Objects\n", "# Lights\n", "[[objects]] # the box"] {
+        assert!(text.contains(line), "{line}");
+    }
+    for line in ["name = \"floor\"", "flux = 300", "# above"] {
+        assert!(!text.contains(line), "{line}");
+    }
+    let again = open(&path);
+    assert_eq!(again.editor.scene().lights.len(), count + 3);
+    let (want, got) = (editor.picture(), again.editor.picture());
+    let most = want.radiance.iter().map(|pixel| pixel.max_element()).fold(0.0, f32::max);
+    let off = want.radiance.iter().zip(&got.radiance).filter(|(a, b)| (**a - **b).abs().max_element() > 1e-3 * most);
+    let off = off.count();
+    assert!(off <= 6, "{off} pixels are others");
+
+    // The session goes on from there: what was saved is taken back, and saved again.
+    for _ in 0..11 {
+        editor.undo();
+    }
+    settle(&mut editor);
+    assert_eq!(editor.picture().radiance, first.radiance);
+    save(&path, &saved, editor.scene()).unwrap();
+    let last = open(&path);
+    assert_eq!(last.editor.scene().lights.len(), count);
+    let off = first.radiance.iter().zip(&last.editor.picture().radiance).filter(|(a, b)| **a != **b).count();
+    // The order of objects and lights in the file is another one: sums round otherwise.
+    assert!(
+        off == 0
+            || first
+                .radiance
+                .iter()
+                .zip(&last.editor.picture().radiance)
+                .all(|(a, b)| (*a - *b).abs().max_element() < 1e-3 * most)
+    );
+}
+
+#[test]
+fn an_object_without_keys_is_not_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, TEXT);
+    let Opened { mut editor, before } = open(&path);
+    let mesh = scene::Mesh::quad(Vec3::Y, Vec3::X, Vec3::Z);
+    editor.add_object(scene::Object::mesh("sail", mesh, 0, scene::Proxy::None));
+    settle(&mut editor);
+    let error = save(&path, &before, editor.scene()).unwrap_err();
+    assert_eq!(error.to_string(), "not saved: \"sail\" is new, and neither a sphere nor a box");
+    assert_eq!(fs::read_to_string(&path).unwrap(), TEXT);
+}
+
+#[test]
+fn objects_and_lights_come_back_as_they_were() {
+    let folder = tempfile::tempdir().unwrap();
+    // The sphere and a light are moved by keys; the box shines, and stands before both in the lists.
+    let text = TEXT
+        .replace("exponent = 40 # sharp", "exponent = 40 # sharp\nemission = 2")
+        .replace("radius = 0.5 }\n", "radius = 0.5 }\nkeys = [{ time = 0 }, { time = 2, translate = [1, 0, 0] }]\n")
+        .replace("flux = 300 # watts\n", "flux = 300\n[[lights]]\nkind = \"sphere\"\ncenter = [2, 3, 0]\nradius = 0.3\nradiance = 9\nkeys = [{ time = 0 }, { time = 2, translate = [0, 0, 2] }]\n");
+    let path = file(&folder, &text);
+    let Opened { mut editor, before } = open(&path);
+    let seek = |editor: &mut Editor, time: f32| {
+        editor.seek(time);
+        editor.close_step();
+        settle(editor);
+        editor.picture().radiance.clone()
+    };
+    let [start, later] = [0.0, 1.5].map(|time| seek(&mut editor, time));
+    assert_ne!(start, later);
+    let handles = |editor: &Editor| {
+        let scene = editor.scene();
+        let lights: Vec<_> = scene.lights.iter().map(|item| (item.handle, item.is_animated)).collect();
+        let objects: Vec<_> = scene.objects.iter().map(|item| (item.handle, item.transform)).collect();
+        (lights, objects)
+    };
+    let floor = before.objects[0].handle;
+    editor.set_transform(floor, Mat4::from_translation(Vec3::new(0.0, -0.25, 0.0)));
+    editor.close_step();
+    settle(&mut editor);
+    let (known, lower) = (handles(&editor), editor.picture().radiance.clone());
+    editor.remove_object(floor);
+    editor.remove_object(before.objects[1].handle);
+    editor.remove_light(before.lights[0].handle);
+    assert_eq!((editor.scene().objects.len(), editor.scene().lights.len()), (1, known.0.len() - 1));
+    settle(&mut editor);
+    let rest = handles(&editor);
+    assert_eq!((rest.0.len(), rest.1.len()), (5, 1), "the box has taken its six lights with it");
+    assert!(rest.0[0].1 && editor.scene().objects[0].is_animated, "what the animation moves is still the same");
+    // With fewer objects and lights the others move on as in a scene that never had these.
+    let bare = seek(&mut editor, 0.75);
+    assert_ne!(bare, seek(&mut editor, 0.0));
+    for _ in 0..2 {
+        editor.undo();
+    }
+    settle(&mut editor);
+    let without = editor.picture().radiance.clone();
+    for _ in 0..3 {
+        editor.undo();
+    }
+    settle(&mut editor);
+    assert_eq!(handles(&editor), known);
+    assert_eq!(editor.picture().radiance, lower);
+    for _ in 0..3 {
+        editor.redo();
+    }
+    settle(&mut editor);
+    assert_eq!((handles(&editor), &editor.picture().radiance), (rest, &without));
+    for _ in 0..4 {
+        editor.undo();
+    }
+    settle(&mut editor);
+    assert_eq!(editor.picture().radiance, later, "the floor as well is where it stood");
+    assert_eq!(seek(&mut editor, 0.0), start);
+    // The animation's own stay, and patches of an environment.
+    let ball = editor.scene().objects[2].handle;
+    let lamp = editor.scene().lights[1].handle;
+    editor.remove_object(ball);
+    editor.remove_light(lamp);
+    drop(editor.session().finished());
+    editor.follow();
+    let errors: Vec<String> = editor.take_errors().iter().map(ToString::to_string).collect();
+    assert_eq!(errors, ["object \"ball\" is moved by the animation", "light 1 is moved by the animation"]);
+    assert_eq!(editor.picture().radiance, start);
+}
+
+#[test]
+fn a_still_light_between_those_that_move_as_one_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let list = "spheres = [[0.0, 3.0, 1.0, 0.1], [0.5, 3.0, 1.0, 0.1]]";
+    let path = file(
+        &folder,
+        &TEXT.replace(list, &format!("{list}\nkeys = [{{ time = 0 }}, {{ time = 2, translate = [0, 0, 2] }}]")),
+    );
+    let (mut scene, mut animation, _) = scene_files::load_animated(&path).unwrap();
+    let moves = |animation: &scene::Animation| (0..6).map(|light| animation.moves_light(light)).collect::<Vec<_>>();
+    assert_eq!(moves(&animation), [false, false, true, true, false, false]);
+    // Between the two, then before both.
+    for place in [3, 0] {
+        animation.insert_light(place);
+        scene.lights.insert(place, scene.lights[0].clone());
+    }
+    assert_eq!(moves(&animation), [false, false, false, true, false, true]);
+    let before: Vec<_> = scene.lights.iter().map(lamp::center).collect();
+    animation.seek(1.0, &mut scene);
+    for (number, (light, before)) in scene.lights.iter().zip(before).enumerate() {
+        let step = if [3, 5].contains(&number) { Vec3::Z } else { Vec3::ZERO };
+        assert_eq!(lamp::center(light), before.map(|center| center + step), "{number}");
+    }
+    for place in [0, 3] {
+        animation.remove_light(place);
+        scene.lights.remove(place);
+    }
+    animation.seek(0.0, &mut scene);
+    assert_eq!(scene.lights, scene_files::load_animated(&path).unwrap().0.lights);
 }

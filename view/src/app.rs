@@ -19,9 +19,10 @@ pub(crate) fn run(args: Args) -> Result<(), String> {
         .with_inner_size([1320.0, 780.0])
         .with_drag_and_drop(true);
     let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
-    let smoke = args.smoke.map(Smoke::new);
+    let smoke = args.smoke.map(|path| Smoke::new(path, args.pixel.is_some()));
     let failed = smoke.as_ref().map(Smoke::outcome);
-    let start = move |context: &Context| App::new(context, args.file, smoke);
+    let (pixel, shows_spheres) = (args.pixel, args.spheres);
+    let start = move |context: &Context| App { pixel, shows_spheres, ..App::new(context, args.file, smoke) };
     eframe::run_native("lobes", options, Box::new(move |creation| Ok(Box::new(start(&creation.egui_ctx)))))
         .map_err(|error| format!("no window: {error}"))?;
     failed.map_or(Ok(()), |outcome| outcome.result())
@@ -38,6 +39,10 @@ pub(crate) struct App {
     inspector: Inspector,
     title: String,
     smoke: Option<Smoke>,
+    /// The pixel that is taken apart once a scene is open.
+    pixel: Option<[u32; 2]>,
+    /// Whether the first scene shows the spheres that block.
+    shows_spheres: bool,
 }
 
 impl App {
@@ -53,6 +58,8 @@ impl App {
             inspector: Inspector::default(),
             title: String::new(),
             smoke,
+            pixel: None,
+            shows_spheres: false,
         }
     }
 
@@ -83,7 +90,11 @@ impl App {
 
     fn show(&mut self, opened: Opened, context: &Context) {
         self.message = opened.warning.clone();
-        let desk = Desk::new(opened);
+        let mut desk = Desk::new(opened);
+        desk.shows_spheres = core::mem::take(&mut self.shows_spheres);
+        if let Some(pixel) = self.pixel.take() {
+            desk.look_into(pixel);
+        }
         self.title = format!("{} – lobes", desk.title());
         context.send_viewport_cmd(ViewportCommand::Title(self.title.clone()));
         self.desk = Some(desk);
@@ -121,7 +132,9 @@ impl App {
         if pressed(Modifiers::NONE, Key::F) {
             desk.frame_all();
         }
-        if pressed(Modifiers::NONE, Key::Delete) {
+        if pressed(Modifiers::SHIFT, Key::Delete) {
+            desk.remove();
+        } else if pressed(Modifiers::NONE, Key::Delete) {
             desk.delete();
         }
         if pressed(Modifiers::NONE, Key::Escape) {

@@ -6,6 +6,8 @@ pub(crate) const HELP: &str = "The window of lobes: drag a light, see its shadow
 Usage: lobes-view [FILE]
 
   FILE          scene (.toml) or model (.gltf, .glb, .obj, .ply); the built-in scene when left out
+  --pixel X,Y   takes that pixel apart
+  --spheres     draws the spheres that block light
   --smoke PNG   opens, draws one picture, saves the window to PNG, and ends
   --help        this";
 
@@ -15,6 +17,10 @@ pub(crate) struct Args {
     pub(crate) file: Option<PathBuf>,
     /// Where the window is saved, by a run that ends by itself.
     pub(crate) smoke: Option<PathBuf>,
+    /// The pixel that is taken apart as soon as there is a picture.
+    pub(crate) pixel: Option<[u32; 2]>,
+    /// Whether the spheres that block light are drawn.
+    pub(crate) spheres: bool,
 }
 
 /// None where the help is requested.
@@ -28,6 +34,15 @@ pub(crate) fn parse(words: impl Iterator<Item = OsString>) -> Result<Option<Args
             Some("--help" | "-h") if !only_files => return Ok(None),
             Some("--smoke") if !only_files => {
                 args.smoke = Some(words.next().ok_or("--smoke needs the name of a PNG file")?.into());
+            }
+            Some("--spheres") if !only_files => args.spheres = true,
+            Some("--pixel") if !only_files => {
+                let given = words.next().and_then(|word| word.into_string().ok()).unwrap_or_default();
+                let numbers = given.split_once(',').map(|(x, y)| [x, y].map(|n| n.parse::<u32>().ok()));
+                let Some([Some(x), Some(y)]) = numbers else {
+                    return Err(format!("--pixel is \"{given}\": expected column,row"));
+                };
+                args.pixel = Some([x, y]);
             }
             Some(option) if option.starts_with('-') && !only_files => {
                 return Err(format!("there is no option {option}; see lobes-view --help"));

@@ -6,8 +6,10 @@ use cosine_lobes::Display;
 use cosine_lobes::glam::{Mat4, Vec2, Vec3};
 use cosine_lobes::lighting::Light;
 use cosine_lobes::renderer::{LightHandle, ObjectHandle, RenderError, Renderer, Settings};
-use cosine_lobes::scene::{Animation, Camera, Scene, Strategy};
-use cosine_lobes::session::{Drag, Dragged, Editor, Probe, Projection, Snapshot, Trade, framed, lamp, save};
+use cosine_lobes::scene::{Animation, BlockerSet, Camera, Scene, Strategy};
+use cosine_lobes::session::{
+    Drag, Dragged, Editor, NewLight, Primitive, Probe, Projection, Snapshot, Trade, framed, lamp, save,
+};
 use eframe::egui::Context;
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -59,6 +61,14 @@ pub(crate) struct Desk {
     asked: Option<([u32; 2], Receiver<Answer>)>,
     /// Lights that are switched off, as they were.
     off: HashMap<LightHandle, Vec3>,
+    /// All things as they were before one was added that is to be selected.
+    known: Option<Vec<Thing>>,
+    /// Whether the spheres that block light are drawn.
+    pub(crate) shows_spheres: bool,
+    /// These spheres, and the number of changes that they show.
+    pub(crate) spheres: (u64, BlockerSet),
+    /// Those of a later picture, on their way from the session.
+    coming: Option<(u64, Receiver<BlockerSet>)>,
     /// The strategies of objects that are hidden.
     hidden: HashMap<ObjectHandle, Option<Strategy>>,
     pub(crate) is_playing: bool,
@@ -96,6 +106,10 @@ impl Desk {
             probes: 0,
             asked: None,
             off: HashMap::new(),
+            known: None,
+            shows_spheres: false,
+            spheres: (u64::MAX, BlockerSet::default()),
+            coming: None,
             hidden: HashMap::new(),
             is_playing: false,
             requested: None,
@@ -113,6 +127,8 @@ impl Desk {
     /// Takes what the session has done. An error is a line for the user.
     pub(crate) fn follow(&mut self, context: &Context) -> Option<String> {
         self.editor.follow();
+        self.select_new();
+        self.follow_spheres();
         self.begin_to_measure(context);
         if self.first_size == [0; 2] && !self.editor.picture().radiance.is_empty() {
             self.first_size = self.editor.scene().size;
@@ -239,8 +255,8 @@ impl Desk {
         let Some(before) = &self.saved else { return "not saved: there is no picture yet".to_owned() };
         let now = self.editor.scene().clone();
         match save(&path, before, &now) {
-            Ok(()) => {
-                self.saved = Some(now);
+            Ok(saved) => {
+                self.saved = Some(saved);
                 format!("saved to {}", path.display())
             }
             Err(error) => error.to_string(),
@@ -307,6 +323,73 @@ impl Desk {
             Some(Thing::Light(handle)) => self.switch(handle),
             Some(Thing::Object(handle)) => self.show(handle, false),
             None => {}
+        }
+    }
+
+    /// Removes the selected light or object; one step.
+    pub(crate) fn remove(&mut self) {
+        match self.selected.take() {
+            Some(Thing::Light(handle)) => self.editor.remove_light(handle),
+            Some(Thing::Object(handle)) => self.editor.remove_object(handle),
+            None => return,
+        }
+        self.probed = None;
+    }
+
+    /// Adds a light above the scene, so bright that a white surface under it is as bright as white is at this exposure.
+    pub(crate) fn add_light(&mut self, kind: NewLight) {
+        let irradiance = std::f32::consts::PI * (-self.metered).exp2();
+        self.editor.add_light(kind.light(self.editor.scene().bounds(), irradiance));
+        self.known = Some(self.handles());
+        self.look_again();
+    }
+
+    /// Adds an object on the bottom of the scene: of the selected object's material, or the first one that does not shine.
+    pub(crate) fn add_object(&mut self, primitive: Primitive) {
+        let scene = self.editor.scene();
+        let dark = |number: &usize| scene.materials.get(*number).is_some_and(|item| !item.surface.emits());
+        let chosen = match self.selected {
+            Some(Thing::Object(handle)) => scene.object(handle).map(|item| item.material),
+            _ => None,
+        };
+        let material = chosen.filter(dark).or_else(|| (0..scene.materials.len()).find(dark));
+        let name = (1..).map(|number| format!("new {primitive} {number}"));
+        let is_free = |name: &String| scene.objects.iter().all(|item| item.name != *name);
+        if let (Some(material), Some(name)) = (material, name.into_iter().find(is_free)) {
+            self.editor.add_object(primitive.object(name, material));
+            self.known = Some(self.handles());
+            self.look_again();
+        }
+    }
+
+    fn handles(&self) -> Vec<Thing> {
+        let scene = self.editor.scene();
+        let lights = scene.lights.iter().map(|item| Thing::Light(item.handle));
+        lights.chain(scene.objects.iter().map(|item| Thing::Object(item.handle))).collect()
+    }
+
+    /// Requests the spheres of a whole picture, which that would interrupt before, and takes them.
+    fn follow_spheres(&mut self) {
+        let edits = self.editor.picture().edits;
+        if let Some((edits, set)) = self.coming.as_ref().and_then(|(edits, set)| Some((*edits, set.try_recv().ok()?))) {
+            self.spheres = (edits, set);
+            self.coming = None;
+        }
+        if self.shows_spheres && self.coming.is_none() && self.editor.is_finished() && self.spheres.0 != edits {
+            let set = self.editor.session().query(|renderer| renderer.blocker_spheres().clone());
+            self.coming = Some((edits, set));
+        }
+    }
+
+    /// Selects what was added, once it is there.
+    fn select_new(&mut self) {
+        let Some(known) = &self.known else { return };
+        if let Some(new) = self.handles().into_iter().find(|thing| !known.contains(thing)) {
+            self.selected = Some(new);
+            self.known = None;
+        } else if !self.editor.is_waiting() {
+            // It was refused.
+            self.known = None;
         }
     }
 

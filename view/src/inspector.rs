@@ -1,11 +1,14 @@
 //! Why a pixel is as bright as it is: a small window beside it.
 
 use crate::desk::Desk;
+use crate::reflectance::Reflectance;
 use cosine_lobes::glam::Vec3;
 use cosine_lobes::luminance;
 use cosine_lobes::renderer::{LightMask, MaskSample};
 use cosine_lobes::session::{LightPart, Probe, Snapshot};
-use eframe::egui::{ColorImage, Context, Grid, Image, RichText, TextureHandle, TextureOptions, Ui, Window, pos2, vec2};
+use eframe::egui::{
+    ColorImage, Context, Grid, Image, RichText, ScrollArea, TextureHandle, TextureOptions, Ui, Window, pos2, vec2,
+};
 
 /// Lights that are listed.
 const MOST: usize = 8;
@@ -19,6 +22,7 @@ const SIDE: f32 = 130.0;
 pub(crate) struct Inspector {
     probe: u64,
     masks: Vec<TextureHandle>,
+    reflectance: Reflectance,
 }
 
 impl Inspector {
@@ -28,15 +32,16 @@ impl Inspector {
         let parts = by_weight(probe);
         if self.probe != desk.probes {
             self.probe = desk.probes;
-            let draw = |(number, part): &(usize, &LightPart)| {
-                let mask = part.mask.as_ref()?;
-                let hue = scene.lights.get(*number).map_or(Vec3::ONE, |item| item.light.full_radiance());
-                Some(context.load_texture("mask", picture(mask, hue), TextureOptions::NEAREST))
+            let draw = |(mask, hue): &(&LightMask, Vec3)| {
+                context.load_texture("mask", picture(mask, *hue), TextureOptions::NEAREST)
             };
-            self.masks = parts.iter().take(MASKS).map_while(draw).collect();
+            self.masks = lights_of(scene, &parts).iter().map(draw).collect();
         }
+        let drawn = lights_of(scene, &parts);
         let mut is_open = true;
-        Window::new("Pixel").open(&mut is_open).default_pos(pos2(34.0, 34.0)).resizable(false).show(context, |ui| {
+        // Many lights make it longer than the screen.
+        let room = context.content_rect().height() - 90.0;
+        let mut body = |ui: &mut Ui| {
             surface(ui, scene, *pixel, probe);
             ui.separator();
             lights(ui, scene, &parts);
@@ -53,11 +58,26 @@ impl Inspector {
                     });
                 }
             });
-        });
+            ui.separator();
+            self.reflectance.show(ui, desk.probes, &probe.hemisphere, &drawn);
+        };
+        let window = Window::new("Pixel").open(&mut is_open).default_pos(pos2(34.0, 34.0)).resizable(false);
+        window
+            .show(context, |ui| ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, &mut body));
         if !is_open {
             desk.probed = None;
         }
     }
+}
+
+/// The masks that are drawn, with the hues of their lights as a screen shows them.
+fn lights_of<'p>(scene: &Snapshot, parts: &[(usize, &'p LightPart)]) -> Vec<(&'p LightMask, Vec3)> {
+    let one = |(number, part): &(usize, &'p LightPart)| {
+        let radiance = scene.lights.get(*number).map_or(Vec3::ONE, |item| item.light.full_radiance());
+        let hue = radiance / radiance.max_element().max(f32::MIN_POSITIVE);
+        Some((part.mask.as_ref()?, hue.powf(1.0 / 2.2)))
+    };
+    parts.iter().take(MASKS).map_while(one).collect()
 }
 
 /// The lights and their numbers, those first that matter most: an environment has hundreds.
@@ -119,9 +139,8 @@ fn lights(ui: &mut Ui, scene: &Snapshot, parts: &[(usize, &LightPart)]) {
     }
 }
 
-fn picture(mask: &LightMask, radiance: Vec3) -> ColorImage {
-    let hue = radiance / radiance.max_element().max(f32::MIN_POSITIVE);
-    let [r, g, b] = (255.0 * hue.powf(1.0 / 2.2)).to_array().map(|c| c as u8);
+fn picture(mask: &LightMask, hue: Vec3) -> ColorImage {
+    let [r, g, b] = (255.0 * hue).to_array().map(|c| c as u8);
     let color = |sample: &MaskSample| match sample {
         MaskSample::Outside => [38, 38, 42],
         MaskSample::Lit => [r, g, b],

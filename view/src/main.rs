@@ -10,6 +10,7 @@ mod inspector;
 mod look;
 mod opening;
 mod panel;
+mod reflectance;
 mod shot;
 mod smoke;
 mod stage;

@@ -10,7 +10,7 @@ use cosine_lobes::glam::{Mat4, Quat, Vec3};
 use cosine_lobes::lighting::Light;
 use cosine_lobes::renderer::{Device, LightHandle, Method, PixelSamples, Settings};
 use cosine_lobes::scene::Strategy;
-use cosine_lobes::session::{LightItem, ObjectItem, gloss, lamp};
+use cosine_lobes::session::{LightItem, NewLight, ObjectItem, Primitive, gloss, lamp};
 use cosine_lobes::shading::Accuracy;
 use eframe::egui::emath::Numeric;
 use eframe::egui::{
@@ -91,6 +91,8 @@ fn view(ui: &mut Ui, desk: &mut Desk, figures: Option<&Figures>) {
     if ui.checkbox(&mut is_split, "reference beside it").on_hover_text("R; drag the line").changed() {
         desk.look.split = is_split.then_some(0.5);
     }
+    let spheres = ui.checkbox(&mut desk.shows_spheres, "spheres that block");
+    spheres.on_hover_text("those of all objects whose shadows are by spheres; yellow: the selected object's");
     ui.horizontal(|ui| {
         let range = desk.metered - 8.0..=desk.metered + 8.0;
         ui.add(slider(&mut desk.look.display.exposure, range).step_by(0.1).text("exposure"));
@@ -260,6 +262,21 @@ fn lights(ui: &mut Ui, desk: &mut Desk) {
     if sky > 0 {
         ui.label(RichText::new(format!("an environment of {sky} lights")).weak());
     }
+    ui.menu_button("Add a light", |ui| {
+        for kind in NewLight::ALL {
+            if ui.button(kind.name()).clicked() {
+                desk.add_light(kind);
+                ui.close();
+            }
+        }
+    });
+}
+
+/// A button that removes the selected thing.
+fn remove(ui: &mut Ui, desk: &mut Desk, hint: &str) {
+    if ui.button("Remove").on_hover_text(format!("Shift+Delete; {hint}")).clicked() {
+        desk.remove();
+    }
 }
 
 fn light(ui: &mut Ui, desk: &mut Desk, handle: LightHandle, before: &Light, is_animated: bool) {
@@ -304,6 +321,7 @@ fn light(ui: &mut Ui, desk: &mut Desk, handle: LightHandle, before: &Light, is_a
     if let Some(direction) = lamp::direction(before) {
         aim(ui, desk, handle, before, direction);
     }
+    remove(ui, desk, "a light of an object that shines comes back with the file: remove the object");
 }
 
 /// Sliders for the direction in which a light shines.
@@ -345,6 +363,15 @@ fn objects(ui: &mut Ui, desk: &mut Desk) {
         true => drop(ScrollArea::vertical().id_salt("objects").max_height(260.0).show(ui, list)),
         false => list(ui),
     }
+    ui.menu_button("Add an object", |ui| {
+        let around = desk.editor.scene().bounds();
+        for primitive in [Primitive::sphere_on(around), Primitive::box_on(around)] {
+            if ui.button(primitive.to_string()).clicked() {
+                desk.add_object(primitive);
+                ui.close();
+            }
+        }
+    });
 }
 
 fn object(ui: &mut Ui, desk: &mut Desk, item: &ObjectItem) {
@@ -359,7 +386,10 @@ fn object(ui: &mut Ui, desk: &mut Desk, item: &ObjectItem) {
     material(ui, desk, item);
     match item.is_animated {
         true => drop(ui.label(RichText::new("The animation moves it.").weak())),
-        false => place(ui, desk, item),
+        false => {
+            place(ui, desk, item);
+            remove(ui, desk, "with the lights that its material stands for");
+        }
     }
 }
 

@@ -10,6 +10,9 @@ use std::time::{Duration, Instant};
 /// Longer than any machine takes.
 const PATIENCE: Duration = Duration::from_secs(120);
 
+/// Frames after which a window in the window has its size.
+const FRAMES: u32 = 3;
+
 #[derive(Clone, Debug)]
 pub(crate) struct Outcome(Arc<Mutex<Option<Result<(), String>>>>);
 
@@ -33,13 +36,17 @@ pub(crate) struct Smoke {
     start: Instant,
     first: Option<Duration>,
     is_saving: bool,
+    /// Whether a pixel is to be taken apart first.
+    wants_pixel: bool,
+    /// Frames that have shown it: its window is as large as it gets after some.
+    looks: u32,
     outcome: Outcome,
 }
 
 impl Smoke {
-    pub(crate) fn new(path: PathBuf) -> Self {
+    pub(crate) fn new(path: PathBuf, wants_pixel: bool) -> Self {
         let outcome = Outcome(Arc::new(Mutex::new(None)));
-        Self { path, start: Instant::now(), first: None, is_saving: false, outcome }
+        Self { path, start: Instant::now(), first: None, is_saving: false, wants_pixel, looks: 0, outcome }
     }
 
     pub(crate) fn outcome(&self) -> Outcome {
@@ -59,7 +66,11 @@ impl Smoke {
         if is_seen && self.first.is_none() {
             self.first = Some(self.start.elapsed());
         }
-        if is_seen && !self.is_saving && desk.is_some_and(|desk| desk.editor.is_finished()) {
+        self.looks += u32::from(desk.is_some_and(|desk| desk.probed.is_some()));
+        let has_spheres = |desk: &Desk| !desk.shows_spheres || desk.spheres.0 == desk.editor.picture().edits;
+        let has_pixel = !self.wants_pixel || self.looks > FRAMES;
+        let is_ready = |desk: &Desk| desk.editor.is_finished() && has_pixel && has_spheres(desk);
+        if is_seen && !self.is_saving && desk.is_some_and(is_ready) {
             self.is_saving = true;
             let (first, whole) = (self.first.unwrap_or_default().as_secs_f64(), self.start.elapsed().as_secs_f64());
             println!("first picture after {first:.2} s, whole picture after {whole:.2} s");

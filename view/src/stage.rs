@@ -18,6 +18,9 @@ const MARK: f32 = 11.0;
 /// Pixels within which the line between picture and reference is hit.
 const LINE: f32 = 6.0;
 
+/// Spheres that are drawn, at most.
+const MOST: usize = 4096;
+
 const AXES: [Color32; 3] =
     [Color32::from_rgb(240, 90, 80), Color32::from_rgb(120, 210, 90), Color32::from_rgb(90, 150, 255)];
 const CHOSEN: Color32 = Color32::from_rgb(255, 210, 80);
@@ -282,6 +285,9 @@ impl Hands {
         {
             self.draw_box(painter, item.bounds);
         }
+        if desk.shows_spheres {
+            self.draw_spheres(painter, desk);
+        }
         let pointer = response.hover_pos().map(|pos| self.local(pos));
         let handles = self.handles(desk);
         let hovered = match &desk.motion {
@@ -325,6 +331,22 @@ impl Hands {
             painter.line_segment([at + 7.5 * turn, at + 10.5 * turn], Stroke::new(1.5, fill));
         }
         painter.circle(at, 5.5, fill, Stroke::new(1.5, edge));
+    }
+
+    /// The outlines of the spheres that block light, those of the selected object before the others.
+    fn draw_spheres(&self, painter: &Painter, desk: &Desk) {
+        let scene = desk.editor.scene();
+        let chosen = scene.objects.iter().position(|item| desk.selected == Some(Thing::Object(item.handle)));
+        let is_chosen = |object: u32| chosen == Some(object as usize);
+        let set = &desk.spheres.1;
+        let mut all: Vec<_> = set.spheres.iter().zip(&set.objects).collect();
+        all.sort_by_key(|(_, object)| is_chosen(**object));
+        for (sphere, object) in all.into_iter().rev().take(MOST).rev() {
+            let outline = self.projection.sphere_outline(sphere.center, sphere.radius, 40);
+            let color = if is_chosen(*object) { CHOSEN } else { Color32::from_rgb(90, 220, 230).gamma_multiply(0.5) };
+            let places = outline.into_iter().map(|pixel| self.screen(pixel)).collect();
+            painter.add(Shape::closed_line(places, Stroke::new(1.0, color)));
+        }
     }
 
     fn draw_box(&self, painter: &Painter, bounds: Bounds) {

@@ -57,30 +57,77 @@ impl Drop for Display {
     }
 }
 
+/// A saved window.
+struct Shot {
+    width: usize,
+    height: usize,
+    pixels: Vec<u8>,
+}
+
+impl Shot {
+    /// The window of the program with some arguments.
+    fn take(arguments: &[&str]) -> Result<Self, Failed> {
+        let display = Display::open().ok_or("there is no Xvfb")?;
+        let folder = tempfile::tempdir()?;
+        let file = folder.path().join("window.png");
+        let output = display.smoke(folder.path(), &file, arguments).output()?;
+        let said = [&output.stdout[..], &output.stderr[..]].map(String::from_utf8_lossy).concat();
+        if !output.status.success() {
+            return Err(said.into());
+        }
+        println!("{said}");
+        if let Some(shots) = std::env::var_os("SHOTS") {
+            std::fs::copy(&file, Path::new(&shots).join(format!("window{}.png", arguments.concat())))?;
+        }
+        let decoder = png::Decoder::new(BufReader::new(std::fs::File::open(&file)?));
+        let mut reader = decoder.read_info()?;
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels)?;
+        Ok(Self { width: info.width as usize, height: info.height as usize, pixels })
+    }
+
+    /// The colours of some columns.
+    fn colors(&self, columns: core::ops::Range<usize>) -> HashSet<[u8; 3]> {
+        let at = |y: usize| 3 * (y * self.width + columns.start)..3 * (y * self.width + columns.end);
+        (0..self.height).flat_map(|y| self.pixels[at(y)].as_chunks::<3>().0).copied().collect()
+    }
+}
+
 /// The window shows the built-in scene: the picture in it has many colours, the panel beside it few.
 fn shows_a_picture() -> Result<(), Failed> {
-    let display = Display::open().ok_or("there is no Xvfb")?;
-    let folder = tempfile::tempdir()?;
-    let file = folder.path().join("window.png");
-    let output = display.smoke(folder.path(), &file, &[]).output()?;
-    let said = [&output.stdout[..], &output.stderr[..]].map(String::from_utf8_lossy).concat();
-    if !output.status.success() {
-        return Err(said.into());
-    }
-    println!("{said}");
-    let decoder = png::Decoder::new(BufReader::new(std::fs::File::open(&file)?));
-    let mut reader = decoder.read_info()?;
-    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-    let info = reader.next_frame(&mut pixels)?;
-    let (width, height) = (info.width as usize, info.height as usize);
-    let colors = |columns: core::ops::Range<usize>| {
-        let row = |y: usize| pixels[3 * (y * width + columns.start)..3 * (y * width + columns.end)].as_chunks::<3>().0;
-        (0..height).flat_map(row).copied().collect::<HashSet<[u8; 3]>>().len()
-    };
-    let (picture, panel) = (colors(0..width / 2), colors(width - 250..width));
+    let shot = Shot::take(&[])?;
+    let (width, height) = (shot.width, shot.height);
+    let (picture, panel) = (shot.colors(0..width / 2).len(), shot.colors(width - 250..width).len());
     println!("{width} × {height}: {picture} colours in the left half, {panel} in the panel");
     assert!(width > 1000 && height > 600, "{width} × {height}");
     assert!(picture > 2000 && panel < 1000, "{picture} and {panel} colours");
+    Ok(())
+}
+
+/// A pixel of the floor that is taken apart: its lobes are drawn on the hemisphere, each as a curve of its colour.
+fn draws_the_lobes_of_a_pixel() -> Result<(), Failed> {
+    let shot = Shot::take(&["--pixel", "596,366"])?;
+    let colors = shot.colors(0..shot.width / 2);
+    // The curves of the diffuse lobe and of the glossy one, whose colours are nowhere else in the window.
+    let is_near = |color: &[u8; 3], want: [u8; 3]| color.iter().zip(want).all(|(a, b)| a.abs_diff(b) <= 3);
+    for want in [[250, 190, 90], [110, 190, 255]] {
+        assert!(colors.iter().any(|color| is_near(color, want)), "{want:?}");
+    }
+    Ok(())
+}
+
+/// The spheres that block are drawn over the picture, and nothing else is changed.
+fn draws_the_spheres_that_block() -> Result<(), Failed> {
+    let (without, with) = (Shot::take(&[])?, Shot::take(&["--spheres"])?);
+    let pairs = without.pixels.as_chunks::<3>().0.iter().zip(with.pixels.as_chunks::<3>().0);
+    let in_picture =
+        pairs.enumerate().filter(|(place, _)| place % with.width < with.width - 380 && place / with.width < 700);
+    let changed: Vec<_> = in_picture.filter(|(_, (a, b))| a != b).collect();
+    let cyan =
+        changed.iter().filter(|(_, (a, b))| i32::from(b[2]) - i32::from(b[0]) > i32::from(a[2]) - i32::from(a[0]));
+    let (count, cyan) = (changed.len(), cyan.count());
+    println!("{count} pixels are others, {cyan} of them more blue");
+    assert!(count > 3000 && count < 200_000 && cyan > count / 2, "{count} {cyan}");
     Ok(())
 }
 
@@ -102,7 +149,7 @@ fn the_command_line() -> Result<(), Failed> {
     let run = |arguments: &[&str]| Command::new(PROGRAM).args(arguments).output();
     let help = run(&["--help"])?;
     assert!(help.status.success() && String::from_utf8_lossy(&help.stdout).contains("Usage: lobes-view [FILE]"));
-    for wrong in [&["--colour"][..], &["a.toml", "b.toml"], &["--smoke"]] {
+    for wrong in [&["--colour"][..], &["a.toml", "b.toml"], &["--smoke"], &["--pixel", "3"], &["--pixel", "a,b"]] {
         let output = run(wrong)?;
         let line = String::from_utf8_lossy(&output.stderr);
         assert_eq!((output.status.code(), line.lines().count()), (Some(2), 1), "{line}");
@@ -121,6 +168,8 @@ fn main() {
     drop(display);
     let trials = vec![
         Trial::test("shows_a_picture", shows_a_picture).with_ignored_flag(!can_show),
+        Trial::test("draws_the_lobes_of_a_pixel", draws_the_lobes_of_a_pixel).with_ignored_flag(!can_show),
+        Trial::test("draws_the_spheres_that_block", draws_the_spheres_that_block).with_ignored_flag(!can_show),
         Trial::test("a_missing_file_is_one_line", a_missing_file_is_one_line).with_ignored_flag(!can_show),
         Trial::test("the_command_line", the_command_line),
     ];

@@ -306,7 +306,7 @@ fn named(name: Option<&str>) -> Result<Option<Strategy>, String> {
     name.map(find).transpose()
 }
 
-fn tone_named(name: &str) -> Result<ToneMap, String> {
+pub(crate) fn tone_named(name: &str) -> Result<ToneMap, String> {
     let all =
         [("linear", ToneMap::Linear), ("soft", ToneMap::Soft), ("neutral", ToneMap::Neutral), ("agx", ToneMap::Agx)];
     let found = all.into_iter().find(|(known, _)| *known == name);

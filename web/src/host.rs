@@ -11,6 +11,11 @@ unsafe extern "C" {
     safe fn complain(text: *const u8, length: usize);
 }
 
+/// Seconds since any moment.
+pub(crate) fn clock() -> f64 {
+    now()
+}
+
 /// Sets the clock, and lets panics say why, once.
 pub(crate) fn hear_panics() {
     static ONCE: Once = Once::new();

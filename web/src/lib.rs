@@ -5,11 +5,14 @@
 //!
 //! One instance leads: it decides which rows are shaded next ([`task`]), and makes the pictures ([`finish`]). Others may help: they are
 //! sent the same requests in the same order, and [`shade`] their parts of the rows.
+//!
+//! The same module is the [library] of the package for npm.
 
 mod desk;
 mod files;
 mod gesture;
 mod host;
+mod library;
 mod page;
 mod report;
 mod request;

@@ -221,7 +221,7 @@ impl Desk {
     pub(crate) fn pixel(&self) -> Option<Pixel> {
         let (pixel, probe) = self.probed.as_ref()?;
         let scene = self.editor.scene();
-        let Probe { pick, radiance, lights, reference: [reference, deviation] } = probe;
+        let Probe { pick, radiance, lights, reference: [reference, deviation], hemisphere: _ } = probe;
         let object = scene.object(pick.object);
         let material = scene.materials.iter().find(|item| item.handle == pick.material);
         let mut parts: Vec<(usize, &LightPart)> = lights.iter().enumerate().collect();
