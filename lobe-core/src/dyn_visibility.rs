@@ -1,6 +1,6 @@
 //! Visibility strategies behind `dyn`: the same trait with the type of the scratch erased.
 
-use crate::{Coverage, Lobe, Microfacets, Shaft, Visibility, VisibilityQuery};
+use crate::{Coverage, Lobe, Microfacets, Receiver, Shaft, Sphere, Visibility, VisibilityQuery};
 use core::any::Any;
 use glam::Vec3;
 
@@ -13,6 +13,8 @@ pub trait DynVisibility: Sync {
     fn dyn_scratch(&self) -> DynScratch;
     /// See [`Visibility::enter`].
     fn dyn_enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> Coverage;
+    /// See [`Visibility::narrowest_penumbra`].
+    fn dyn_narrowest_penumbra(&self, at: &Receiver, part: Sphere, scratch: &mut DynScratch) -> f32;
     /// See [`Visibility::coverage`].
     fn dyn_coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut DynScratch) -> Coverage;
     /// See [`Visibility::fraction`].
@@ -42,6 +44,9 @@ where
     }
     fn dyn_enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> Coverage {
         self.enter(shaft, downcast(scratch))
+    }
+    fn dyn_narrowest_penumbra(&self, at: &Receiver, part: Sphere, scratch: &mut DynScratch) -> f32 {
+        self.narrowest_penumbra(at, part, downcast(scratch))
     }
     fn dyn_coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut DynScratch) -> Coverage {
         self.coverage(query, downcast(scratch))
@@ -74,6 +79,9 @@ impl<'v> Visibility for Box<dyn DynVisibility + 'v> {
     }
     fn enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> Coverage {
         (**self).dyn_enter(shaft, scratch)
+    }
+    fn narrowest_penumbra(&self, at: &Receiver, part: Sphere, scratch: &mut DynScratch) -> f32 {
+        (**self).dyn_narrowest_penumbra(at, part, scratch)
     }
     fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut DynScratch) -> Coverage {
         (**self).dyn_coverage(query, scratch)

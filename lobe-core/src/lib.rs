@@ -63,6 +63,7 @@ pub mod special;
 #[cfg(test)]
 mod tests;
 mod tile;
+mod tile_blocks;
 mod tile_integrator;
 // For the workspace alone, too.
 #[doc(hidden)]

@@ -1,4 +1,5 @@
 use crate::SkyLighting;
+use crate::faint::{Faint, MANY};
 use core::convert::Infallible;
 use core::ops::Range;
 use glam::Vec3;
@@ -7,7 +8,7 @@ use lobe_core::{
     Shaft, Stage, Tile, TileContributions, TileInteraction, TileLight, TileLobes, Visibility, cap_integrals,
 };
 use rayon::prelude::*;
-use scene::{Cancel, Counts, Frame, Shade, ShadeStats, ShadingPoints, StageSeconds, Stopwatch};
+use scene::{Cancel, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints, StageSeconds, Stopwatch};
 use std::sync::{Mutex, PoisonError};
 
 /// Groups that a thread takes at once, at most: what is dear is often side by side.
@@ -38,6 +39,7 @@ pub struct CpuShader<V, I = FractionIntegrator, K = ()> {
     visibility: V,
     integrator: I,
     sky: K,
+    is_interpolated: bool,
 }
 
 /// Lobes of a flux of 1 whose integral over a patch of a sky is below this are left out there, where most of the sky was summed at once.
@@ -74,7 +76,7 @@ impl<V: Visibility> CpuShader<V> {
     /// The default integrator with this visibility.
     #[must_use]
     pub fn new(visibility: V) -> Self {
-        Self { visibility, integrator: FractionIntegrator, sky: () }
+        Self { visibility, integrator: FractionIntegrator, sky: (), is_interpolated: false }
     }
 }
 
@@ -82,7 +84,7 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
     /// Any integrator; the paper's wants a visibility whose lobes are the paper's.
     #[must_use]
     pub fn with_integrator(visibility: V, integrator: I) -> Self {
-        Self { visibility, integrator, sky: () }
+        Self { visibility, integrator, sky: (), is_interpolated: false }
     }
 }
 
@@ -90,7 +92,18 @@ impl<V, I> CpuShader<V, I> {
     /// The same with some of the lights summed at once. In [`Layers`] their sum is that of the first of them.
     #[must_use]
     pub fn with_sky<K: SkyLighting>(self, sky: K) -> CpuShader<V, I, K> {
-        CpuShader { visibility: self.visibility, integrator: self.integrator, sky }
+        CpuShader {
+            visibility: self.visibility,
+            integrator: self.integrator,
+            sky,
+            is_interpolated: self.is_interpolated,
+        }
+    }
+
+    /// Interpolates the visible fractions of many lights.
+    #[must_use]
+    pub fn interpolating(self, is_interpolated: bool) -> Self {
+        Self { is_interpolated, ..self }
     }
 }
 
@@ -159,6 +172,7 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
                 cones: TileLight::default(),
                 integrals: Vec::new(),
                 lit: TileContributions::default(),
+                faint: Faint::default(),
                 scratch: self.visibility.scratch(),
                 sky: self.sky.scratch(),
                 integration: I::Scratch::default(),
@@ -181,9 +195,14 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
                 || Lent::new(&pool),
                 |lent, (group, (part, out))| {
                     let memory = lent.memory.get_or_insert_with(memory);
+                    let is_square = part.len() == GROUP && points.squares.binary_search(&part.start).is_ok();
                     let (receivers, materials) = (&points.receivers[part.clone()], &points.materials[part]);
-                    let mut group =
-                        Group { request, layers: Layers::default(), stats: GroupStats::new(is_timed(group)) };
+                    let mut group = Group {
+                        request,
+                        is_square,
+                        layers: Layers::default(),
+                        stats: GroupStats::new(is_timed(group)),
+                    };
                     self.group((receivers, materials), frame, memory, &mut group, out);
                     (group.stats, group.layers)
                 },
@@ -229,12 +248,17 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
         memory.tile.set(receivers);
         I::reflectance(frame.materials, materials, receivers, &memory.tile, &mut memory.lobes);
         group.stats.lap(0);
-        for light in (0..count).filter(|light| !self.sky.replaces(*light)) {
-            if group.is_cancelled() {
-                return;
+        let single = (0..count).filter(|light| !self.sky.replaces(*light));
+        if I::TAKES_INTEGRALS && single.clone().count() >= MANY {
+            self.many_lights(receivers, frame, memory, group, out);
+        } else {
+            for light in single {
+                if group.is_cancelled() {
+                    return;
+                }
+                self.light(receivers, frame, (light, Sum::All), memory, group);
+                group.add(&memory.lit, light, count, out);
             }
-            self.light(receivers, frame, light, false, memory, group);
-            group.add(&memory.lit, light, count, out);
         }
         let Some(place) = self.sky.place() else { return };
         let Memory { lobes, lit, sky, .. } = &mut *memory;
@@ -245,30 +269,82 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
             if group.is_cancelled() {
                 return;
             }
-            if self.light(receivers, frame, light, true, memory, group) {
+            if self.light(receivers, frame, (light, Sum::Rest), memory, group) {
                 group.add(&memory.lit, light, count, out);
             }
         }
     }
 
-    /// The contributions of one light to a group, in `memory.lit`. With `is_rest` for what lobes the sky has left: no contributions, and
-    /// `false`, where these see nothing of it.
+    /// The contributions of many lights to a group: those that are [faint](Faint) for a receiver are added without a query.
+    fn many_lights<M: BrdfLobes, L: LightLobes>(
+        &self,
+        receivers: &[Receiver],
+        frame: &Frame<'_, M, L>,
+        memory: &mut Memory<V, I, K>,
+        group: &mut Group<'_>,
+        out: &mut [Vec3],
+    ) {
+        let (count, tolerance) = (frame.lights.len(), frame.accuracy.tolerance);
+        let is_single = |light: &usize| !self.sky.replaces(*light);
+        // A light that shows an image is integrated where it is seen; one without shadows needs no query.
+        let is_known = |light: &usize| frame.lights[*light].image().is_none() && frame.lights[*light].has_shadows();
+        memory.faint.begin(receivers.len(), count);
+        for light in (0..count).filter(is_single).filter(is_known) {
+            let Memory { tile, lobes, cones, integrals, lit, faint, .. } = &mut *memory;
+            frame.lights[light].tile_light(receivers, tile, cones);
+            cap_integrals(cones, lobes, integrals);
+            let threshold = frame.threshold;
+            TileInteraction { at: receivers, lobes, light: cones, integrals, threshold, slack: 0.0 }.unshadowed(lit);
+            faint.add(light, lit);
+        }
+        memory.faint.find(tolerance);
+        group.stats.lap(1);
+        for light in (0..count).filter(is_single) {
+            if group.is_cancelled() {
+                return;
+            }
+            let sum = if is_known(&light) { Sum::Only(memory.faint.strong(light)) } else { Sum::All };
+            if sum != Sum::Only(0) {
+                self.light(receivers, frame, (light, sum), memory, group);
+                group.add(&memory.lit, light, count, out);
+            }
+        }
+        let too_much = memory.faint.is_too_much(out, tolerance);
+        for light in 0..count {
+            if group.is_cancelled() {
+                return;
+            }
+            let rest = memory.faint.of(light) & too_much;
+            if rest != 0 {
+                self.light(receivers, frame, (light, Sum::Only(rest)), memory, group);
+                group.add(&memory.lit, light, count, out);
+            }
+        }
+        group.add_faint(&memory.faint, !too_much, count, out);
+    }
+
+    /// The contributions of one light to a group, in `memory.lit`: none, and `false`, where lobes that a sky has left see nothing of it.
     fn light<M: BrdfLobes, L: LightLobes>(
         &self,
         receivers: &[Receiver],
         frame: &Frame<'_, M, L>,
-        light: usize,
-        is_rest: bool,
+        (light, sum): (usize, Sum),
         memory: &mut Memory<V, I, K>,
         group: &mut Group<'_>,
     ) -> bool {
+        let is_rest = sum == Sum::Rest;
         let (id, light, stats) = (LightId(light as u32), &frame.lights[light], &mut group.stats);
+        let slack = memory.faint.slack(id.0 as usize, frame.accuracy.tolerance);
         let Memory { tile, lobes, cones, integrals, lit, scratch, integration, .. } = memory;
         let (sphere, half_extent) = tile.bounds();
         light.tile_light(receivers, tile, cones);
         // A light that shows an image is integrated where it is seen.
         if I::TAKES_INTEGRALS && (is_rest || light.image().is_none()) {
             cap_integrals(cones, lobes, integrals);
+        }
+        if let Sum::Only(only) = sum {
+            let others = (0..receivers.len()).filter(|i| only & 1 << i == 0);
+            others.flat_map(|i| lobes.of(i)).for_each(|(number, _)| integrals[number] = 0.0);
         }
         stats.lap(1);
         let is_seen = |i: usize| lobes.of(i).any(|(number, _)| integrals[number] > FAINT);
@@ -291,7 +367,11 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
             visibility.query_each_receiver();
         }
         stats.lap(2);
-        let tile = TileInteraction { at: receivers, lobes, light: cones, integrals, threshold: frame.threshold };
+        let slack = match sum {
+            Sum::Only(u64::MAX) if self.is_interpolated && group.is_square => slack,
+            _ => 0.0,
+        };
+        let tile = TileInteraction { at: receivers, lobes, light: cones, integrals, threshold: frame.threshold, slack };
         self.integrator.tile(&tile, &mut visibility, integration, stats, lit);
         true
     }
@@ -317,9 +397,21 @@ where
     }
 }
 
+/// The part of a light's contributions to a group that is summed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sum {
+    All,
+    /// Those of lobes that a sky has left.
+    Rest,
+    /// Those to some receivers, as bits.
+    Only(u64),
+}
+
 /// The results of a group of points, but for their radiance.
 struct Group<'a> {
     request: &'a ShadeRequest<'a>,
+    /// Whether it is 8 rows of 8 neighbouring pixels.
+    is_square: bool,
     layers: Layers,
     stats: GroupStats,
 }
@@ -335,6 +427,24 @@ impl Group<'_> {
             *out += lit.radiance(i);
         }
         self.layers.add(lit, light, lights);
+        self.stats.lap(4);
+    }
+
+    /// Adds the faint lights of these receivers.
+    fn add_faint(&mut self, faint: &Faint, receivers: u64, lights: usize, out: &mut [Vec3]) {
+        for (i, out) in out.iter_mut().enumerate().filter(|(i, _)| receivers & 1 << i != 0) {
+            let fraction = faint.fraction(i, *out);
+            for light in (0..lights).filter(|light| faint.of(*light) & 1 << i != 0) {
+                let unshadowed = faint.unshadowed(light, i);
+                *out += unshadowed * fraction;
+                if let Some(sum) = self.layers.unshadowed.get_mut(i) {
+                    *sum += unshadowed;
+                }
+                if let Some(of_light) = self.layers.lights.get_mut(i * lights + light) {
+                    *of_light += unshadowed * fraction;
+                }
+            }
+        }
         self.stats.lap(4);
     }
 
@@ -373,6 +483,7 @@ struct Memory<V: Visibility, I: Integrator<V>, K: SkyLighting> {
     cones: TileLight,
     integrals: Vec<f32>,
     lit: TileContributions,
+    faint: Faint,
     scratch: V::Scratch,
     sky: K::Scratch,
     integration: I::Scratch,

@@ -14,6 +14,8 @@ pub struct ShadingPoints {
     pub materials: Vec<u32>,
     /// Where each tile of a picture ends among the receivers: points of two tiles are not culled together. May be left empty.
     pub ends: Vec<usize>,
+    /// Where square tiles begin, in order: each has [`GROUP`](crate::GROUP) points, 8 rows of 8 neighbouring pixels. May be left empty.
+    pub squares: Vec<usize>,
 }
 
 /// Blockers of all objects, posed for this frame.

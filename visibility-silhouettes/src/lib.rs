@@ -66,6 +66,7 @@ mod hull_placed;
 mod lanes;
 mod lists;
 mod mesh;
+mod penumbra;
 mod placed;
 mod project;
 mod select;
