@@ -19,8 +19,8 @@ const ALONG: f32 = 0.7;
 pub(crate) struct Blocks {
     unshadowed: [Vec3; Self::COUNT],
     fractions: [Vec3; Self::COUNT],
-    /// Receivers that have asked, as bits.
-    asked: u64,
+    /// Receivers with a query of their own, as bits.
+    queried: u64,
 }
 
 /// Columns and rows of a block's corners.
@@ -45,7 +45,7 @@ impl Blocks {
                 && at.normal.dot(cone.axis).min(at.face.dot(cone.axis)) > cone.sin_sq().sqrt()
                 && tile.lobes.of(i).all(|(_, lobe)| exponent(&lobe, at.normal) * cone.one_minus_cos <= EVEN)
         };
-        (0..Self::COUNT).all(is_even).then_some(Self { unshadowed, fractions: [Vec3::ONE; Self::COUNT], asked: 0 })
+        (0..Self::COUNT).all(is_even).then_some(Self { unshadowed, fractions: [Vec3::ONE; Self::COUNT], queried: 0 })
     }
 
     /// Sets the contributions of all receivers; `ask` sets that of one by its own mask.
@@ -97,7 +97,7 @@ impl Blocks {
             let [left, top, right, bottom] = *block;
             for (row, column) in (top..=bottom).flat_map(|row| (left..=right).map(move |column| (row, column))) {
                 let i = place(column, row);
-                if self.asked & 1 << i == 0 {
+                if self.queried & 1 << i == 0 {
                     self.fractions[i] = mix(*block, corners, [column, row]);
                     out.set(i, self.unshadowed[i] * self.fractions[i], [0, 0]);
                 }
@@ -105,9 +105,9 @@ impl Blocks {
         }
     }
 
-    /// Coverages of those of some receivers that have not asked.
+    /// Coverages of some receivers, without those that had a query.
     pub(crate) fn interpolated(&self, of: Range<usize>) -> impl Iterator<Item = Coverage> {
-        of.filter(|i| self.asked & 1 << i == 0).map(|i| match self.fractions[i] {
+        of.filter(|i| self.queried & 1 << i == 0).map(|i| match self.fractions[i] {
             Vec3::ONE => Coverage::Lit,
             Vec3::ZERO => Coverage::Dark,
             _ => Coverage::Partial,
@@ -121,8 +121,8 @@ impl Blocks {
         ask: &mut impl FnMut(usize, &mut LightVisibility<'_, V>, &mut TileContributions),
         out: &mut TileContributions,
     ) -> Vec3 {
-        if self.asked & 1 << i == 0 {
-            self.asked |= 1 << i;
+        if self.queried & 1 << i == 0 {
+            self.queried |= 1 << i;
             ask(i, visibility, out);
             let (radiance, unshadowed) = (out.radiance(i), self.unshadowed[i]);
             let fraction = |c: usize| if unshadowed[c] > 0.0 { radiance[c] / unshadowed[c] } else { 1.0 };

@@ -1,9 +1,11 @@
-//! Many lights: time and error against their number, with [faint lights](CpuShader) added without a query and without.
+//! Many lights: time and error against their number.
 //!
-//! `cargo run --release -p cosine-lobes-render-cpu --example many_lights [-- SCENE…]` prints a table in Markdown: a bunny on a floor under up to 50
-//! lights, and a street of houses and lamp posts under up to 400. Times are of one thread's processor, the least of three. Errors are those of the sum
-//! over all lights against the same picture at a tolerance of 0.05 %, in % of a pixel's radiance without blockers, and of its
-//! own, where that is above a thousandth of white.
+//! `cargo run --release -p cosine-lobes-render-cpu --example many_lights [-- SCENE] [SIDE] [LIGHTS]` prints a table in Markdown: a bunny on a floor under
+//! up to 50 lights, and a street of houses, benches and lamp posts under up to 400, SIDE × SIDE points (256), at most LIGHTS lights. For each number
+//! three ways: all lights queried; faint ones added without a query (the default); and shadows interpolated as well. Times are of one thread's processor,
+//! the least of three, and over that of one light. Errors are of the sum over all lights against the same picture at a tolerance of
+//! 0.05 % (for 400 lights against all of them queried), in % of a pixel's own radiance where that is above a thousandth of white, and in parentheses of
+//! its radiance without blockers: mean / 99.9 % / largest.
 
 use brdf::Material;
 use glam::Vec3;
@@ -26,10 +28,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let side = numbers.first().and_then(|n| n.parse().ok()).unwrap_or(256);
     let most = numbers.get(1).and_then(|n| n.parse().ok()).unwrap_or(400);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    println!(
-        "| scene | lights | ms | × one | ms, all queried | × one | of unshadowed: mean, 99.9 %, largest | of own | all queried, of own |"
-    );
-    println!("|---|---|---|---|---|---|---|---|---|");
+    println!("| scene | points | lights | way | ms | × one | error |");
+    println!("|---|---|---|---|---|---|---|");
     for (name, counts) in [("bunny", &[1, 4, 16, 50][..]), ("street", &[1, 4, 16, 50, 400])] {
         if !wanted.is_empty() && !wanted.iter().any(|w| w == name) {
             continue;
@@ -61,51 +61,43 @@ fn measure(name: &str, mut scene: Scene, counts: &[usize], [side, most]: [u32; 2
         let blockers = SilhouetteBlockers::new(silhouettes.meshes(), hits).with_tolerance(tolerance);
         CpuShader::new(MaskVisibility::new(blockers).look_again(again)).interpolating(is_between)
     };
-    let shade = |tolerance: f32, again, lights: &[Light], at_once: usize, times: usize, is_between: bool| {
+    let shade = |tolerance: f32, again, lights: &[Light], (at_once, is_between): (usize, bool)| {
         let shader = shader(tolerance, again, is_between);
         let mut out = vec![Vec3::ZERO; points.receivers.len()];
         let mut part = out.clone();
-        let mut least = f64::INFINITY;
-        for _ in 0..times {
-            out.fill(Vec3::ZERO);
-            let start = clock();
-            for lights in lights.chunks(at_once) {
-                let frame = Frame::new(&scene.materials, lights, Accuracy::new(tolerance));
-                let _ = shader.shade_with(&points, &frame, &mut part, &ShadeRequest::default());
-                out.iter_mut().zip(&part).for_each(|(out, part)| *out += *part);
-            }
-            least = least.min(clock() - start);
+        let start = clock();
+        for lights in lights.chunks(at_once) {
+            let frame = Frame::new(&scene.materials, lights, Accuracy::new(tolerance));
+            let _ = shader.shade_with(&points, &frame, &mut part, &ShadeRequest::default());
+            out.iter_mut().zip(&part).for_each(|(out, part)| *out += *part);
         }
-        (out, least * 1e-6)
+        (out, (clock() - start) * 1e-6)
     };
-    let mut one = [f64::NAN; 2];
+    let mut one = [f64::NAN; 3];
     for &count in counts.iter().filter(|count| **count <= most as usize) {
-        let times = if count < 50 { 3 } else { 1 };
-        let lights = match name {
-            "bunny" => lamps(count),
-            _ => lanterns(count),
-        };
-        let (all, time_all) = shade(TOLERANCE, LookAgain::Openings, &lights, FEW, times, false);
-        let (out, time) = shade(TOLERANCE, LookAgain::Openings, &lights, usize::MAX, times, true);
-        let (culled, time_culled) = shade(TOLERANCE, LookAgain::Openings, &lights, usize::MAX, times, false);
-        let (truth, _) = match count {
-            400 => shade(0.4 * TOLERANCE, LookAgain::Openings, &lights, FEW, 1, false),
-            _ => shade(0.1 * TOLERANCE, LookAgain::Everywhere, &lights, FEW, 1, false),
-        };
-        let unshadowed = unshadowed(&points, &scene, &lights);
-        if one[0].is_nan() {
-            one = [time, time_all];
+        let lights = if name == "bunny" { lamps(count) } else { lanterns(count) };
+        let again = LookAgain::Openings;
+        let ways = [("all queried", FEW, false), ("default", usize::MAX, false), ("interpolated", usize::MAX, true)];
+        let mut least = [f64::INFINITY; 3];
+        let mut pictures = Default::default();
+        for _ in 0..if count < 400 { 3 } else { 1 } {
+            let made = ways.map(|(_, at_once, is_between)| shade(TOLERANCE, again, &lights, (at_once, is_between)));
+            least = core::array::from_fn(|k| least[k].min(made[k].1));
+            pictures = made.map(|(picture, _)| picture);
         }
-        let own = |x: &[Vec3]| errors(x, &truth, &truth);
-        println!(
-            "| {name} | {count} | {time:.0} | {:.1} | {time_culled:.0} | {time_all:.0} | {:.1} | {} | {} | {} | {} |",
-            time / one[0],
-            time_all / one[1],
-            errors(&out, &truth, &unshadowed),
-            own(&out),
-            own(&culled),
-            own(&all),
-        );
+        let truth = match count {
+            400 => pictures[0].clone(),
+            _ => shade(0.1 * TOLERANCE, LookAgain::Everywhere, &lights, (FEW, false)).0,
+        };
+        let clear = unshadowed(&points, &scene, &lights);
+        for (k, (way, ..)) in ways.iter().enumerate() {
+            let (time, out) = (least[k], &pictures[k]);
+            if one[k].is_nan() {
+                one[k] = time;
+            }
+            let [own, of_all] = [&truth, &clear].map(|of| errors(out, &truth, of));
+            println!("| {name} | {side}² | {count} | {way} | {time:.0} | {:.1} | {own} ({of_all}) |", time / one[k]);
+        }
     }
 }
 
@@ -127,7 +119,7 @@ fn errors(out: &[Vec3], truth: &[Vec3], of: &[Vec3]) -> String {
         differences.map(|((a, b), of)| 100.0 * (*a - *b).abs().max_element() / of.max_element().max(least)).collect();
     all.sort_by(f32::total_cmp);
     let mean = all.iter().map(|x| f64::from(*x)).sum::<f64>() / all.len() as f64;
-    format!("{mean:.4}, {:.2}, {:.2}", all[(all.len() - 1) * 999 / 1000], all[all.len() - 1])
+    format!("{mean:.3} / {:.2} / {:.2}", all[(all.len() - 1) * 999 / 1000], all[all.len() - 1])
 }
 
 /// The bunny of this repository's scene.
@@ -159,11 +151,10 @@ fn lanterns(count: usize) -> Vec<Light> {
     (0..count).map(lantern).collect()
 }
 
+/// Where a lamp post stands: on either side of the road, one every three units.
 fn place(k: usize) -> Vec3 {
-    let side = if k % 2 == 0 { -4.0 } else { 4.0 };
-    let (row, back) = (k / 2, k % 4 / 2);
-    let along = 6.0 * (row as f32 + 0.5 * (k % 2) as f32) - 60.0 * back as f32 * 0.0;
-    Vec3::new(side, 0.0, 2.0 - along)
+    let side = if k.is_multiple_of(2) { -4.0 } else { 4.0 };
+    Vec3::new(side, 0.0, 2.0 - 3.0 * k as f32)
 }
 
 /// Houses, posts, benches and crates along a road.
@@ -172,7 +163,7 @@ fn street() -> Scene {
     for k in 0..400 {
         let at = place(k);
         mesh.append(&Mesh::cuboid(at + Vec3::Y * 1.9, Vec3::new(0.1, 3.8, 0.1)));
-        if k % 2 == 0 {
+        if k.is_multiple_of(2) {
             continue;
         }
         for (side, height) in [(-1.0, 5.0 + (k * 7 % 5) as f32), (1.0, 5.0 + (k * 11 % 6) as f32)] {

@@ -134,7 +134,7 @@ impl Faint {
         if strong > 0.0 { (out.max_element() / strong).min(1.0) } else { 0.0 }
     }
 
-    /// What a light gives a receiver without blockers.
+    /// The radiance that a receiver gets from a light without blockers.
     pub(crate) fn unshadowed(&self, light: usize, i: usize) -> Vec3 {
         self.unshadowed[light * GROUP + i]
     }

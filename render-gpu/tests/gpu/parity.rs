@@ -271,7 +271,7 @@ fn of_spots_and_suns(gpu: &Gpu) {
     let sphere: Light = SphereLight::new(lamp(0.4), Vec3::splat(20.0)).into();
     let light = SphereLight::with_intensity(lamp(0.2), Vec3::splat(60.0));
     let axis = Vec3::new(-0.4, -1.0, -0.5).normalize();
-    let spot: Light = SpotLight { light, axis, cos: [0.95, 0.8] }.into();
+    let spot: Light = SpotLight { light, axis, cos: [0.95, 0.8], range: 7.0 }.into();
     let toward = Vec3::new(-0.5, 0.8, 0.4).normalize();
     let sun = |degrees| SunLight::new(toward, degrees, Vec3::new(2.0, 1.8, 1.5), world).into();
     // A spot next to the floor, which it does not light if it belongs to that object.
