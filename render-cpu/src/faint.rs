@@ -8,7 +8,10 @@ use scene::GROUP;
 pub(crate) const MANY: usize = 8;
 
 /// The part of the tolerance that faint lights may take.
-const PART: f32 = 0.2;
+const PART: f32 = 0.5;
+
+/// The part of its unshadowed radiance that a receiver is at first taken to have.
+const HALF: f32 = 0.5;
 
 /// Lights are sorted by their part of a receiver's unshadowed radiance, four steps an octave.
 const STEPS: usize = 4 * 24;
@@ -17,22 +20,25 @@ const _: () = assert!(GROUP <= u64::BITS as usize, "a bit for each receiver");
 
 /// The faint lights of each receiver of a group.
 ///
-/// A receiver's *faint* lights are its dimmest ones that come to at most a fifth of the tolerance together:
+/// A receiver's *faint* lights are its dimmest ones, which come to at most half the tolerance of its own radiance together:
 ///
 /// ```text
-/// Σ faint u ≤ tolerance/5 · Σ u        u: unshadowed radiance of a light, largest channel
+/// Σ faint u ≤ ½ tolerance · L        u: unshadowed radiance of a light, L: radiance with shadows that the others leave; largest channels
 /// ```
 ///
-/// If they also come to at most a fifth of the tolerance of the radiance with shadows that the other lights leave, `L`, they are added without a
-/// query, all with the visible fraction that the others have in the mean: the error is at most `tolerance/5 · L`. Otherwise they
-/// are summed as the others are. Each receiver decides for itself, so results do not depend on its group.
+/// They are added without a query, all with the visible fraction that the others have in the mean, so the error is at most `½ tolerance · L`. Since `L` is known only
+/// at the end, it is first taken to be half the unshadowed radiance; where it is less, the largest of the faint lights are summed
+/// as the others are. Each receiver decides for itself: results do not depend on its group.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Faint {
     /// Without blockers: [`GROUP`] receivers a light.
     unshadowed: Vec<Vec3>,
-    /// For each light the receivers that it lights, and those of them that it is faint for, as bits.
+    /// For each light the receivers that it lights, those of them that it is faint for, and those that it turned out not to be, as bits.
     lit: Vec<u64>,
     faint: Vec<u64>,
+    late: Vec<u64>,
+    /// For each receiver the first step that is faint.
+    first: Vec<usize>,
     /// For each receiver its sum over all lights (largest channels), its parts of each size, and its sum over faint lights.
     all: Vec<f32>,
     parts: Vec<[f32; STEPS]>,
@@ -47,7 +53,7 @@ impl Faint {
     pub(crate) fn begin(&mut self, receivers: usize, lights: usize) {
         self.unshadowed.clear();
         self.unshadowed.resize(lights * GROUP, Vec3::ZERO);
-        for bits in [&mut self.lit, &mut self.faint] {
+        for bits in [&mut self.lit, &mut self.faint, &mut self.late] {
             bits.clear();
             bits.resize(lights, 0);
         }
@@ -56,6 +62,7 @@ impl Faint {
         self.parts.clear();
         self.parts.resize(receivers, [0.0; STEPS]);
         self.largest.clear();
+        self.first.clear();
         self.count = 0;
         self.sums.clear();
         self.sums.resize(receivers, Vec3::ZERO);
@@ -86,24 +93,41 @@ impl Faint {
                 }
             }
         }
-        // The first step whose lights are faint.
-        let first = |parts: &[f32; STEPS]| {
-            let mut sum = 0.0;
-            let fits = |part: &&f32| {
-                sum += **part;
-                sum <= PART * tolerance
-            };
-            STEPS - parts.iter().rev().take_while(fits).count()
-        };
-        let first: Vec<usize> = self.parts.iter().map(first).collect();
+        self.first.extend(self.parts.iter().map(|parts| first_faint(parts, PART * HALF * tolerance)));
         for (row, faint) in each().zip(&mut self.faint) {
-            for (i, ((u, all), first)) in row.iter().zip(&self.all).zip(&first).enumerate() {
+            for (i, ((u, all), first)) in row.iter().zip(&self.all).zip(&self.first).enumerate() {
                 if step(u.max_element() / all).is_some_and(|step| step >= *first) {
                     *faint |= 1 << i;
                     self.sums[i] += *u;
                 }
             }
         }
+    }
+
+    /// Finds those that are not faint after all, by the radiance that the others leave: [`late`](Self::late) has them.
+    pub(crate) fn find_late(&mut self, out: &[Vec3], tolerance: f32) {
+        let most = |out: &Vec3| PART * tolerance * out.max_element();
+        let is_too_much = |(sum, out): (&Vec3, &Vec3)| sum.max_element() > most(out);
+        let pairs = self.sums.iter().zip(out).enumerate();
+        let mut bits = pairs.fold(0_u64, |bits, (i, both)| bits | u64::from(is_too_much(both)) << i);
+        while bits != 0 {
+            let i = bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            let (all, first) = (self.all[i], first_faint(&self.parts[i], most(&out[i]) / self.all[i]));
+            for (light, faint) in self.faint.iter_mut().enumerate().filter(|(_, faint)| **faint & 1 << i != 0) {
+                let u = self.unshadowed[light * GROUP + i];
+                if step(u.max_element() / all).is_some_and(|step| step < first) {
+                    *faint &= !(1 << i);
+                    self.late[light] |= 1 << i;
+                    self.sums[i] -= u;
+                }
+            }
+        }
+    }
+
+    /// The receivers that a light turned out not to be faint for.
+    pub(crate) fn late(&self, light: usize) -> u64 {
+        self.late[light]
     }
 
     /// The receivers that a light is to be summed for.
@@ -121,13 +145,6 @@ impl Faint {
         self.faint[light]
     }
 
-    /// The receivers whose faint lights are to be summed as well, where the others leave this radiance.
-    pub(crate) fn is_too_much(&self, out: &[Vec3], tolerance: f32) -> u64 {
-        let is_too_much = |(sum, out): (&Vec3, &Vec3)| sum.max_element() > PART * tolerance * out.max_element();
-        let bits = self.sums.iter().zip(out).enumerate();
-        bits.fold(0, |bits, (i, both)| bits | u64::from(is_too_much(both)) << i)
-    }
-
     /// The mean visible fraction of a receiver's other lights, which leave this radiance.
     pub(crate) fn fraction(&self, i: usize, out: Vec3) -> f32 {
         let strong = self.all[i] - self.sums[i].max_element();
@@ -138,6 +155,16 @@ impl Faint {
     pub(crate) fn unshadowed(&self, light: usize, i: usize) -> Vec3 {
         self.unshadowed[light * GROUP + i]
     }
+}
+
+/// The first step whose lights are faint: they and all dimmer ones are at most this part of a receiver's radiance.
+fn first_faint(parts: &[f32; STEPS], most: f32) -> usize {
+    let mut sum = 0.0;
+    let fits = |part: &&f32| {
+        sum += **part;
+        sum <= most
+    };
+    STEPS - parts.iter().rev().take_while(fits).count()
 }
 
 /// The step of a light's part; none where it gives nothing.

@@ -309,18 +309,18 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
                 group.add(&memory.lit, light, count, out);
             }
         }
-        let too_much = memory.faint.is_too_much(out, tolerance);
+        memory.faint.find_late(out, tolerance);
         for light in 0..count {
             if group.is_cancelled() {
                 return;
             }
-            let rest = memory.faint.of(light) & too_much;
-            if rest != 0 {
-                self.light(receivers, frame, (light, Sum::Only(rest)), memory, group);
+            let late = memory.faint.late(light);
+            if late != 0 {
+                self.light(receivers, frame, (light, Sum::Only(late)), memory, group);
                 group.add(&memory.lit, light, count, out);
             }
         }
-        group.add_faint(&memory.faint, !too_much, count, out);
+        group.add_faint(&memory.faint, count, out);
     }
 
     /// The contributions of one light to a group, in `memory.lit`: none, and `false`, where lobes that a sky has left see nothing of it.
@@ -430,9 +430,9 @@ impl Group<'_> {
         self.stats.lap(4);
     }
 
-    /// Adds the faint lights of these receivers.
-    fn add_faint(&mut self, faint: &Faint, receivers: u64, lights: usize, out: &mut [Vec3]) {
-        for (i, out) in out.iter_mut().enumerate().filter(|(i, _)| receivers & 1 << i != 0) {
+    /// Adds the faint lights of each receiver.
+    fn add_faint(&mut self, faint: &Faint, lights: usize, out: &mut [Vec3]) {
+        for (i, out) in out.iter_mut().enumerate() {
             let fraction = faint.fraction(i, *out);
             for light in (0..lights).filter(|light| faint.of(*light) & 1 << i != 0) {
                 let unshadowed = faint.unshadowed(light, i);

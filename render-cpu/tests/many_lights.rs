@@ -113,7 +113,7 @@ fn silhouettes<'a>(
     MaskVisibility::new(SilhouetteBlockers::new(meshes.meshes(), SurfaceHits::new(world, |_| true)))
 }
 
-/// Faint lights cost no query, and no point more than a fifth of the tolerance of its own radiance. Each point decides for itself.
+/// Faint lights cost no query, and no point more than half the tolerance of its own radiance. Each point decides for itself.
 #[test]
 fn faint_lights_stay_in_their_budget() {
     let scene = scene(Material::lambert(Vec3::splat(0.5)));
@@ -128,7 +128,7 @@ fn faint_lights_stay_in_their_budget() {
     assert!(count * 3 < count_all * 2, "{count} of {count_all} queries");
     for (i, (out, all)) in out.iter().zip(&all).enumerate() {
         let error = (*out - *all).max_element().abs();
-        assert!(error <= 0.2 * TOLERANCE * 1.001 * all.max_element() + 1e-6, "point {i}: {out} for {all}");
+        assert!(error <= 0.5 * TOLERANCE * 1.001 * all.max_element() + 1e-6, "point {i}: {out} for {all}");
     }
     assert!(!same(&out, &all), "no light was faint");
     // Other groups.
