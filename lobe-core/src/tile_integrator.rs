@@ -147,24 +147,34 @@ impl TileInteraction<'_> {
             blocks.spread(self, visibility, &mut evaluate, out);
         }
         for first in (0..self.at.len()).step_by(WIDTH) {
-            let sums = &out.blocks[first / WIDTH].0;
-            let rows = WIDTH.min(self.at.len() - first);
-            observer.count(0, total(&sums[INTEGRALS], rows));
-            (0..total(&sums[DROPPED], rows)).for_each(|_| observer.prune());
+            let rows = self.count(first, observer, out);
             if let Some(blocks) = &blocks {
                 blocks.interpolated(first..first + rows).for_each(|v| observer.coverage(v));
                 continue;
             }
-            for j in ones(rows_above(&sums[ABOVE], 0.0) & ((1 << rows) - 1)) {
+            let above = rows_above(&out.blocks[first / WIDTH].0[ABOVE], 0.0);
+            for j in ones(above & ((1 << rows) - 1)) {
                 self.shadow(first + j, visibility, source, observer, out);
             }
         }
     }
 
     /// The contributions without visibility: those lobes above the threshold whose integrals were given, at no query.
-    pub fn unshadowed(&self, out: &mut TileContributions) {
+    pub fn unshadowed(&self, observer: &mut impl Observer, out: &mut TileContributions) {
         out.reset(self.at.len());
         self.sum_unshadowed(out);
+        for first in (0..self.at.len()).step_by(WIDTH) {
+            self.count(first, observer, out);
+        }
+    }
+
+    /// Counts the integrals of a block of receivers, and the lobes that were dropped. Returns the number of receivers.
+    fn count(&self, first: usize, observer: &mut impl Observer, out: &TileContributions) -> usize {
+        let sums = &out.blocks[first / WIDTH].0;
+        let rows = WIDTH.min(self.at.len() - first);
+        observer.count(0, total(&sums[INTEGRALS], rows));
+        (0..total(&sums[DROPPED], rows)).for_each(|_| observer.prune());
+        rows
     }
 
     /// Adds every lobe to its receiver's row, without visibility.

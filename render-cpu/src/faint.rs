@@ -37,7 +37,8 @@ pub(crate) struct Faint {
     lit: Vec<u64>,
     faint: Vec<u64>,
     late: Vec<u64>,
-    /// For each receiver the first step that is faint.
+    /// For each receiver the integrals that a light takes, and the first step that is faint.
+    integrals: Vec<u32>,
     first: Vec<usize>,
     /// For each receiver its sum over all lights (largest channels), its parts of each size, and its sum over faint lights.
     all: Vec<f32>,
@@ -63,6 +64,8 @@ impl Faint {
         self.parts.resize(receivers, [0.0; STEPS]);
         self.largest.clear();
         self.first.clear();
+        self.integrals.clear();
+        self.integrals.resize(receivers, 0);
         self.count = 0;
         self.sums.clear();
         self.sums.resize(receivers, Vec3::ZERO);
@@ -72,7 +75,9 @@ impl Faint {
     pub(crate) fn add(&mut self, light: usize, lit: &TileContributions) {
         let row = &mut self.unshadowed[light * GROUP..][..GROUP];
         for (i, (u, all)) in row.iter_mut().zip(&mut self.all).enumerate() {
-            *u = lit.radiance(i);
+            let (sum, [_, integrals]) = lit.get(i);
+            *u = sum.radiance;
+            self.integrals[i] = integrals;
             *all += u.max_element();
             self.lit[light] |= u64::from(u.max_element() > 0.0) << i;
         }
@@ -143,6 +148,11 @@ impl Faint {
     /// The receivers that a light is faint for.
     pub(crate) fn of(&self, light: usize) -> u64 {
         self.faint[light]
+    }
+
+    /// The integrals that a light takes, of each receiver.
+    pub(crate) fn integrals(&self) -> &[u32] {
+        &self.integrals
     }
 
     /// The mean visible fraction of a receiver's other lights, which leave this radiance.

@@ -294,8 +294,10 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
             frame.lights[light].tile_light(receivers, tile, cones);
             cap_integrals(cones, lobes, integrals);
             let threshold = frame.threshold;
-            TileInteraction { at: receivers, lobes, light: cones, integrals, threshold, slack: 0.0 }.unshadowed(lit);
+            TileInteraction { at: receivers, lobes, light: cones, integrals, threshold, slack: 0.0 }
+                .unshadowed(&mut group.stats, lit);
             faint.add(light, lit);
+            group.count_integrals(faint.integrals(), true);
         }
         memory.faint.find(tolerance);
         group.stats.lap(1);
@@ -303,11 +305,13 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
             if group.is_cancelled() {
                 return;
             }
-            let sum = if is_known(&light) { Sum::Only(memory.faint.strong(light)) } else { Sum::All };
-            if sum != Sum::Only(0) {
-                self.light(receivers, frame, (light, sum), memory, group);
+            if !is_known(&light) {
+                self.light(receivers, frame, (light, Sum::All), memory, group);
                 group.add(&memory.lit, light, count, out);
+                continue;
             }
+            let strong = memory.faint.strong(light);
+            self.some_receivers(receivers, frame, (light, strong), memory, group, out);
         }
         memory.faint.find_late(out, tolerance);
         for light in 0..count {
@@ -315,12 +319,30 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
                 return;
             }
             let late = memory.faint.late(light);
-            if late != 0 {
-                self.light(receivers, frame, (light, Sum::Only(late)), memory, group);
-                group.add(&memory.lit, light, count, out);
-            }
+            self.some_receivers(receivers, frame, (light, late), memory, group, out);
         }
         group.add_faint(&memory.faint, count, out);
+    }
+
+    /// Adds the contributions of one of many lights to some receivers, as bits. Its integrals and dropped lobes were counted before.
+    fn some_receivers<M: BrdfLobes, L: LightLobes>(
+        &self,
+        receivers: &[Receiver],
+        frame: &Frame<'_, M, L>,
+        (light, only): (usize, u64),
+        memory: &mut Memory<V, I, K>,
+        group: &mut Group<'_>,
+        out: &mut [Vec3],
+    ) {
+        if only == 0 {
+            return;
+        }
+        let pruned = group.stats.pruned;
+        self.light(receivers, frame, (light, Sum::Only(only)), memory, group);
+        group.add(&memory.lit, light, frame.lights.len(), out);
+        group.stats.pruned = pruned;
+        group.stats.integrals -= memory.faint.integrals().iter().sum::<u32>() as usize;
+        group.count_integrals(memory.faint.integrals(), false);
     }
 
     /// The contributions of one light to a group, in `memory.lit`: none, and `false`, where lobes that a sky has left see nothing of it.
@@ -428,6 +450,12 @@ impl Group<'_> {
         }
         self.layers.add(lit, light, lights);
         self.stats.lap(4);
+    }
+
+    /// Counts a light's integrals in the layer, or takes back those that were counted twice.
+    fn count_integrals(&mut self, each: &[u32], is_new: bool) {
+        let change = |count: &mut u32, n: u32| *count = if is_new { *count + n } else { *count - n };
+        self.layers.integrals.iter_mut().zip(each).for_each(|(count, n)| change(count, *n));
     }
 
     /// Adds the faint lights of each receiver.

@@ -151,7 +151,10 @@ fn layers_have_faint_lights() {
     let (points, lights) = (points(&world), lights(24, 0.5));
     let frame = Frame::new(&scene.materials, &lights, Accuracy::new(TOLERANCE));
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
-    let layers = CpuShader::new(silhouettes(&world, &meshes)).shade_layers(&points, &frame, &mut out).1;
+    let (stats, layers) = CpuShader::new(silhouettes(&world, &meshes)).shade_layers(&points, &frame, &mut out);
+    // One lobe, one integral a light, each counted once.
+    assert_eq!(stats.counts.integrals, (24 * out.len()) as u64);
+    assert!(layers.integrals.iter().all(|n| *n == 24), "{:?}", layers.integrals.iter().max());
     let clear = shade(&CpuShader::new(lobe_core::Unshadowed), &points, &scene, &lights);
     for (i, out) in out.iter().enumerate() {
         let sum: Vec3 = layers.lights[i * lights.len()..][..lights.len()].iter().sum();

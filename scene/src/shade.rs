@@ -102,7 +102,8 @@ pub struct StageSeconds {
     pub integration: f64,
 }
 
-/// Counts of the computation; independent of the machine.
+/// Counts of the computation; independent of the machine. Pairs of a point and a light that is faint for it, which a CPU does not query under many lights,
+/// are neither lit nor dark nor between.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Visibility lobes generated.

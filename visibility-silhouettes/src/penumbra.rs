@@ -94,6 +94,6 @@ mod tests {
         let beside = [across(1.2, 0.2), across(1.7, 3.9), edge(1.0, -0.2), across(0.75, 0.3)];
         assert_eq!(width(&beside, part, light), f32::INFINITY);
         // Just inside of the cone.
-        assert!(width(&[across(1.28, 1.7)], part, light).is_finite());
+        assert!(width(&[across(1.265, 1.7)], part, light).is_finite());
     }
 }
