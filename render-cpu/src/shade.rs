@@ -25,6 +25,9 @@ const fn is_timed(group: usize) -> bool {
 /// [Groups](ShadingPoints::groups) of up to 64 points in list order share the culling of blockers; rayon takes the groups. Results do not depend on
 /// the number of threads. Nothing is allocated per point.
 ///
+/// Under eight lights and more a point's dimmest lights are added without a query of their shadows, all with the visible fraction of its other lights. Their
+/// unshadowed radiance, largest channels, is at most half the tolerance of the point's own radiance: `Σ u ≤ ½ tolerance · L`.
+///
 /// ```
 /// use glam::Vec3;
 /// use lobe_core::{Accuracy, Unshadowed};
@@ -100,7 +103,12 @@ impl<V, I> CpuShader<V, I> {
         }
     }
 
-    /// Interpolates the visible fractions of many lights.
+    /// Interpolates visible fractions under eight lights and more, or does not, as after [`new`](Self::new).
+    ///
+    /// In [square tiles](ShadingPoints::squares) on one face, where no [penumbra](Visibility::narrowest_penumbra) of a light is narrower than the diagonal of
+    /// a block: from the block's corners, where these differ by `12 e` at most and the middle by `e` from what they give there. `e = tolerance/(s √n)`, `s` the light's
+    /// largest part of a point's unshadowed radiance, `n` the number of lights. Without edges between the block and the light one query is enough,
+    /// and exact. All other points have queries of their own. Fractions then depend on the tile that a point is in.
     #[must_use]
     pub fn interpolating(self, is_interpolated: bool) -> Self {
         Self { is_interpolated, ..self }
