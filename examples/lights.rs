@@ -71,7 +71,10 @@ fn kinds() -> Vec<Kind> {
         ("sun, 6°", Some(SunLight::new(-down, 3.0, Vec3::splat(IRRADIANCE), world).into())),
     ];
     let small = SphereLight::with_intensity(Sphere { radius: 0.1, ..ball }, Vec3::splat(IRRADIANCE * height * height));
-    all.push(("spot, radius 0.1", Some(SpotLight { light: small, axis: down, cos: [0.9, 0.75] }.into())));
+    all.push((
+        "spot, radius 0.1",
+        Some(SpotLight { light: small, axis: down, cos: [0.9, 0.75], range: f32::INFINITY }.into()),
+    ));
     let screen =
         FlatLight::rectangle(ABOVE, u * 0.5, v * 0.5, Vec3::ONE).map(|light| light.with_radiance(of_area(1.0)));
     let shown = LightImage::new(SIZE, &waves()).map(|(image, _)| Arc::new(image));

@@ -110,7 +110,7 @@ fn kinds() -> Vec<(&'static str, Light)> {
                 .into(),
         ),
         ("sun", SunLight::new(-down, 5.0, Vec3::splat(2.0), world).into()),
-        ("spot", SpotLight { light: spot, axis: down, cos: [0.95, 0.85] }.into()),
+        ("spot", SpotLight { light: spot, axis: down, cos: [0.95, 0.85], range: f32::INFINITY }.into()),
     ]
 }
 

@@ -22,5 +22,7 @@ fn light_radiance(at: Receiver) -> vec3f {
     let to = at.position - frame.light.xyz;
     let cos = dot(frame.shape[0].xyz, to) / max(length(to), 1e-30);
     let part = clamp((cos - frame.shape[1].y) / max(frame.shape[1].x - frame.shape[1].y, 1e-4), 0.0, 1.0);
-    return frame.radiance * (part * part);
+    // shape[1].z: one over the range, 0 without.
+    let reach = dot(to, to) * frame.shape[1].z * frame.shape[1].z;
+    return frame.radiance * (part * part * max(1.0 - reach * reach, 0.0));
 }

@@ -5,7 +5,8 @@ use lobe_core::{Receiver, SeenLight, Sphere};
 use shading::LightLobes;
 
 /// A sphere of light that shines into a cone with a soft edge: `L(ψ) = L·clamp((cos ψ − cos ψ_o)/(cos ψ_i − cos ψ_o), 0, 1)²`, ψ the angle
-/// between the spot's axis and the direction from the light's middle to the receiver (as KHR_lights_punctual has it).
+/// between the spot's axis and the direction from the light's middle to the receiver (as KHR_lights_punctual has it), times
+/// `max(1 − (d/range)⁴, 0)` where it has a range, `d` the distance from the light's middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpotLight {
     /// The light along its axis.
@@ -14,16 +15,44 @@ pub struct SpotLight {
     pub axis: Vec3,
     /// Cosines of the angles at which it begins to fall and has fallen to nothing: the first is the larger.
     pub cos: [f32; 2],
+    /// Distance from which on it lights nothing, above 0; infinite if there is none.
+    pub range: f32,
 }
 
+/// Cosines that all directions are above.
+const EVERYWHERE: [f32; 2] = [-2.0, -3.0];
+
 impl SpotLight {
-    /// The angular falloff: the part of the radiance that reaches a point.
+    /// A light that shines to all sides, as far as its range.
+    #[must_use]
+    pub const fn everywhere(light: SphereLight, range: f32) -> Self {
+        Self { light, axis: Vec3::NEG_Y, cos: [-1.0; 2], range }
+    }
+
+    /// The falloff by angle and distance: the part of the radiance that reaches a point.
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use lighting::{SphereLight, SpotLight};
+    /// use lobe_core::Sphere;
+    /// let light = SphereLight::new(Sphere { center: Vec3::ZERO, radius: 0.1 }, Vec3::ONE);
+    /// let lamp = SpotLight::everywhere(light, 4.0);
+    /// assert_eq!(lamp.falloff(Vec3::Y * 2.0), 1.0 - 0.5_f32.powi(4));
+    /// assert_eq!(lamp.falloff(Vec3::X * 5.0), 0.0);
+    /// ```
     #[must_use]
     pub fn falloff(&self, position: Vec3) -> f32 {
-        let cos = self.axis.dot((position - self.light.sphere.center).normalize_or_zero());
-        let [inner, outer] = self.cos;
+        let to = position - self.light.sphere.center;
+        let cos = self.axis.dot(to.normalize_or_zero());
+        let [inner, outer] = self.cosines();
         let part = ((cos - outer) / (inner - outer).max(1e-4)).clamp(0.0, 1.0);
-        part * part
+        let reach = (to.length() / self.range).powi(2);
+        part * part * (1.0 - reach * reach).max(0.0)
+    }
+
+    /// Cosines with which the formula holds on the far side of the axis as well.
+    const fn cosines(&self) -> [f32; 2] {
+        if self.cos[0] <= -1.0 { EVERYWHERE } else { self.cos }
     }
 }
 
@@ -45,6 +74,10 @@ impl LightKind for SpotLight {
     fn validate(&self) -> Result<(), LightError> {
         LightError::check_sphere(self.light.sphere)?;
         LightError::check_direction("axis", self.axis)?;
+        let range = self.range;
+        if range.is_nan() || range <= 0.0 {
+            return Err(LightError::new(format!("the range is {range}: expected a number above 0")));
+        }
         let [inner, outer] = self.cos;
         if (-1.0..=1.0).contains(&outer) && (outer..=1.0).contains(&inner) {
             return Ok(());
@@ -75,6 +108,7 @@ impl LightKind for SpotLight {
     }
 
     fn gpu_shape(&self) -> Vec<[f32; 4]> {
-        vec![self.axis.extend(0.0).to_array(), [self.cos[0], self.cos[1], 0.0, SPOT]]
+        let [inner, outer] = self.cosines();
+        vec![self.axis.extend(0.0).to_array(), [inner, outer, 1.0 / self.range, SPOT]]
     }
 }

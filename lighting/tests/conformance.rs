@@ -32,7 +32,7 @@ fn all_kinds_conform() {
     let bulb = Sphere { center: Vec3::new(0.0, 4.0, 0.0), radius: 0.5 };
     let sphere = SphereLight::new(bulb, COLOR);
     check_light(&sphere, &limits).expect("a sphere");
-    check_light(&SpotLight { light: sphere, axis: Vec3::NEG_Y, cos: [0.9, 0.7] }, &limits).expect("a spot");
+    check_light(&SpotLight { light: sphere, axis: Vec3::NEG_Y, cos: [0.9, 0.7], range: 9.0 }, &limits).expect("a spot");
     check_light(&rectangle(), &limits).expect("a rectangle");
     check_light(&rectangle().on_both_sides(), &limits).expect("a rectangle of two sides");
     // Its corners are those of a polygon around it.
@@ -218,10 +218,18 @@ fn flux_is_that_of_the_surface() {
 #[test]
 fn a_spot_ends_softly_and_a_sun_is_everywhere_the_same() {
     let light = SphereLight::with_intensity(Sphere { center: Vec3::Y, radius: 0.1 }, COLOR);
-    let spot = SpotLight { light, axis: Vec3::NEG_Y, cos: [0.9, 0.7] };
+    let spot = SpotLight { light, axis: Vec3::NEG_Y, cos: [0.9, 0.7], range: f32::INFINITY };
     let share = |x: f32| spot.radiance(&at(Vec3::new(x, 0.0, 0.0))).x / light.radiance.x;
     assert_eq!((share(0.0), share(0.45), share(1.1)), (1.0, 1.0, 0.0));
     assert!(share(0.6) < share(0.55) && share(0.9) > 0.0 && share(0.9) < 0.1);
+    // With a range: on the axis, at its end, and behind a light that shines to all sides.
+    let share = |lamp: SpotLight, y: f32| lamp.radiance(&at(Vec3::Y * y)).x / light.radiance.x;
+    assert_eq!(share(SpotLight { range: 2.0, ..spot }, 0.0), 1.0 - 0.5_f32.powi(4));
+    assert_eq!(share(SpotLight { range: 2.0, ..spot }, -1.001), 0.0);
+    assert_eq!([0.0, 2.0].map(|y| share(SpotLight::everywhere(light, 2.0), y)), [1.0 - 0.5_f32.powi(4); 2]);
+    for range in [0.0, -1.0, f32::NAN] {
+        assert!(SpotLight { range, ..spot }.validate().is_err(), "{range}");
+    }
 
     let world = Sphere { center: Vec3::ZERO, radius: 5.0 };
     let sun = SunLight::new(Vec3::new(0.6, 0.8, 0.0), 2.0, COLOR, world);

@@ -382,6 +382,7 @@ class _Changes(TypedDict, total=False):
     samples: Optional[int]
     time_budget: Optional[float]
     own_radiance: bool
+    interpolate: bool
     threshold: float
     map_resolution: Optional[int]
     keep_points: bool
@@ -402,6 +403,7 @@ class Settings:
         samples: Optional[int] = None,
         time_budget: Optional[float] = None,
         own_radiance: bool = False,
+        interpolate: bool = False,
         threshold: float = 0.0,
         map_resolution: Optional[int] = None,
         keep_points: bool = True,
@@ -423,6 +425,8 @@ class Settings:
     def time_budget(self) -> Optional[float]: ...
     @property
     def own_radiance(self) -> bool: ...
+    @property
+    def interpolate(self) -> bool: ...
     @property
     def threshold(self) -> float: ...
     @property

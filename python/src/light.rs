@@ -86,7 +86,8 @@ impl Light {
         let outer = within("angle", angle, 1e-3, 90.0)?;
         let inner = within("inner", inner, 0.0, angle)?;
         let axis = crate::args::direction("direction", direction)?;
-        Self::checked(SpotLight { light, axis, cos: [inner, outer].map(|degrees| degrees.to_radians().cos()) })
+        let cos = [inner, outer].map(|degrees| degrees.to_radians().cos());
+        Self::checked(SpotLight { light, axis, cos, range: f32::INFINITY })
     }
 
     /// A lamp as programs for modelling have it, by its intensity: a sphere, or with `facing` a disc that turns to each receiver, as

@@ -32,6 +32,8 @@ pub(crate) struct Settings {
     #[pyo3(get)]
     own_radiance: bool,
     #[pyo3(get)]
+    interpolate: bool,
+    #[pyo3(get)]
     threshold: f64,
     #[pyo3(get)]
     map_resolution: Option<u32>,
@@ -68,6 +70,7 @@ impl Settings {
             accuracy: self.depth.map_or(requested, |depth| requested.with_depth(depth)),
             time_budget: self.time_budget.map(|milliseconds| milliseconds as f32),
             own_radiance: self.own_radiance,
+            interpolate: self.interpolate,
             threshold: self.threshold as f32,
             samples: self.samples.map_or(PixelSamples::Edges(EDGE_SAMPLES), PixelSamples::Uniform),
             map_resolution: self.map_resolution,
@@ -105,6 +108,7 @@ impl Settings {
         all.set_item("samples", self.samples)?;
         all.set_item("time_budget", self.time_budget)?;
         all.set_item("own_radiance", self.own_radiance)?;
+        all.set_item("interpolate", self.interpolate)?;
         all.set_item("threshold", self.threshold)?;
         all.set_item("map_resolution", self.map_resolution)?;
         all.set_item("keep_points", self.keep_points)?;
@@ -119,7 +123,7 @@ impl Settings {
 #[pymethods]
 impl Settings {
     #[new]
-    #[pyo3(signature = (*, tolerance = 0.005, depth = None, visibility = None, method = "moments", device = "cpu", samples = None, time_budget = None, own_radiance = false, threshold = 0.0, map_resolution = None, keep_points = true, cache = None))]
+    #[pyo3(signature = (*, tolerance = 0.005, depth = None, visibility = None, method = "moments", device = "cpu", samples = None, time_budget = None, own_radiance = false, interpolate = false, threshold = 0.0, map_resolution = None, keep_points = true, cache = None))]
     #[expect(clippy::too_many_arguments, reason = "each is a keyword")]
     fn new(
         tolerance: f64,
@@ -130,6 +134,7 @@ impl Settings {
         samples: Option<u32>,
         time_budget: Option<f64>,
         own_radiance: bool,
+        interpolate: bool,
         threshold: f64,
         map_resolution: Option<u32>,
         keep_points: bool,
@@ -152,6 +157,7 @@ impl Settings {
             samples,
             time_budget,
             own_radiance,
+            interpolate,
             threshold,
             map_resolution,
             keep_points,

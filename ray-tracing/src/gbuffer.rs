@@ -57,6 +57,22 @@ impl GBuffer {
         radiance.iter_mut().zip(&self.emission).for_each(|(sum, own)| *sum += *own);
     }
 
+    /// Finds the [square tiles](ShadingPoints::squares) among its points: those with one point in each of [`TILE`]² pixels.
+    pub fn find_squares(&mut self) {
+        const SIDE: usize = TILE as usize;
+        let (pixels, width) = (&self.pixels, self.width);
+        let ends = &self.points.ends;
+        let is_square = |first: &usize| {
+            let corner = pixels[*first];
+            let is_in_place =
+                |(k, pixel): (usize, &u32)| *pixel == corner + (k / SIDE) as u32 * width + (k % SIDE) as u32;
+            pixels[*first..].iter().take(SIDE * SIDE).enumerate().all(is_in_place)
+        };
+        let firsts = core::iter::once(0).chain(ends.iter().copied()).zip(ends);
+        let firsts = firsts.filter(|(first, end)| *first + SIDE * SIDE == **end).map(|(first, _)| first);
+        self.points.squares = firsts.filter(is_square).collect();
+    }
+
     /// Number of points.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -21,6 +21,7 @@
 
 mod blockers;
 mod blockers_error;
+mod faint;
 mod revision;
 mod scene_silhouettes;
 mod scene_spheres;

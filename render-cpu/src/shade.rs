@@ -1,10 +1,11 @@
 use crate::SkyLighting;
+use crate::faint::{Faint, MANY};
 use core::convert::Infallible;
 use core::ops::Range;
 use glam::Vec3;
 use lobe_core::{Receiver, Tile, TileLight, TileLobes, cap_integrals};
 use rayon::prelude::*;
-use scene::{Cancel, Counts, Frame, Shade, ShadeStats, ShadingPoints, StageSeconds, Stopwatch};
+use scene::{Cancel, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints, StageSeconds, Stopwatch};
 use shading::{
     BrdfLobes, Coverage, FractionIntegrator, Integrator, LightId, LightLobes, LightVisibility, Observer, Shaft, Stage,
     TileContributions, TileInteraction, Visibility,
@@ -25,6 +26,9 @@ const fn is_timed(group: usize) -> bool {
 /// [Groups](ShadingPoints::groups) of up to 64 points in list order share the culling of blockers; rayon takes the groups. Results do not depend on
 /// the number of threads. Nothing is allocated per point.
 ///
+/// Under eight lights and more a point's dimmest lights are added without a query of their shadows, all with the visible fraction of its other lights. Their
+/// unshadowed radiance, largest channels, is at most half the tolerance of the point's own radiance: `Σ u ≤ ½ tolerance · L`.
+///
 /// ```
 /// use glam::Vec3;
 /// use shading::{Accuracy, Unshadowed};
@@ -39,6 +43,7 @@ pub struct CpuShader<V, I = FractionIntegrator, K = ()> {
     visibility: V,
     integrator: I,
     sky: K,
+    is_interpolated: bool,
 }
 
 /// Lobes of a flux of 1 whose integral over a patch of a sky is below this are left out there, where most of the sky was summed at once.
@@ -75,7 +80,7 @@ impl<V: Visibility> CpuShader<V> {
     /// The default integrator with this visibility.
     #[must_use]
     pub fn new(visibility: V) -> Self {
-        Self { visibility, integrator: FractionIntegrator, sky: () }
+        Self { visibility, integrator: FractionIntegrator, sky: (), is_interpolated: false }
     }
 }
 
@@ -83,7 +88,7 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
     /// Any integrator; the paper's wants a visibility whose lobes are the paper's.
     #[must_use]
     pub fn with_integrator(visibility: V, integrator: I) -> Self {
-        Self { visibility, integrator, sky: () }
+        Self { visibility, integrator, sky: (), is_interpolated: false }
     }
 }
 
@@ -91,7 +96,23 @@ impl<V, I> CpuShader<V, I> {
     /// The same with some of the lights summed at once. In [`Layers`] their sum is that of the first of them.
     #[must_use]
     pub fn with_sky<K: SkyLighting>(self, sky: K) -> CpuShader<V, I, K> {
-        CpuShader { visibility: self.visibility, integrator: self.integrator, sky }
+        CpuShader {
+            visibility: self.visibility,
+            integrator: self.integrator,
+            sky,
+            is_interpolated: self.is_interpolated,
+        }
+    }
+
+    /// Interpolates visible fractions under eight lights and more, or does not, as after [`new`](Self::new).
+    ///
+    /// In [square tiles](ShadingPoints::squares) on one face, where no [penumbra](Visibility::narrowest_penumbra) of a light is narrower than the diagonal of
+    /// a block: from the block's corners, where these differ by `12 e` at most and the middle by `e` from what they give there. `e = tolerance/(s √n)`, `s` the light's
+    /// largest part of a point's unshadowed radiance, `n` the number of lights. Without edges between the block and the light one query is enough,
+    /// and exact. All other points have queries of their own. Fractions then depend on the tile that a point is in.
+    #[must_use]
+    pub fn interpolating(self, is_interpolated: bool) -> Self {
+        Self { is_interpolated, ..self }
     }
 }
 
@@ -160,6 +181,7 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
                 cones: TileLight::default(),
                 integrals: Vec::new(),
                 lit: TileContributions::default(),
+                faint: Faint::default(),
                 scratch: self.visibility.scratch(),
                 sky: self.sky.scratch(),
                 integration: I::Scratch::default(),
@@ -182,9 +204,14 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
                 || Lent::new(&pool),
                 |lent, (group, (part, out))| {
                     let memory = lent.memory.get_or_insert_with(memory);
+                    let is_square = part.len() == GROUP && points.squares.binary_search(&part.start).is_ok();
                     let (receivers, materials) = (&points.receivers[part.clone()], &points.materials[part]);
-                    let mut group =
-                        Group { request, layers: Layers::default(), stats: GroupStats::new(is_timed(group)) };
+                    let mut group = Group {
+                        request,
+                        is_square,
+                        layers: Layers::default(),
+                        stats: GroupStats::new(is_timed(group)),
+                    };
                     self.group((receivers, materials), frame, memory, &mut group, out);
                     (group.stats, group.layers)
                 },
@@ -230,12 +257,17 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
         memory.tile.set(receivers);
         I::reflectance(frame.materials, materials, receivers, &memory.tile, &mut memory.lobes);
         group.stats.lap(0);
-        for light in (0..count).filter(|light| !self.sky.replaces(*light)) {
-            if group.is_cancelled() {
-                return;
+        let single = (0..count).filter(|light| !self.sky.replaces(*light));
+        if I::TAKES_INTEGRALS && single.clone().count() >= MANY {
+            self.many_lights(receivers, frame, memory, group, out);
+        } else {
+            for light in single {
+                if group.is_cancelled() {
+                    return;
+                }
+                self.light(receivers, frame, (light, Sum::All), memory, group);
+                group.add(&memory.lit, light, count, out);
             }
-            self.light(receivers, frame, light, false, memory, group);
-            group.add(&memory.lit, light, count, out);
         }
         let Some(place) = self.sky.place() else { return };
         let Memory { lobes, lit, sky, .. } = &mut *memory;
@@ -246,30 +278,104 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
             if group.is_cancelled() {
                 return;
             }
-            if self.light(receivers, frame, light, true, memory, group) {
+            if self.light(receivers, frame, (light, Sum::Rest), memory, group) {
                 group.add(&memory.lit, light, count, out);
             }
         }
     }
 
-    /// The contributions of one light to a group, in `memory.lit`. With `is_rest` for what lobes the sky has left: no contributions, and
-    /// `false`, where these see nothing of it.
+    /// The contributions of many lights to a group: those that are [faint](Faint) for a receiver are added without a query.
+    fn many_lights<M: BrdfLobes, L: LightLobes>(
+        &self,
+        receivers: &[Receiver],
+        frame: &Frame<'_, M, L>,
+        memory: &mut Memory<V, I, K>,
+        group: &mut Group<'_>,
+        out: &mut [Vec3],
+    ) {
+        let (count, tolerance) = (frame.lights.len(), frame.accuracy.tolerance);
+        let is_single = |light: &usize| !self.sky.replaces(*light);
+        // A light that shows an image is integrated where it is seen; one without shadows needs no query.
+        let is_known = |light: &usize| frame.lights[*light].image().is_none() && frame.lights[*light].has_shadows();
+        memory.faint.begin(receivers.len(), count);
+        for light in (0..count).filter(is_single).filter(is_known) {
+            let Memory { tile, lobes, cones, integrals, lit, faint, .. } = &mut *memory;
+            frame.lights[light].tile_light(receivers, tile, cones);
+            cap_integrals(cones, lobes, integrals);
+            let threshold = frame.threshold;
+            TileInteraction { at: receivers, lobes, light: cones, integrals, threshold, slack: 0.0 }
+                .unshadowed(&mut group.stats, lit);
+            faint.add(light, lit);
+            group.count_integrals(faint.integrals(), true);
+        }
+        memory.faint.find(tolerance);
+        group.stats.lap(1);
+        for light in (0..count).filter(is_single) {
+            if group.is_cancelled() {
+                return;
+            }
+            if !is_known(&light) {
+                self.light(receivers, frame, (light, Sum::All), memory, group);
+                group.add(&memory.lit, light, count, out);
+                continue;
+            }
+            let strong = memory.faint.strong(light);
+            self.some_receivers(receivers, frame, (light, strong), memory, group, out);
+        }
+        memory.faint.find_late(out, tolerance);
+        for light in 0..count {
+            if group.is_cancelled() {
+                return;
+            }
+            let late = memory.faint.late(light);
+            self.some_receivers(receivers, frame, (light, late), memory, group, out);
+        }
+        group.add_faint(&memory.faint, count, out);
+    }
+
+    /// Adds the contributions of one of many lights to some receivers, as bits. Its integrals and dropped lobes were counted before.
+    fn some_receivers<M: BrdfLobes, L: LightLobes>(
+        &self,
+        receivers: &[Receiver],
+        frame: &Frame<'_, M, L>,
+        (light, only): (usize, u64),
+        memory: &mut Memory<V, I, K>,
+        group: &mut Group<'_>,
+        out: &mut [Vec3],
+    ) {
+        if only == 0 {
+            return;
+        }
+        let pruned = group.stats.pruned;
+        self.light(receivers, frame, (light, Sum::Only(only)), memory, group);
+        group.add(&memory.lit, light, frame.lights.len(), out);
+        group.stats.pruned = pruned;
+        group.stats.integrals -= memory.faint.integrals().iter().sum::<u32>() as usize;
+        group.count_integrals(memory.faint.integrals(), false);
+    }
+
+    /// The contributions of one light to a group, in `memory.lit`: none, and `false`, where lobes that a sky has left see nothing of it.
     fn light<M: BrdfLobes, L: LightLobes>(
         &self,
         receivers: &[Receiver],
         frame: &Frame<'_, M, L>,
-        light: usize,
-        is_rest: bool,
+        (light, sum): (usize, Sum),
         memory: &mut Memory<V, I, K>,
         group: &mut Group<'_>,
     ) -> bool {
+        let is_rest = sum == Sum::Rest;
         let (id, light, stats) = (LightId(light as u32), &frame.lights[light], &mut group.stats);
+        let slack = memory.faint.slack(id.0 as usize, frame.accuracy.tolerance);
         let Memory { tile, lobes, cones, integrals, lit, scratch, integration, .. } = memory;
         let (sphere, half_extent) = tile.bounds();
         light.tile_light(receivers, tile, cones);
         // A light that shows an image is integrated where it is seen.
         if I::TAKES_INTEGRALS && (is_rest || light.image().is_none()) {
             cap_integrals(cones, lobes, integrals);
+        }
+        if let Sum::Only(only) = sum {
+            let others = (0..receivers.len()).filter(|i| only & 1 << i == 0);
+            others.flat_map(|i| lobes.of(i)).for_each(|(number, _)| integrals[number] = 0.0);
         }
         stats.lap(1);
         let is_seen = |i: usize| lobes.of(i).any(|(number, _)| integrals[number] > FAINT);
@@ -292,7 +398,11 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
             visibility.query_each_receiver();
         }
         stats.lap(2);
-        let tile = TileInteraction { at: receivers, lobes, light: cones, integrals, threshold: frame.threshold };
+        let slack = match sum {
+            Sum::Only(u64::MAX) if self.is_interpolated && group.is_square => slack,
+            _ => 0.0,
+        };
+        let tile = TileInteraction { at: receivers, lobes, light: cones, integrals, threshold: frame.threshold, slack };
         self.integrator.tile(&tile, &mut visibility, integration, stats, lit);
         true
     }
@@ -318,9 +428,21 @@ where
     }
 }
 
+/// The part of a light's contributions to a group that is summed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sum {
+    All,
+    /// Those of lobes that a sky has left.
+    Rest,
+    /// Those to some receivers, as bits.
+    Only(u64),
+}
+
 /// The results of a group of points, but for their radiance.
 struct Group<'a> {
     request: &'a ShadeRequest<'a>,
+    /// Whether it is 8 rows of 8 neighbouring pixels.
+    is_square: bool,
     layers: Layers,
     stats: GroupStats,
 }
@@ -336,6 +458,30 @@ impl Group<'_> {
             *out += lit.radiance(i);
         }
         self.layers.add(lit, light, lights);
+        self.stats.lap(4);
+    }
+
+    /// Counts a light's integrals in the layer, or takes back those that were counted twice.
+    fn count_integrals(&mut self, each: &[u32], is_new: bool) {
+        let change = |count: &mut u32, n: u32| *count = if is_new { *count + n } else { *count - n };
+        self.layers.integrals.iter_mut().zip(each).for_each(|(count, n)| change(count, *n));
+    }
+
+    /// Adds the faint lights of each receiver.
+    fn add_faint(&mut self, faint: &Faint, lights: usize, out: &mut [Vec3]) {
+        for (i, out) in out.iter_mut().enumerate() {
+            let fraction = faint.fraction(i, *out);
+            for light in (0..lights).filter(|light| faint.of(*light) & 1 << i != 0) {
+                let unshadowed = faint.unshadowed(light, i);
+                *out += unshadowed * fraction;
+                if let Some(sum) = self.layers.unshadowed.get_mut(i) {
+                    *sum += unshadowed;
+                }
+                if let Some(of_light) = self.layers.lights.get_mut(i * lights + light) {
+                    *of_light += unshadowed * fraction;
+                }
+            }
+        }
         self.stats.lap(4);
     }
 
@@ -374,6 +520,7 @@ struct Memory<V: Visibility, I: Integrator<V>, K: SkyLighting> {
     cones: TileLight,
     integrals: Vec<f32>,
     lit: TileContributions,
+    faint: Faint,
     scratch: V::Scratch,
     sky: K::Scratch,
     integration: I::Scratch,

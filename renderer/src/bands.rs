@@ -71,7 +71,8 @@ impl<'w> Bands<'w> {
         let part = [range(&window.columns), range(&window.rows)];
         let (image, cancel) = (window.image.map(|side| side as u32), self.cancel);
         let find = || GBuffer::sampled(world, image, samples, part, cancel);
-        let found = seconds(&mut self.seconds, find).ok_or(RenderError::Cancelled)?;
+        let mut found = seconds(&mut self.seconds, find).ok_or(RenderError::Cancelled)?;
+        found.find_squares();
         self.kept.found += 1;
         Ok(found)
     }

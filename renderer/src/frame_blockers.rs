@@ -41,6 +41,8 @@ pub struct FrameBlockers<'a> {
     custom: &'a [Box<dyn CustomStrategy>],
     /// See [`Settings::own_radiance`].
     of_own: bool,
+    /// See [`Settings::interpolate`].
+    is_interpolated: bool,
     /// The meshes by silhouettes for all receivers.
     meshes: Vec<&'a SilhouetteMesh>,
     /// Whether there are shared meshes beside them.
@@ -118,6 +120,7 @@ impl<'a> FrameBlockers<'a> {
             sky: None,
             custom: &[],
             of_own: false,
+            is_interpolated: false,
             meshes,
             has_instances: !instances.is_empty(),
             hides,
@@ -139,9 +142,9 @@ impl<'a> FrameBlockers<'a> {
         are_drawn && method == Method::Moments
     }
 
-    /// Adds the custom strategies, and sets [the kind of tolerance](Settings::own_radiance).
+    /// Adds the custom strategies, and sets [the kind of tolerance](Settings::own_radiance) and [interpolation](Settings::interpolate).
     pub(crate) fn with(self, custom: &'a [Box<dyn CustomStrategy>], settings: &Settings) -> Self {
-        Self { custom, of_own: settings.own_radiance, ..self }
+        Self { custom, of_own: settings.own_radiance, is_interpolated: settings.interpolate, ..self }
     }
 
     /// The meshes by silhouettes, packed for a GPU. `None` if other objects are traced by rays anyway, if there are instances, or if a round light contains
@@ -223,7 +226,7 @@ impl<'a> FrameBlockers<'a> {
         let sky = self.sky.filter(|_| is_summed);
         let sky = sky.map(|sky| SkyShader::new(sky.tables, sky.replaced, (spheres, silhouettes)));
         let maps = self.maps.map(|maps| Mixture::new(maps, self.drawn));
-        let form = (method, self.of_own);
+        let form = (method, self.of_own, self.is_interpolated);
         let custom = DynMixture(self.custom.iter().map(|own| own.blockers()).collect());
         match (spheres, maps, silhouettes, self.rays) {
             parts if !custom.0.is_empty() => {
@@ -257,11 +260,12 @@ pub trait ShaderTask {
     fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, RenderError>;
 }
 
-/// Shades with masks, by a method, with the tolerance relative to [own radiance](Settings::own_radiance) or not.
+/// Shades with masks, by a method, with the tolerance relative to [own radiance](Settings::own_radiance) or not, with
+/// [interpolation](Settings::interpolate) or without.
 fn masked<B: Blockers, W: ShaderTask>(
     blockers: B,
     sky: Option<Sky<'_>>,
-    (method, of_own): (Method, bool),
+    (method, of_own, is_interpolated): (Method, bool, bool),
     tables: Option<&Tables>,
     work: W,
 ) -> Result<W::Output, RenderError> {
@@ -273,6 +277,6 @@ fn masked<B: Blockers, W: ShaderTask>(
             let visibility = PaperVisibility::new(visibility.into_blockers(), tables);
             work.with(&mut CpuShader::with_integrator(visibility, PaperIntegrator { tables }))
         }
-        _ => work.with(&mut CpuShader::new(visibility).with_sky(sky)),
+        _ => work.with(&mut CpuShader::new(visibility).interpolating(is_interpolated).with_sky(sky)),
     }
 }

@@ -1,4 +1,4 @@
-use crate::error::{LAYERS, LOBES, OWN};
+use crate::error::{BETWEEN, LAYERS, LOBES, OWN};
 use crate::{LayerSet, RenderError};
 use render_cpu::PixelSamples;
 use scene::Strategy;
@@ -52,6 +52,10 @@ pub struct Settings {
     /// visible through an opening, as in a room behind a window, a CPU always draws masks again around that part; this does so in the dark
     /// ends of penumbrae as well. On the CPU; up to 23 % slower.
     pub own_radiance: bool,
+    /// Whether visible fractions are interpolated between the pixels of a tile, under eight lights and more that silhouettes hide, where no penumbra is
+    /// narrower than the distance of these pixels. The tolerance is the picture's, over all lights together. On the CPU. Parts of a picture are those
+    /// of the whole, to the bit, where their borders are multiples of 8 pixels.
+    pub interpolate: bool,
     /// Contributions whose radiance is below this are dropped.
     pub threshold: f32,
     /// Camera rays a pixel.
@@ -113,6 +117,7 @@ impl Settings {
         match device {
             Device::Gpu if self.layers.is_of_cpu() => Err(RenderError::NotOnGpu(LAYERS)),
             Device::Gpu if self.own_radiance => Err(RenderError::NotOnGpu(OWN)),
+            Device::Gpu if self.interpolate => Err(RenderError::NotOnGpu(BETWEEN)),
             Device::Gpu if self.method == Method::Lobes => Err(RenderError::NotOnGpu(LOBES)),
             _ => Ok(()),
         }
@@ -129,6 +134,7 @@ impl Default for Settings {
             accuracy: Accuracy::default(),
             time_budget: None,
             own_radiance: false,
+            interpolate: false,
             threshold: 0.0,
             samples: PixelSamples::Uniform(1),
             map_resolution: None,

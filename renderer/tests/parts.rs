@@ -68,6 +68,44 @@ fn parts_in_any_order_make_the_picture() {
     }
 }
 
+/// Interpolated pictures differ from others by less than the tolerance; parts of whole tiles have their bits. A GPU refuses.
+#[test]
+fn tiles_of_interpolated_pictures() {
+    let mut scene = stage();
+    // Meshes alone, by silhouettes.
+    scene.objects.truncate(1);
+    let center = Vec3::new(-0.4, 1.6, 0.2);
+    scene.objects.push(Object::mesh("globe", globe(6, center, 0.5, true), 0, Proxy::None));
+    scene.camera.eye = Vec3::new(0.0, 6.0, 2.0);
+    scene.camera.target = Vec3::ZERO;
+    for k in 0..11 {
+        let center = Vec3::new((k % 4) as f32 - 1.5, 4.0, (k / 4) as f32 - 1.0);
+        scene.lights.push(SphereLight::new(Sphere { center, radius: 0.9 }, Vec3::splat(2.0)).into());
+    }
+    for samples in [PixelSamples::Uniform(1), PixelSamples::Edges(5)] {
+        let strategy = Some(Strategy::Silhouettes);
+        let settings = Settings { strategy, samples, interpolate: true, ..Settings::default() };
+        let renderer = |settings| Renderer::new(scene.clone(), Animation::default(), settings).expect("a scene");
+        let want = renderer(settings.clone()).render().expect("a picture").radiance;
+        let exact = renderer(Settings { interpolate: false, ..settings.clone() }).render().expect("a picture").radiance;
+        let error = want.iter().zip(&exact).map(|(a, b)| (*a - *b).abs().max_element() / b.max_element().max(0.05));
+        let largest = error.fold(0.0, f32::max);
+        assert!(largest > 0.0 && largest < 5.0 * 0.005, "{largest}");
+        let mut parted = renderer(settings);
+        for size in [[8, 8], [75, 8], [16, 46]] {
+            let parts: Vec<Window> = whole().parts(size).collect();
+            let mut picture = vec![Vec3::NAN; whole().pixels()];
+            let stats = parted.render_parts(&parts, &mut go_on, &mut |band| {
+                band.copy_to(&whole(), &mut picture);
+                ControlFlow::Continue(())
+            });
+            assert!(stats.is_ok() && picture == want, "{samples:?}, {size:?}");
+        }
+    }
+    let settings = Settings { interpolate: true, ..Settings::default() };
+    assert!(matches!(settings.check_device(renderer::Device::Gpu), Err(RenderError::NotOnGpu(_))));
+}
+
 /// The visible points of parts are kept like those of a whole picture, and the box around all of them is found once.
 #[test]
 fn parts_are_found_once() {

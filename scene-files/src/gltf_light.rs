@@ -14,10 +14,10 @@ const POINT: f32 = 1e-3;
 /// A light at the origin of its node.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum NodeLight {
-    /// Intensity.
-    Point(Vec3),
-    /// Intensity along the axis, and the cosines of the angles between which it falls.
-    Spot(Vec3, [f32; 2]),
+    /// Intensity, and the range, which may be infinite.
+    Point(Vec3, f32),
+    /// Intensity along the axis, the cosines of the angles between which it falls, and the range.
+    Spot(Vec3, [f32; 2], f32),
     /// Irradiance.
     Sun(Vec3),
 }
@@ -55,6 +55,8 @@ fn parse(light: &Punctual) -> Result<NodeLight, String> {
     {
         return Err(format!("found range {range}: expected a number above 0"));
     }
+    // Of lights at infinity it says nothing.
+    let range = light.range.unwrap_or(f32::INFINITY);
     let value = color * intensity;
     // Of finite numbers: infinite at worst.
     if value.max_element() > 1e20 {
@@ -62,7 +64,7 @@ fn parse(light: &Punctual) -> Result<NodeLight, String> {
     }
     match light.type_ {
         Checked::Invalid => Err("expected the type \"point\", \"spot\" or \"directional\"".to_owned()),
-        Checked::Valid(Type::Point) => Ok(NodeLight::Point(value)),
+        Checked::Valid(Type::Point) => Ok(NodeLight::Point(value, range)),
         Checked::Valid(Type::Directional) => Ok(NodeLight::Sun(value)),
         Checked::Valid(Type::Spot) => {
             let spot = light.spot.as_ref().ok_or("a spot without its angles")?;
@@ -72,7 +74,7 @@ fn parse(light: &Punctual) -> Result<NodeLight, String> {
                     "found innerConeAngle {inner} and outerConeAngle {outer}: expected 0 ≤ inner < outer ≤ π/2"
                 ));
             }
-            Ok(NodeLight::Spot(value, [inner.cos(), outer.cos()]))
+            Ok(NodeLight::Spot(value, [inner.cos(), outer.cos()], range))
         }
     }
 }
@@ -82,9 +84,13 @@ impl NodeLight {
     pub(crate) fn at_origin(self, shown: &Bounds) -> Light {
         let sphere = Sphere { center: Vec3::ZERO, radius: POINT * shown.radius().max(f32::MIN_POSITIVE.sqrt()) };
         match self {
-            Self::Point(intensity) => SphereLight::with_intensity(sphere, intensity).into(),
-            Self::Spot(intensity, cos) => {
-                SpotLight { light: SphereLight::with_intensity(sphere, intensity), axis: Vec3::NEG_Z, cos }.into()
+            Self::Point(intensity, f32::INFINITY) => SphereLight::with_intensity(sphere, intensity).into(),
+            Self::Point(intensity, range) => {
+                SpotLight::everywhere(SphereLight::with_intensity(sphere, intensity), range).into()
+            }
+            Self::Spot(intensity, cos, range) => {
+                let light = SphereLight::with_intensity(sphere, intensity);
+                SpotLight { light, axis: Vec3::NEG_Z, cos, range }.into()
             }
             Self::Sun(irradiance) => {
                 let world = Sphere { center: shown.center(), radius: shown.radius() };

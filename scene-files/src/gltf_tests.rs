@@ -258,6 +258,9 @@ fn punctual_lights_are_read() {
     let [_, lighting::Light::Sun(sun)] = lights[..] else { panic!("{lights:?}") };
     assert!((sun.toward - Vec3::Y).length() < 1e-6);
     assert!((sun.radiance.x * std::f32::consts::PI * sun.sin.powi(2) - 2.0).abs() < 1e-4);
+    let lights = lit(r#"{"type": "point", "range": 8}, {"type": "spot", "range": 3, "spot": {}}"#).unwrap();
+    let [lighting::Light::Spot(point), lighting::Light::Spot(spot)] = lights[..] else { panic!("{lights:?}") };
+    assert_eq!((point.range, point.cos, spot.range), (8.0, [-1.0; 2], 3.0));
     for (wrong, words) in [
         (r#"{"type": "point", "intensity": -5}, {"type": "point"}"#, "-5"),
         (r#"{"type": "laser"}, {"type": "point"}"#, "\"spot\""),

@@ -182,7 +182,7 @@ fn spot<'s>(t: &mut Table<'s>, around: &Around<'_>) -> Result<Own<'s>, SceneErro
     let cos = read_spot(t)?;
     let own = sphere(t, around, Some(POINT), &["intensity", "radiance"])?;
     let spot = |light| match light {
-        Light::Sphere(light) => SpotLight { light, axis, cos }.into(),
+        Light::Sphere(light) => SpotLight { light, axis, cos, range: f32::INFINITY }.into(),
         other => other,
     };
     Ok(Own { lights: own.lights.into_iter().map(spot).collect(), ..own })

@@ -73,6 +73,7 @@ impl ShadingPoints {
         self.receivers = order.iter().map(|i| self.receivers[*i as usize]).collect();
         self.materials = order.iter().map(|i| self.materials[*i as usize]).collect();
         self.ends.clear();
+        self.squares.clear();
     }
 }
 
@@ -94,7 +95,12 @@ mod tests {
             (100, vec![60, 700]),
             (300, vec![299, 40, 300]),
         ] {
-            let points = ShadingPoints { receivers: vec![at; count], materials: vec![0; count], ends: ends.clone() };
+            let points = ShadingPoints {
+                receivers: vec![at; count],
+                materials: vec![0; count],
+                ends: ends.clone(),
+                squares: Vec::new(),
+            };
             let groups = points.groups();
             assert_eq!(groups.iter().cloned().flatten().collect::<Vec<_>>(), (0..count).collect::<Vec<_>>());
             assert!(groups.iter().all(|group| (1..=GROUP).contains(&group.len())));

@@ -15,6 +15,8 @@ pub struct ShadingPoints {
     pub materials: Vec<u32>,
     /// Where each tile of a picture ends among the receivers: points of two tiles are not culled together. May be left empty.
     pub ends: Vec<usize>,
+    /// Where square tiles begin, in order: each has [`GROUP`](crate::GROUP) points, 8 rows of 8 neighbouring pixels. May be left empty.
+    pub squares: Vec<usize>,
 }
 
 /// Blockers of all objects, posed for this frame.
@@ -101,7 +103,8 @@ pub struct StageSeconds {
     pub integration: f64,
 }
 
-/// Counts of the computation; independent of the machine.
+/// Counts of the computation; independent of the machine. Pairs of a point and a light that is faint for it, which a CPU does not query under many lights,
+/// are neither lit nor dark nor between.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Visibility lobes generated.

@@ -144,7 +144,7 @@ mod tests {
         let flat = FlatLight::rectangle(Vec3::Y * 3.0, Vec3::X, Vec3::Z * 0.4, radiance).unwrap();
         vec![
             sphere.into(),
-            SpotLight { light: sphere, axis: Vec3::NEG_Y, cos: [0.9, 0.8] }.into(),
+            SpotLight { light: sphere, axis: Vec3::NEG_Y, cos: [0.9, 0.8], range: f32::INFINITY }.into(),
             flat.into(),
             FlatLight::disc(Vec3::Y * 3.0, Vec3::new(0.1, -1.0, 0.2), 0.7, radiance).unwrap().into(),
             TubeLight { ends: [Vec3::Y, Vec3::Y + Vec3::X], radius: 0.1, radiance }.into(),

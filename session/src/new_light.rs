@@ -76,7 +76,7 @@ impl NewLight {
             Self::Spot => {
                 let light = SphereLight::with_intensity(Sphere { radius: 0.25 * size, ..sphere }, power);
                 let cos = [25.0_f32, 35.0].map(|degrees| degrees.to_radians().cos());
-                SpotLight { light, axis: along, cos }.into()
+                SpotLight { light, axis: along, cos, range: f32::INFINITY }.into()
             }
             Self::Sun => SunLight::new(-along, 0.5 * SUN, Vec3::splat(irradiance), sphere).into(),
             Self::Rectangle | Self::Disc => {

@@ -4,6 +4,7 @@ use crate::{Coverage, Shaft, Visibility, VisibilityQuery};
 use core::any::Any;
 use glam::Vec3;
 use lobe_core::{Lobe, Microfacets};
+use lobe_core::{Receiver, Sphere};
 
 /// Working memory of a strategy behind `dyn`.
 pub type DynScratch = Box<dyn Any + Send>;
@@ -14,6 +15,8 @@ pub trait DynVisibility: Sync {
     fn dyn_scratch(&self) -> DynScratch;
     /// See [`Visibility::enter`].
     fn dyn_enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> Coverage;
+    /// See [`Visibility::narrowest_penumbra`].
+    fn dyn_narrowest_penumbra(&self, at: &Receiver, part: Sphere, scratch: &mut DynScratch) -> f32;
     /// See [`Visibility::coverage`].
     fn dyn_coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut DynScratch) -> Coverage;
     /// See [`Visibility::fraction`].
@@ -43,6 +46,9 @@ where
     }
     fn dyn_enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> Coverage {
         self.enter(shaft, downcast(scratch))
+    }
+    fn dyn_narrowest_penumbra(&self, at: &Receiver, part: Sphere, scratch: &mut DynScratch) -> f32 {
+        self.narrowest_penumbra(at, part, downcast(scratch))
     }
     fn dyn_coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut DynScratch) -> Coverage {
         self.coverage(query, downcast(scratch))
@@ -75,6 +81,9 @@ impl<'v> Visibility for Box<dyn DynVisibility + 'v> {
     }
     fn enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> Coverage {
         (**self).dyn_enter(shaft, scratch)
+    }
+    fn narrowest_penumbra(&self, at: &Receiver, part: Sphere, scratch: &mut DynScratch) -> f32 {
+        (**self).dyn_narrowest_penumbra(at, part, scratch)
     }
     fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut DynScratch) -> Coverage {
         (**self).dyn_coverage(query, scratch)

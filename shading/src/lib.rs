@@ -51,6 +51,7 @@ mod light_lobes;
 mod shaft;
 #[cfg(test)]
 mod shaft_tests;
+mod tile_blocks;
 mod tile_integrator;
 mod visibility;
 

@@ -1,6 +1,7 @@
 //! The sum of [`FractionIntegrator`](crate::FractionIntegrator) for all receivers of a tile: sixteen rows in one instruction.
 
 use crate::integrator::{FractionSource, query};
+use crate::tile_blocks::Blocks;
 use crate::{Contribution, Coverage, Interaction, LightCoverage, LightVisibility, Observer, Stage, Visibility};
 use glam::Vec3;
 use lobe_core::lanes::{Kept, Lane, Level, WIDTH, ones, row, rows_above, update};
@@ -20,6 +21,8 @@ pub struct TileInteraction<'a> {
     pub integrals: &'a [f32],
     /// See [`Interaction::threshold`].
     pub threshold: f32,
+    /// The error that a visible fraction may have where it is interpolated between receivers, which are 8 rows of 8 then. 0: none is.
+    pub slack: f32,
 }
 
 /// The contributions of one light to the receivers of a tile, and working memory.
@@ -97,7 +100,7 @@ impl TileContributions {
         self.blocks.iter_mut().for_each(|block| block.0[INTEGRAL + 1..].as_flattened_mut().fill(0.0));
     }
 
-    fn set(&mut self, i: usize, radiance: Vec3, [lobes, integrals]: [usize; 2]) {
+    pub(crate) fn set(&mut self, i: usize, radiance: Vec3, [lobes, integrals]: [usize; 2]) {
         self.set_color(RADIANCE, i, radiance);
         let sums = &mut self.blocks[i / WIDTH].0;
         sums[INTEGRALS][i % WIDTH] += integrals as f32;
@@ -132,15 +135,43 @@ impl TileInteraction<'_> {
         }
         out.reset(self.at.len());
         self.sum_unshadowed(out);
+        let is_spread = self.slack > 0.0 && visibility.group_coverage() != Coverage::Lit;
+        let mut blocks = (is_spread && self.at.len() == Blocks::COUNT).then(|| Blocks::new(self, out)).flatten();
+        if let Some(blocks) = &mut blocks {
+            let mut evaluate = |i: usize, visibility: &mut LightVisibility<'_, V>, out: &mut TileContributions| {
+                self.shadow(i, visibility, source, &mut *observer, out);
+            };
+            blocks.spread(self, visibility, &mut evaluate, out);
+        }
         for first in (0..self.at.len()).step_by(WIDTH) {
-            let sums = &out.blocks[first / WIDTH].0;
-            let rows = WIDTH.min(self.at.len() - first);
-            observer.count(0, total(&sums[INTEGRALS], rows));
-            (0..total(&sums[DROPPED], rows)).for_each(|_| observer.prune());
-            for j in ones(rows_above(&sums[ABOVE], 0.0) & ((1 << rows) - 1)) {
+            let rows = self.count(first, observer, out);
+            if let Some(blocks) = &blocks {
+                blocks.interpolated(first..first + rows).for_each(|v| observer.coverage(v));
+                continue;
+            }
+            let above = rows_above(&out.blocks[first / WIDTH].0[ABOVE], 0.0);
+            for j in ones(above & ((1 << rows) - 1)) {
                 self.shadow(first + j, visibility, source, observer, out);
             }
         }
+    }
+
+    /// The contributions without visibility: those lobes above the threshold whose integrals were given, at no query.
+    pub fn unshadowed(&self, observer: &mut impl Observer, out: &mut TileContributions) {
+        out.reset(self.at.len());
+        self.sum_unshadowed(out);
+        for first in (0..self.at.len()).step_by(WIDTH) {
+            self.count(first, observer, out);
+        }
+    }
+
+    /// Counts the integrals of a block of receivers, and the lobes that were dropped. Returns the number of receivers.
+    fn count(&self, first: usize, observer: &mut impl Observer, out: &TileContributions) -> usize {
+        let sums = &out.blocks[first / WIDTH].0;
+        let rows = WIDTH.min(self.at.len() - first);
+        observer.count(0, total(&sums[INTEGRALS], rows));
+        (0..total(&sums[DROPPED], rows)).for_each(|_| observer.prune());
+        rows
     }
 
     /// Adds every lobe to its receiver's row, without visibility.

@@ -2,6 +2,7 @@
 
 use crate::{Accuracy, LightId, Shaft};
 use glam::Vec3;
+use lobe_core::Sphere;
 use lobe_core::{
     BrdfLobe, Cone, LightImage, Lobe, Microfacets, Outline, Receiver, VisibilitySum, light_integral, visible_fraction,
 };
@@ -71,6 +72,9 @@ impl<'a> VisibilityQuery<'a> {
 /// use lobe_core::*;
 /// use shading::*;
 /// use shading::*;
+/// use shading::*;
+/// use shading::*;
+/// use shading::*;
 ///
 /// /// Frosted glass before every light: half of the light passes.
 /// struct Veil;
@@ -114,6 +118,21 @@ pub trait Visibility: Sync {
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
         let _ = (shaft, scratch);
         Coverage::Partial
+    }
+
+    /// The width of the narrowest penumbra that blockers of this light may cast on a part of the group that [entered](Self::enter) last, in units of
+    /// the scene: on receivers inside the sphere `part` that are on the face of `at`. While a receiver moves by this much, a
+    /// shadow crosses the light:
+    ///
+    /// ```text
+    /// width = 2R d/(D − d)        R, D: radius and distance of the light; d: distance of the blocker
+    /// ```
+    ///
+    /// So no shadow is hidden between receivers that are less than half of it apart, however thin its blocker is. Infinite where all see the same: all of
+    /// the light, or nothing. Provided: 0, which says nothing.
+    fn narrowest_penumbra(&self, at: &Receiver, part: Sphere, scratch: &mut Self::Scratch) -> f32 {
+        let _ = (at, part, scratch);
+        0.0
     }
 
     /// How much of the light is seen.
@@ -172,6 +191,9 @@ pub trait VisibilityLobes: Visibility {
 /// ```
 /// use glam::Vec3;
 /// use lobe_core::*;
+/// use shading::*;
+/// use shading::*;
+/// use shading::*;
 /// use shading::*;
 /// use shading::*;
 /// let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z);
@@ -275,6 +297,11 @@ impl<'v, V: Visibility + ?Sized> LightVisibility<'v, V> {
         self.group = Coverage::Partial;
     }
 
+    /// The width of the narrowest penumbra on a part of the group: see [`Visibility::narrowest_penumbra`].
+    pub fn narrowest_penumbra(&mut self, at: &Receiver, part: Sphere) -> f32 {
+        self.visibility.narrowest_penumbra(at, part, self.scratch)
+    }
+
     /// How much of the light a receiver sees, whose cone from there is `cone` and whose bright part, if that is not all of the
     /// cone, is `outline`.
     pub fn coverage<'q>(&mut self, at: &'q Receiver, cone: &'q Cone, outline: Option<&'q Outline>) -> LightCoverage<'q>
@@ -340,6 +367,9 @@ impl Visibility for Unshadowed {
     fn scratch(&self) {}
     fn enter(&self, _: &Shaft, (): &mut ()) -> Coverage {
         Coverage::Lit
+    }
+    fn narrowest_penumbra(&self, _: &Receiver, _: Sphere, (): &mut ()) -> f32 {
+        f32::INFINITY
     }
     fn coverage(&self, _: &VisibilityQuery<'_>, (): &mut ()) -> Coverage {
         Coverage::Lit

@@ -1,5 +1,6 @@
 use crate::{Blockers, Edges, Mask, UnitSquare};
 use glam::Vec2;
+use lobe_core::{Receiver, Sphere};
 use shading::{Coverage, Shaft, VisibilityQuery};
 
 /// Two kinds of blockers in one mask: a direction is hidden if either hides it. Pairs of pairs give more kinds.
@@ -46,6 +47,11 @@ impl<A: Blockers, B: Blockers> Blockers for Mixture<A, B> {
         let first = self.first.enter(shaft, &mut scratch.first);
         let second = self.second.enter(shaft, &mut scratch.second);
         if first == Coverage::Lit { second } else { first }
+    }
+
+    fn narrowest_penumbra(&self, at: &Receiver, part: Sphere, scratch: &mut Self::Scratch) -> f32 {
+        let first = self.first.narrowest_penumbra(at, part, &mut scratch.first);
+        first.min(self.second.narrowest_penumbra(at, part, &mut scratch.second))
     }
 
     fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {

@@ -1,5 +1,6 @@
 use crate::{Blockers, Edges, Mask, UnitSquare};
 use glam::Vec2;
+use lobe_core::{Receiver, Sphere};
 use shading::{Coverage, Shaft, VisibilityQuery};
 
 /// Blockers that a scene may not have: `None` blocks nothing, at the cost of one branch a query.
@@ -23,6 +24,13 @@ impl<B: Blockers> Blockers for Option<B> {
         match (self, scratch) {
             (Some(blockers), Some(scratch)) => blockers.enter(shaft, scratch),
             _ => Coverage::Lit,
+        }
+    }
+
+    fn narrowest_penumbra(&self, at: &Receiver, part: Sphere, scratch: &mut Self::Scratch) -> f32 {
+        match (self, scratch) {
+            (Some(blockers), Some(scratch)) => blockers.narrowest_penumbra(at, part, scratch),
+            _ => f32::INFINITY,
         }
     }
 
@@ -65,6 +73,10 @@ impl<B: Blockers> Blockers for &B {
 
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
         B::enter(self, shaft, scratch)
+    }
+
+    fn narrowest_penumbra(&self, at: &Receiver, part: Sphere, scratch: &mut Self::Scratch) -> f32 {
+        B::narrowest_penumbra(self, at, part, scratch)
     }
 
     fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {

@@ -5,7 +5,9 @@ use crate::square::WIDEST_TAN;
 use crate::window_masks::{WindowMasks, image_fractions, microfacet_fractions};
 use crate::{Edges, Fineness, MAX_DEPTH, Mask, UnitSquare};
 use glam::{UVec2, Vec2, Vec3};
-use lobe_core::{BrdfLobe, Cone, LightImage, Lobe, Microfacets, Outline, Schlick, VisibilitySum, is_lambert};
+use lobe_core::{
+    BrdfLobe, Cone, LightImage, Lobe, Microfacets, Outline, Receiver, Schlick, Sphere, VisibilitySum, is_lambert,
+};
 use shading::{Accuracy, Coverage, Shaft, Visibility, VisibilityLobes, VisibilityQuery};
 
 /// A lobe whose logarithm falls by more than this over a radius of the light has masks as fine as a narrow one: otherwise a few
@@ -63,6 +65,12 @@ pub trait Blockers: Sync {
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
         let _ = (shaft, scratch);
         Coverage::Partial
+    }
+
+    /// The width of the narrowest penumbra on a part of the group: see [`Visibility::narrowest_penumbra`]. Provided: 0, not known.
+    fn narrowest_penumbra(&self, at: &Receiver, part: Sphere, scratch: &mut Self::Scratch) -> f32 {
+        let _ = (at, part, scratch);
+        0.0
     }
 
     /// Finds the blockers that may meet this receiver's light cone. [`Coverage::Lit`] if there are none, [`Coverage::Dark`] if a
@@ -379,6 +387,10 @@ impl<B: Blockers> Visibility for MaskVisibility<B> {
 
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
         self.blockers.enter(shaft, &mut scratch.blockers)
+    }
+
+    fn narrowest_penumbra(&self, at: &Receiver, part: Sphere, scratch: &mut Self::Scratch) -> f32 {
+        self.blockers.narrowest_penumbra(at, part, &mut scratch.blockers)
     }
 
     fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {

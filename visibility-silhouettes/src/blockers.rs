@@ -5,6 +5,7 @@ use crate::count::{Counter, Fewest};
 use crate::fit::{is_flat, side};
 use crate::hull::Fineness;
 use crate::lists::{Lists, Meshes};
+use crate::penumbra::narrowest;
 
 use crate::project::{Crossing, View, project};
 use crate::select::{Silhouettes, add_edges, silhouettes};
@@ -164,6 +165,19 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
         is_plane && first.is_none_or(|corners| self.hits.has(at.object) && is_theirs(corners))
     }
 
+    /// [`is_one_side`](Self::is_one_side), which is kept while the receivers are the same.
+    fn is_plane(&self, at: &Receiver, scratch: &mut SilhouetteScratch<H::Scratch>) -> bool {
+        let known = Plane { origins: scratch.lists.origins(), object: at.object, face: at.face, is_plane: false };
+        match scratch.plane {
+            Some(plane) if known == (Plane { is_plane: false, ..plane }) => plane.is_plane,
+            _ => {
+                let is_plane = self.is_one_side(at, &scratch.lists);
+                scratch.plane = Some(Plane { is_plane, ..known });
+                is_plane
+            }
+        }
+    }
+
     /// Finds the outlines in which a flat light's plane cuts triangles near it. Returns whether there are any.
     fn clip_by_plane(&self, light: &Outline, scratch: &mut SilhouetteScratch<H::Scratch>) -> bool {
         if scratch.near_of != scratch.light {
@@ -213,6 +227,8 @@ pub struct SilhouetteScratch<H> {
     is_met: bool,
     /// One result for all receivers of the shaft on one face; searched after the first of them.
     alike: Option<Alike>,
+    /// Whether the receivers of a group are on one side of all triangles near them.
+    plane: Option<Plane>,
     /// Whether triangles reach into the light, those that its surface cuts, and the light for which both are known.
     is_clipped: bool,
     light: Sphere,
@@ -247,6 +263,15 @@ struct Alike {
     coverage: Option<Coverage>,
 }
 
+/// Receivers on one face of an object, and whether they are on one side of all triangles near them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Plane {
+    origins: Sphere,
+    object: u32,
+    face: Vec3,
+    is_plane: bool,
+}
+
 impl Alike {
     fn of(self, at: &Receiver) -> Option<Coverage> {
         self.coverage.filter(|_| (self.object, self.face) == (at.object, at.face))
@@ -262,6 +287,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             lists: Lists::default(),
             is_met: true,
             alike: None,
+            plane: None,
             is_clipped: false,
             // A light that no caller can mean.
             light: Sphere { center: Vec3::NAN, radius: 0.0 },
@@ -288,6 +314,18 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         self.list(shaft, scratch);
         scratch.entered = true;
         if scratch.lists.is_empty() && !scratch.is_met { Coverage::Lit } else { Coverage::Partial }
+    }
+
+    fn narrowest_penumbra(&self, at: &Receiver, part: Sphere, scratch: &mut Self::Scratch) -> f32 {
+        let light = scratch.light;
+        if !scratch.entered || scratch.is_clipped {
+            return 0.0;
+        }
+        let Some(edges) = scratch.lists.whole() else { return 0.0 };
+        let part = Sphere { radius: part.radius + scratch.lists.margin(), ..part };
+        let width = dispatch!(Level::new(), simd => narrowest(simd, edges, part, light));
+        // Next to a triangle there is no penumbra.
+        if width > 0.0 && self.is_plane(at, scratch) { width } else { 0.0 }
     }
 
     fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
@@ -344,7 +382,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         if scratch.alike.is_none() && scratch.lists.is_empty() && scratch.lists.is_shared() {
             // If triangles reach into a light, they may be in front of its near side for some receivers only.
             let is_free = if query.outline.is_some() { scratch.near.is_empty() } else { !scratch.is_clipped };
-            let coverage = (is_free && self.is_one_side(at, &scratch.lists)).then_some(coverage);
+            let coverage = (is_free && self.is_plane(at, scratch)).then_some(coverage);
             scratch.alike = Some(Alike { object: at.object, face: at.face, coverage });
         }
         coverage

@@ -67,6 +67,7 @@ mod hull_placed;
 mod lanes;
 mod lists;
 mod mesh;
+mod penumbra;
 mod placed;
 mod project;
 mod select;

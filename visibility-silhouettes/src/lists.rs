@@ -184,10 +184,20 @@ impl Lists {
         self.is_whole && self.edges.is_empty()
     }
 
+    /// How far from the receivers rays may start.
+    pub(crate) fn margin(&self) -> f32 {
+        self.margin
+    }
+
     /// A sphere around all starts of rays.
     pub(crate) fn origins(&self) -> Sphere {
         let Sphere { center, radius } = self.shaft.receivers;
         Sphere { center, radius: radius + self.margin }
+    }
+
+    /// The edges of the whole shaft, if they were listed.
+    pub(crate) fn whole(&self) -> Option<&EdgeList> {
+        self.is_whole.then_some(&self.edges)
     }
 
     /// Whether the shaft has more than one receiver.

@@ -75,6 +75,11 @@ pub(crate) struct RenderArgs {
     #[arg(long)]
     pub(crate) own_radiance: bool,
 
+    /// Under eight lights and more: interpolate shadows between pixels where no penumbra is narrower than their distance, within the
+    /// tolerance of all lights together (CPU)
+    #[arg(long, conflicts_with = "crop")]
+    pub(crate) interpolate: bool,
+
     /// Drop contributions whose radiance is below this
     #[arg(long, value_name = "R", default_value_t = 0.0, value_parser = threshold)]
     pub(crate) threshold: f32,
@@ -128,6 +133,7 @@ impl RenderArgs {
             accuracy: self.accuracy(),
             time_budget: self.time_budget,
             own_radiance: self.own_radiance,
+            interpolate: self.interpolate,
             threshold: self.threshold,
             samples: self.view.samples(),
             map_resolution: self.map_resolution,

@@ -97,11 +97,18 @@ impl View {
 
     /// With the spheres as blockers on both devices.
     pub(crate) fn compare_spheres(&self, gpu: &Gpu, name: &str, tolerance: f32, depth: u32) {
+        let [want, got] = self.by_spheres(gpu, tolerance, depth);
+        assert_same(name, &want, &got);
+    }
+
+    /// The pictures of both.
+    fn by_spheres(&self, gpu: &Gpu, tolerance: f32, depth: u32) -> [(Vec<Vec3>, Counts); 2] {
         let frame = self.frame(tolerance, depth);
         let want = self.cpu(MaskVisibility::new(self.spheres.clone()).look_again(LookAgain::Never), &frame);
         let occlusion = Occlusion { blockers: &[&self.spheres], any_hit: None };
         let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
-        assert_same(name, &want, &self.gpu(&mut shader, &frame));
+        let got = self.gpu(&mut shader, &frame);
+        [want, got]
     }
 }
 
@@ -260,7 +267,11 @@ fn of_many_lights(gpu: &Gpu) {
             SphereLight::new(Sphere { center, radius: 0.1 + 0.05 * k as f32 }, Vec3::splat(20.0)).into()
         };
         view.scene.lights = (0..count).map(light).collect();
-        view.compare_spheres(gpu, &format!("{count} lights"), 0.003, 5);
+        let [want, got] = view.by_spheres(gpu, 0.003, 5);
+        // A CPU queries no faint light of many: these pairs are of no class.
+        let others =
+            if count < 8 { 1 + want.0.len() as u64 / 2000 } else { want.0.len() as u64 * u64::from(count) / 50 };
+        assert_same_but(&format!("{count} lights"), &want, &got, LARGEST, others);
     }
 }
 
@@ -272,7 +283,7 @@ fn of_spots_and_suns(gpu: &Gpu) {
     let sphere: Light = SphereLight::new(lamp(0.4), Vec3::splat(20.0)).into();
     let light = SphereLight::with_intensity(lamp(0.2), Vec3::splat(60.0));
     let axis = Vec3::new(-0.4, -1.0, -0.5).normalize();
-    let spot: Light = SpotLight { light, axis, cos: [0.95, 0.8] }.into();
+    let spot: Light = SpotLight { light, axis, cos: [0.95, 0.8], range: 7.0 }.into();
     let toward = Vec3::new(-0.5, 0.8, 0.4).normalize();
     let sun = |degrees| SunLight::new(toward, degrees, Vec3::new(2.0, 1.8, 1.5), world).into();
     // A spot next to the floor, which it does not light if it belongs to that object.

@@ -122,7 +122,13 @@ impl LightGiven {
             }
             Self::Spot { center, direction: axis, radius, intensity, angle, inner } => {
                 let light = SphereLight::with_intensity(Sphere { center, radius }, intensity);
-                SpotLight { light, axis, cos: [inner, angle].map(|degrees| degrees.to_radians().cos()) }.into()
+                SpotLight {
+                    light,
+                    axis,
+                    cos: [inner, angle].map(|degrees| degrees.to_radians().cos()),
+                    range: f32::INFINITY,
+                }
+                .into()
             }
             Self::Rectangle { center, u, v, radiance, flux, two_sided } => {
                 flat(FlatLight::rectangle(center, u, v, Vec3::ONE)?, two_sided, radiance, flux)?
