@@ -1,9 +1,9 @@
 use crate::Tables;
 use glam::Vec3;
-use lobe_core::{BrdfLobe, Cone, Lobe, Receiver, Tile, TileLobes, VisibilitySum};
+use lobe_core::{BrdfLobe, Lobe, Receiver, Tile, TileLobes, VisibilitySum};
 use shading::{
     BrdfLobes, Contribution, Integrator, Interaction, LightCoverage, LightVisibility, Observer, Stage,
-    TileContributions, TileInteraction, Visibility, VisibilityLobes,
+    TileContributions, TileInteraction, VisibilityLobes,
 };
 
 /// The paper's integrator (§5.4): least-squares lobes and tabulated products, `f̃·L` first, then the threshold, then V.
@@ -45,16 +45,17 @@ impl<V: VisibilityLobes + ?Sized> Integrator<V> for PaperIntegrator<'_> {
                 observer.prune();
                 continue;
             }
-            total.radiance +=
-                match coverage.get_or_insert_with(|| query(visibility, point.at, &point.light.cone, observer)) {
-                    LightCoverage::Lit => unshadowed,
-                    LightCoverage::Dark => continue,
-                    LightCoverage::Partial(penumbra) => {
-                        visibility.lobes(penumbra, &lobe, unshadowed.max_element(), sum);
-                        observer.end(Stage::VisibilityLobes);
-                        self.visible_part(&product, sum, point.threshold, observer)
-                    }
-                };
+            total.radiance += match coverage
+                .get_or_insert_with(|| visibility.observed(point.at, &point.light.cone, None, observer))
+            {
+                LightCoverage::Lit => unshadowed,
+                LightCoverage::Dark => continue,
+                LightCoverage::Partial(penumbra) => {
+                    visibility.lobes(penumbra, &lobe, unshadowed.max_element(), sum);
+                    observer.end(Stage::VisibilityLobes);
+                    self.visible_part(&product, sum, point.threshold, observer)
+                }
+            };
         }
         total
     }
@@ -69,19 +70,6 @@ impl<V: VisibilityLobes + ?Sized> Integrator<V> for PaperIntegrator<'_> {
     ) {
         tile.one_by_one(|point, observer| self.radiance(point, visibility, sum, observer), observer, out);
     }
-}
-
-/// The coverage of a light's cone, which the observer hears of. Outlines play no part: the paper's lights are spheres.
-fn query<'q, 'v: 'q, V: Visibility + ?Sized>(
-    visibility: &mut LightVisibility<'v, V>,
-    at: &'q Receiver,
-    cone: &'q Cone,
-    observer: &mut impl Observer,
-) -> LightCoverage<'q> {
-    let coverage = visibility.coverage(at, cone, None);
-    observer.coverage(coverage.coverage());
-    observer.end(Stage::Mask);
-    coverage
 }
 
 impl PaperIntegrator<'_> {

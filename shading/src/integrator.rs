@@ -6,7 +6,7 @@ use crate::{
 };
 use glam::Vec3;
 use lobe_core::{
-    BrdfLobe, Cone, Outline, Receiver, SeenLight, Tile, TileLobes, VisibilitySum, light_image_integral, light_integral,
+    BrdfLobe, Receiver, SeenLight, Tile, TileLobes, VisibilitySum, light_image_integral, light_integral,
     visible_fraction,
 };
 
@@ -264,7 +264,7 @@ pub(crate) fn radiance<V: Visibility + ?Sized>(
             continue;
         }
         let fraction = match coverage
-            .get_or_insert_with(|| query(visibility, point.at, &light.cone, light.outline.as_ref(), observer))
+            .get_or_insert_with(|| visibility.observed(point.at, &light.cone, light.outline.as_ref(), observer))
         {
             LightCoverage::Lit => Vec3::ONE,
             LightCoverage::Dark => Vec3::ZERO,
@@ -275,18 +275,4 @@ pub(crate) fn radiance<V: Visibility + ?Sized>(
         sum.radiance += unshadowed * fraction;
     }
     sum
-}
-
-/// The coverage of a receiver, which the observer hears of.
-pub(crate) fn query<'q, 'v: 'q, V: Visibility + ?Sized>(
-    visibility: &mut LightVisibility<'v, V>,
-    at: &'q Receiver,
-    cone: &'q Cone,
-    outline: Option<&'q Outline>,
-    observer: &mut impl Observer,
-) -> LightCoverage<'q> {
-    let coverage = visibility.coverage(at, cone, outline);
-    observer.coverage(coverage.coverage());
-    observer.end(Stage::Mask);
-    coverage
 }

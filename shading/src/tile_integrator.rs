@@ -1,6 +1,6 @@
 //! The sum of [`FractionIntegrator`](crate::FractionIntegrator) for all receivers of a tile: sixteen rows in one instruction.
 
-use crate::integrator::{FractionSource, query};
+use crate::integrator::FractionSource;
 use crate::tile_blocks::Blocks;
 use crate::{Contribution, Coverage, Interaction, LightCoverage, LightVisibility, Observer, Stage, Visibility};
 use glam::Vec3;
@@ -209,7 +209,7 @@ impl TileInteraction<'_> {
             return;
         }
         let seen = self.light.seen_by(i);
-        match query(visibility, &self.at[i], &seen.cone, seen.outline.as_ref(), observer) {
+        match visibility.observed(&self.at[i], &seen.cone, seen.outline.as_ref(), observer) {
             LightCoverage::Lit => {}
             LightCoverage::Dark => out.set(i, Vec3::ZERO, [0, 0]),
             LightCoverage::Partial(penumbra) => {

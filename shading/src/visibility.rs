@@ -1,6 +1,6 @@
 //! Visibility: the traits of a strategy, and the query object that keeps the order of the questions.
 
-use crate::{Accuracy, LightId, Shaft};
+use crate::{Accuracy, LightId, Observer, Shaft, Stage};
 use glam::Vec3;
 use lobe_core::Sphere;
 use lobe_core::{
@@ -316,6 +316,23 @@ impl<'v, V: Visibility + ?Sized> LightVisibility<'v, V> {
             Coverage::Dark => LightCoverage::Dark,
             Coverage::Partial => LightCoverage::Partial(Penumbra { query, number: self.queries }),
         }
+    }
+
+    /// The same, and the observer hears of it.
+    pub fn observed<'q>(
+        &mut self,
+        at: &'q Receiver,
+        cone: &'q Cone,
+        outline: Option<&'q Outline>,
+        observer: &mut impl Observer,
+    ) -> LightCoverage<'q>
+    where
+        'v: 'q,
+    {
+        let coverage = self.coverage(at, cone, outline);
+        observer.coverage(coverage.coverage());
+        observer.end(Stage::Mask);
+        coverage
     }
 
     /// The visible fraction of a reflectance lobe for the receiver of the last query, see [`Visibility::fraction`].
