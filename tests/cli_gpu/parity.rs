@@ -15,7 +15,7 @@ const LARGEST_OF_A_DRAFT: f32 = 2e-3;
 const MEAN: f64 = 1e-5;
 
 /// Renders by both and compares the pictures; the figures of both.
-fn alike(folder: &Path, options: &[&str]) -> [Value; 2] {
+pub(crate) fn alike(folder: &Path, options: &[&str]) -> [Value; 2] {
     let render = |device: &str, name: &str| {
         json(folder, &[&["render", "--device", device, "-o", name, "--json", "-q"], options].concat())
     };
