@@ -90,7 +90,7 @@ mod tests {
                     assert!(v.dot(face) >= -2.0 * square.half.max_element() / 16.0, "case {case}: {}", v.dot(face));
                     v.dot(edge) < 0.0
                 });
-                // A wide light whose lit part lies between blocks is asked for cell by cell.
+                // All cells of a wide light may be tested.
                 assert!(asked < 1100, "{asked}");
             } else {
                 mask.block_below(face);
