@@ -45,6 +45,7 @@ _Matrix = Union[Iterable[Iterable[float]], _Floats]
 _Triple = tuple[float, float, float]
 _Window = tuple[int, int, int, int]
 _Progress = Callable[[str, float], object]
+_Terminator = Literal["exact", "smooth"]
 _Visibility = Literal["spheres", "shadow-map", "silhouettes", "rays", "none"]
 _SceneVisibility = Literal["scene", "spheres", "shadow-map", "silhouettes", "rays", "none"]
 _Layer = Literal["unshadowed", "lights", "normal", "depth", "object", "counts"]
@@ -234,6 +235,8 @@ class Material:
         roughness: float = 1.0,
         ior: Optional[float] = None,
         f0: Optional[_Color] = None,
+        clearcoat: float = 0.0,
+        clearcoat_roughness: float = 0.0,
         emission: Optional[_Color] = None,
     ) -> Material: ...
     @staticmethod
@@ -296,6 +299,7 @@ class _Mesh(_MeshRequired, total=False):
     visible: bool
     visibility: Optional[_Visibility]
     spheres: Optional[Union[int, SphereSet, _Floats]]
+    terminator: Optional[_Terminator]
 
 @final
 class Scene:
@@ -332,6 +336,7 @@ class Scene:
         visible: bool = True,
         visibility: Optional[_Visibility] = None,
         spheres: Optional[Union[int, SphereSet, _Floats]] = None,
+        terminator: Optional[_Terminator] = None,
     ) -> int: ...
     def add_spheres(
         self,
@@ -578,6 +583,7 @@ class Renderer:
         visible: bool = True,
         visibility: Optional[_Visibility] = None,
         spheres: Optional[Union[int, SphereSet, _Floats]] = None,
+        terminator: Optional[_Terminator] = None,
     ) -> ObjectHandle: ...
     def add_spheres(
         self,

@@ -216,7 +216,7 @@ impl Renderer {
     }
 
     /// Adds a mesh; the arguments are those of `Scene.add_mesh`.
-    #[pyo3(signature = (positions, triangles, *, normals = None, uvs = None, colors = None, smooth = false, material = None, name = None, visible = true, visibility = None, spheres = None))]
+    #[pyo3(signature = (positions, triangles, *, normals = None, uvs = None, colors = None, smooth = false, material = None, name = None, visible = true, visibility = None, spheres = None, terminator = None))]
     #[expect(clippy::too_many_arguments, reason = "each is a keyword")]
     fn add_mesh(
         &self,
@@ -232,11 +232,12 @@ impl Renderer {
         visible: bool,
         visibility: Option<&str>,
         spheres: Option<&Bound<'_, PyAny>>,
+        terminator: Option<&str>,
     ) -> PyResult<ObjectHandle> {
         let mesh = Arrays { positions, triangles, normals, uvs, colors, smooth }.mesh(py)?;
         let mut held = self.hold(py)?;
         let number = held.value.renderer.scene().objects.len();
-        let object = Manner { name, visible, visibility, spheres }.mesh(mesh, 0, number)?;
+        let object = Manner { name, visible, visibility, spheres, terminator }.mesh(mesh, 0, number)?;
         self.add(&mut held.value, object, material)
     }
 
@@ -254,7 +255,7 @@ impl Renderer {
         let spheres = sphere_rows("spheres", spheres)?;
         let mut held = self.hold(py)?;
         let number = held.value.renderer.scene().objects.len();
-        let object = Manner { name, visible, visibility, spheres: None }.spheres(spheres, 0, number)?;
+        let object = Manner { name, visible, visibility, spheres: None, terminator: None }.spheres(spheres, 0, number)?;
         self.add(&mut held.value, object, material)
     }
 

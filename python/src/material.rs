@@ -86,18 +86,23 @@ impl Material {
         Self::checked(HalfVector { diffuse: color_or_black("diffuse", &diffuse)?, lobes }, &emission)
     }
 
-    /// glTF's metallic–roughness model. Its coat is that of a refractive index, or reflects `f0` at normal incidence.
+    /// glTF's metallic–roughness model. Its coat is that of a refractive index, or reflects `f0` at normal incidence. A clear coat of a weight
+    /// lies over all.
     #[staticmethod]
-    #[pyo3(signature = (base, *, metallic = 1.0, roughness = 1.0, ior = None, f0 = None, emission = None))]
+    #[pyo3(signature = (base, *, metallic = 1.0, roughness = 1.0, ior = None, f0 = None, clearcoat = 0.0, clearcoat_roughness = 0.0, emission = None))]
+    #[expect(clippy::too_many_arguments, reason = "each is a keyword")]
     fn metallic_roughness(
         base: &Bound<'_, PyAny>,
         metallic: f32,
         roughness: f32,
         ior: Option<f64>,
         f0: Given<'_>,
+        clearcoat: f32,
+        clearcoat_roughness: f32,
         emission: Given<'_>,
     ) -> PyResult<Self> {
         let metal = MetallicRoughness::new(color("base", base)?, metallic, roughness).or_raise()?;
+        let metal = metal.with_clearcoat(clearcoat, clearcoat_roughness).or_raise()?;
         let f0 = match (ior, f0) {
             (None, None) => return Self::checked(metal, &emission),
             (Some(_), Some(_)) => return Err(PyTypeError::new_err("expected one of ior, f0")),

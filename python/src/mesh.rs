@@ -4,7 +4,7 @@ use crate::args::{directions, points, rows, same_count, triangles, type_name, wi
 use crate::spheres::SphereSet;
 use crate::work::warn;
 use cosine_lobes::lobe_core::Sphere;
-use cosine_lobes::scene::{Mesh, Object, Proxy, Strategy};
+use cosine_lobes::scene::{Mesh, Object, Proxy, Strategy, Terminator};
 use glam::{Vec2, Vec3};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2, PyUntypedArray};
@@ -30,6 +30,7 @@ pub(crate) struct Manner<'a, 'py> {
     pub(crate) visible: bool,
     pub(crate) visibility: Option<&'a str>,
     pub(crate) spheres: Option<&'a Bound<'py, PyAny>>,
+    pub(crate) terminator: Option<&'a str>,
 }
 
 impl Arrays<'_, '_> {
@@ -74,7 +75,15 @@ impl Manner<'_, '_> {
     pub(crate) fn mesh(self, mesh: Mesh, material: usize, number: usize) -> PyResult<Object> {
         let proxy = self.spheres.map_or(Ok(Proxy::Count(SPHERES)), proxy)?;
         let (name, visible, strategy) = (self.name(number), self.visible, strategy(self.visibility)?);
-        Ok(Object { visible, strategy, ..Object::mesh(name, mesh, material, proxy) })
+        let terminator = match self.terminator {
+            None | Some("exact") => Terminator::Exact,
+            Some("smooth") => Terminator::Smooth,
+            Some(other) => {
+                let message = format!("terminator is \"{other}\": expected one of exact, smooth");
+                return Err(PyValueError::new_err(message));
+            }
+        };
+        Ok(Object { visible, strategy, terminator, ..Object::mesh(name, mesh, material, proxy) })
     }
 
     /// Exact spheres as an object.

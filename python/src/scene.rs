@@ -168,7 +168,7 @@ impl Scene {
 
     /// Adds a mesh; its number. Without normals its faces are flat, unless it is `smooth`. It blocks light by its silhouettes, or as
     /// `visibility` says.
-    #[pyo3(signature = (positions, triangles, *, normals = None, uvs = None, colors = None, smooth = false, material = None, name = None, visible = true, visibility = None, spheres = None))]
+    #[pyo3(signature = (positions, triangles, *, normals = None, uvs = None, colors = None, smooth = false, material = None, name = None, visible = true, visibility = None, spheres = None, terminator = None))]
     #[expect(clippy::too_many_arguments, reason = "each is a keyword")]
     fn add_mesh(
         &mut self,
@@ -184,9 +184,10 @@ impl Scene {
         visible: bool,
         visibility: Option<&str>,
         spheres: Option<&Bound<'_, PyAny>>,
+        terminator: Option<&str>,
     ) -> PyResult<usize> {
         let mesh = Arrays { positions, triangles, normals, uvs, colors, smooth }.mesh(py)?;
-        let manner = Manner { name, visible, visibility, spheres };
+        let manner = Manner { name, visible, visibility, spheres, terminator };
         let object = manner.mesh(mesh, 0, self.scene.objects.len())?;
         let material = self.material_number(material)?;
         self.add(scene::Object { material, ..object })
@@ -202,7 +203,7 @@ impl Scene {
         visible: bool,
         visibility: Option<&str>,
     ) -> PyResult<usize> {
-        let manner = Manner { name, visible, visibility, spheres: None };
+        let manner = Manner { name, visible, visibility, spheres: None, terminator: None };
         let object = manner.spheres(sphere_rows("spheres", spheres)?, 0, self.scene.objects.len())?;
         let material = self.material_number(material)?;
         self.add(scene::Object { material, ..object })

@@ -63,6 +63,54 @@ sphere = { center = [1.2, 0.4, 0.3], radius = 0.4 }
     assert np.mean(own != loaded) < 0.5
 
 
+def test_coats_and_terminators_are_those_of_a_file(tmp_path):
+    text = """
+[image]
+width = 32
+height = 24
+[camera]
+eye = [1.5, 2, 4]
+target = [0, 0.4, 0]
+fov = 40
+[materials.paint]
+model = "metallic-roughness"
+base = [0.8, 0.2, 0.1]
+metallic = 0.0
+roughness = 0.5
+clearcoat = 0.8
+clearcoat_roughness = 0.2
+[[objects]]
+mesh = "octahedron.obj"
+normals = "smooth"
+material = "paint"
+terminator = "smooth"
+[[lights]]
+kind = "sphere"
+center = [4, 1.5, 1]
+radius = 0.4
+radiance = 40
+"""
+    corners = np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)], np.float32)
+    sides = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
+    lines = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in sides]
+    (tmp_path / "octahedron.obj").write_text("\n".join(lines))
+    (tmp_path / "paint.toml").write_text(text)
+    loaded = cl.Renderer(cl.Scene.load(tmp_path / "paint.toml")).render()
+
+    def own(**coat):
+        scene = cl.Scene(size=(32, 24), camera=CAMERA)
+        terminator = coat.pop("terminator", "smooth")
+        paint = cl.Material.metallic_roughness((0.8, 0.2, 0.1), metallic=0, roughness=0.5, **coat)
+        scene.add_mesh(corners, sides, smooth=True, material=paint, terminator=terminator)
+        scene.add_light(cl.Light.sphere((4, 1.5, 1), 0.4, radiance=40))
+        return cl.Renderer(scene).render()
+
+    coat = {"clearcoat": 0.8, "clearcoat_roughness": 0.2}
+    assert np.allclose(own(**coat), loaded, rtol=1e-3, atol=1e-4)
+    assert not np.allclose(own(), loaded, rtol=1e-2, atol=1e-3)
+    assert not np.allclose(own(terminator="exact", **coat), loaded, rtol=1e-2, atol=1e-3)
+
+
 def test_from_arrays():
     floor, triangles = quad((0, 0, 0), (4, 0, 0), (0, 0, -4))
     positions, faces = cube()
@@ -243,6 +291,8 @@ BAD_VALUES = [
     (lambda: cl.Material.lafortune([{"exponent": 5}]), 'a lobe has no "scale"'),
     (lambda: cl.Material.lafortune([{"exponent": 5, "size": 1}]), "a lobe has 'size': expected exponent, scale, c, matrix"),
     (lambda: cl.Material.half_vector([{"roughness": 2, "f0": 1}]), "roughness is 2: expected a number from 0 to 1"),
+    (lambda: cl.Material.metallic_roughness(1, clearcoat=2), "clearcoat"),
+    (lambda: cl.Scene().add_mesh(np.eye(3), [[0, 1, 2]], terminator="round"), 'terminator is "round": expected one of exact, smooth'),
     (lambda: cl.Material.metallic_roughness(1, ior=0.5), "ior is 0.5: expected a number from 1"),
     (lambda: cl.Environment(np.zeros((4, 8))), r"radiance has shape \(4, 8\): expected \(height, width, 3\)"),
     (lambda: cl.Environment(np.full((4, 8, 3), np.nan)), r"radiance\[0, 0\] is .*: expected finite numbers"),
