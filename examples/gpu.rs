@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release --example gpu` prints the time of each and the difference of the pictures, and writes gpu.png.
 
+use cosine_lobes::brdf::Material;
+use cosine_lobes::lighting::Light;
 use cosine_lobes::render_cpu::{CpuShader, GBuffer, World, blockers};
 use cosine_lobes::render_gpu::{Gpu, GpuOptions, GpuShader, Occlusion};
 use cosine_lobes::scene::{Frame, Shade, builtin};
@@ -37,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Radiance of all points. The first time is not counted: kernels are compiled, memory is taken.
 fn shade<S>(name: &str, shader: &mut S, g: &GBuffer, frame: &Frame<'_>) -> Result<Vec<Vec3>, Box<dyn Error>>
 where
-    S: Shade<Error: Error + 'static>,
+    S: Shade<Material, Light, Error: Error + 'static>,
 {
     let mut out = vec![Vec3::ZERO; g.len()];
     shader.shade(&g.points, frame, &mut out)?;

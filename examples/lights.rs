@@ -242,7 +242,7 @@ impl Case {
         let meshes = SilhouetteBlockers::new(silhouettes.meshes(), hits).with_tolerance(tolerance);
         let mut out = vec![Vec3::ZERO; chosen.len()];
         let mut best = f64::INFINITY;
-        let mut run = |shader: &mut dyn Shade<Error = Infallible>| {
+        let mut run = |shader: &mut dyn Shade<Material, Light, Error = Infallible>| {
             for _ in 0..runs {
                 let Ok(stats) = shader.shade(&points, &frame, &mut out);
                 best = best.min(stats.seconds);

@@ -9,7 +9,7 @@ use cosine_lobes::brdf::{
     Brdf, HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong,
     Neumann, residual,
 };
-use cosine_lobes::lighting::SphereLight;
+use cosine_lobes::lighting::{Light, SphereLight};
 use cosine_lobes::lobe_core::{Cone, Receiver, SeenLight, Sphere, orthonormal_basis};
 use cosine_lobes::render_cpu::CpuShader;
 use cosine_lobes::scene::{Frame, Shade, ShadingPoints};
@@ -208,7 +208,7 @@ fn cost(material: &Material) -> [f64; 2] {
     let lights = [light];
     let frame = Frame::new(std::slice::from_ref(material), &lights, Accuracy::new(0.003));
     let mut out = vec![Vec3::ZERO; count as usize];
-    let mut time = |shader: &mut dyn Shade<Error = Infallible>| {
+    let mut time = |shader: &mut dyn Shade<Material, Light, Error = Infallible>| {
         let mut once = || {
             let before = seconds();
             shader.shade(&points, &frame, &mut out).map_or(f64::NAN, |_| seconds() - before)

@@ -255,7 +255,8 @@ impl Renderer {
         let spheres = sphere_rows("spheres", spheres)?;
         let mut held = self.hold(py)?;
         let number = held.value.renderer.scene().objects.len();
-        let object = Manner { name, visible, visibility, spheres: None, terminator: None }.spheres(spheres, 0, number)?;
+        let object =
+            Manner { name, visible, visibility, spheres: None, terminator: None }.spheres(spheres, 0, number)?;
         self.add(&mut held.value, object, material)
     }
 

@@ -18,7 +18,7 @@ use core::sync::atomic::{AtomicU64, Ordering};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8};
 use glam::Vec3;
-use lighting::Area;
+use lighting::{Area, Light};
 use lobe_core::vec3x8::{LANES, Vec3x8};
 use lobe_core::{Cone, NO_OBJECT, Receiver, SeenLight, Sphere, Tile, orthonormal_basis};
 use ray_tracing::{Primitive, Region, World};
@@ -347,7 +347,7 @@ struct Scratch {
     is_listed: bool,
 }
 
-impl Shade for RayShader<'_> {
+impl Shade<Material, Light> for RayShader<'_> {
     type Error = Infallible;
 
     /// Writes the estimate. Tolerance, depth and threshold of the frame mean nothing here. Counts are of points that

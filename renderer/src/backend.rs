@@ -2,8 +2,10 @@
 
 use crate::event::check;
 use crate::{Device, RenderError};
+use brdf::Material;
 use core::error::Error;
 use glam::Vec3;
+use lighting::Light;
 use render_cpu::{CpuShader, Layers as PointLayers, ShadeRequest, SkyLighting};
 use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 use shading::{Integrator, Visibility};
@@ -191,7 +193,7 @@ impl GpuBackend {
 }
 
 /// A shader for any device.
-pub trait Shader: Shade<Error: Error + Into<RenderError>> {
+pub trait Shader: Shade<Material, Light, Error: Error + Into<RenderError>> {
     /// Shades with the requested layers until a stop is requested.
     ///
     /// # Errors

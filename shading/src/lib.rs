@@ -9,6 +9,7 @@
 //! | [`VisibilityLobes`] | visibility as a sum of lobes |
 //! | [`Integrator`] | a method: [`FractionIntegrator`] (default), [`LobeIntegrator`], or one of your own |
 //! | [`gpu`] | the parts that each of them brings to a GPU |
+//! | [`Shade`] | the radiance of many points ([`ShadingPoints`]) for the materials and lights of a [`Frame`], on either device |
 //!
 //! # The sum
 //! [`FractionIntegrator`] computes
@@ -43,11 +44,13 @@
 
 mod accuracy;
 mod brdf_lobes;
+mod coherence;
 mod dyn_visibility;
 pub mod gpu;
 mod gpu_pages;
 mod integrator;
 mod light_lobes;
+mod shade;
 mod shaft;
 #[cfg(test)]
 mod shaft_tests;
@@ -57,11 +60,13 @@ mod visibility;
 
 pub use crate::accuracy::Accuracy;
 pub use crate::brdf_lobes::BrdfLobes;
+pub use crate::coherence::GROUP;
 pub use crate::dyn_visibility::{DynScratch, DynVisibility};
 pub use crate::integrator::{
     Contribution, FractionIntegrator, Integrator, Interaction, LobeIntegrator, Observer, Stage,
 };
 pub use crate::light_lobes::LightLobes;
+pub use crate::shade::{BlockerSet, Counts, Frame, Shade, ShadeStats, ShadingPoints, StageSeconds};
 pub use crate::shaft::{LightExtent, LightId, Shaft};
 pub use crate::tile_integrator::{Counted, TileContributions, TileInteraction};
 pub use crate::visibility::{

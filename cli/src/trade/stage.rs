@@ -5,6 +5,8 @@ use crate::console::STOP;
 use crate::failure::Failure;
 use crate::teller::Teller;
 use cosine_lobes::Picture;
+use cosine_lobes::brdf::Material;
+use cosine_lobes::lighting::Light;
 use cosine_lobes::paper::Tables;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::RayShader;
@@ -201,7 +203,7 @@ struct Timed<'a> {
 }
 
 impl Timed<'_> {
-    fn run<S: Shade>(&self, shader: &mut S) -> Result<Shot, S::Error> {
+    fn run<S: Shade<Material, Light>>(&self, shader: &mut S) -> Result<Shot, S::Error> {
         let mut radiance = vec![Vec3::ZERO; self.points.receivers.len()];
         shader.shade(self.points, self.frame, &mut radiance)?;
         let (start, mut times) = (Instant::now(), Vec::with_capacity(self.repeats));

@@ -4,7 +4,7 @@ use super::{Case, cases, tolerance_for};
 use crate::parity::assert_same;
 use brdf::{Lambert, Material, Phong};
 use glam::Vec3;
-use lighting::SphereLight;
+use lighting::{Light, SphereLight};
 use lobe_core::Sphere;
 use lobe_core::oracle::Random;
 use render_cpu::CpuShader;
@@ -58,7 +58,7 @@ pub(super) fn agree(gpu: &Gpu) {
     }
 }
 
-fn shade<S: Shade<Error: core::fmt::Debug>>(
+fn shade<S: Shade<Material, Light, Error: core::fmt::Debug>>(
     mut shader: S,
     points: &ShadingPoints,
     frame: &Frame<'_>,

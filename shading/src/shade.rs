@@ -1,10 +1,8 @@
 //! Inputs and results of a renderer, the same for CPU and GPU.
 
-use brdf::Material;
+use crate::Accuracy;
 use glam::Vec3;
-use lighting::Light;
 use lobe_core::{Receiver, SelfShadow, Sphere};
-use shading::Accuracy;
 
 /// The visible points of one frame, in any order; neighbours in the list should be neighbours in space.
 #[derive(Clone, Debug, Default)]
@@ -61,10 +59,10 @@ impl BlockerSet {
 
 /// The constants of one frame: the built-in materials and lights, or own types.
 #[derive(Debug)]
-pub struct Frame<'a, M = Material, L = Light> {
+pub struct Frame<'a, M, L> {
     /// Materials that the points refer to.
     pub materials: &'a [M],
-    /// Lights; a [`LightId`](shading::LightId) is a place in this list.
+    /// Lights; a [`LightId`](crate::LightId) is a place in this list.
     pub lights: &'a [L],
     /// Requested error, and the depth of the masks.
     pub accuracy: Accuracy,
@@ -158,7 +156,7 @@ impl core::ops::AddAssign for Counts {
 }
 
 /// A renderer of lobe sums, for one set of materials and one kind of lights: enums or boxes for several.
-pub trait Shade<M = Material, L = Light> {
+pub trait Shade<M, L> {
     /// The error of shading.
     type Error;
 

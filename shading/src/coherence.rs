@@ -40,8 +40,8 @@ impl ShadingPoints {
     ///
     /// ```
     /// use glam::Vec3;
-    /// use lobe_core::{Receiver};
-    /// use scene::ShadingPoints;
+    /// use lobe_core::Receiver;
+    /// use shading::ShadingPoints;
     /// let at = |k: u32| {
     ///     let position = Vec3::X * (k * 37 % 100) as f32; // here and there
     ///     Receiver::on_surface(position, Vec3::Y, Vec3::Y)
