@@ -4,11 +4,11 @@ use crate::files::Given;
 use crate::gesture::Motion;
 use crate::request::Request;
 use glam::{Vec2, Vec3};
-use shading::Accuracy;
 use pictures::{Display, ToneMap};
 use renderer::{LightHandle, ObjectHandle, PixelSamples, RenderError, Renderer, Settings, Window, exposure_of};
 use scene::{Animation, Camera, Scene, Strategy};
 use session::{Driver, Editor, Probe, Projection, Session, Task, framed, gloss, lamp};
+use shading::Accuracy;
 use std::collections::HashMap;
 
 /// Seconds in which a picture is to be there after an edit: browsers are slower, and coarser pictures show less of a shadow.

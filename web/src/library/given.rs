@@ -5,10 +5,10 @@ use crate::library::mail::{Arrays, Span};
 use glam::{Mat4, UVec2, Vec2, Vec3};
 use lighting::{Environment, EnvironmentMap};
 use lobe_core::Sphere;
-use shading::Accuracy;
 use renderer::{Method, PixelSamples, Settings};
 use scene::{Bounds, Camera, Mesh, Object, Proxy, Strategy};
 use serde::{Deserialize, Serialize};
+use shading::Accuracy;
 use std::sync::Arc;
 
 /// Camera rays of a pixel that an outline crosses, where settings name no number.
