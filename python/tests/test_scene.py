@@ -91,7 +91,7 @@ radius = 0.4
 radiance = 40
 """
     corners = np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)], np.float32)
-    sides = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
+    sides = np.array([(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)])
     lines = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in sides]
     (tmp_path / "octahedron.obj").write_text("\n".join(lines))
     (tmp_path / "paint.toml").write_text(text)
@@ -292,7 +292,7 @@ BAD_VALUES = [
     (lambda: cl.Material.lafortune([{"exponent": 5, "size": 1}]), "a lobe has 'size': expected exponent, scale, c, matrix"),
     (lambda: cl.Material.half_vector([{"roughness": 2, "f0": 1}]), "roughness is 2: expected a number from 0 to 1"),
     (lambda: cl.Material.metallic_roughness(1, clearcoat=2), "clearcoat"),
-    (lambda: cl.Scene().add_mesh(np.eye(3), [[0, 1, 2]], terminator="round"), 'terminator is "round": expected one of exact, smooth'),
+    (lambda: cl.Scene().add_mesh(np.eye(3), np.array([[0, 1, 2]]), terminator="round"), 'terminator is "round": expected one of exact, smooth'),
     (lambda: cl.Material.metallic_roughness(1, ior=0.5), "ior is 0.5: expected a number from 1"),
     (lambda: cl.Environment(np.zeros((4, 8))), r"radiance has shape \(4, 8\): expected \(height, width, 3\)"),
     (lambda: cl.Environment(np.full((4, 8, 3), np.nan)), r"radiance\[0, 0\] is .*: expected finite numbers"),
