@@ -199,8 +199,8 @@ fn hidden_objects_and_dark_lights_come_back() {
     let Opened { mut editor, before } = open(&path);
     let (handle, lamp) = light(&editor, 1);
     editor.set_light(handle, lamp::with_radiance(&lamp, Vec3::ZERO));
-    let ball = editor.scene().objects[2].handle;
-    editor.show(ball, false, Some(Strategy::None));
+    let sphere = editor.scene().objects[2].handle;
+    editor.show(sphere, false, Some(Strategy::None));
     settle(&mut editor);
     let hidden = editor.scene().clone();
     save(&path, &before, &hidden).unwrap();
@@ -382,9 +382,9 @@ fn objects_and_lights_come_back_as_they_were() {
     assert_eq!(editor.picture().radiance, later, "the floor as well is where it stood");
     assert_eq!(seek(&mut editor, 0.0), start);
     // The animation's own stay, and patches of an environment.
-    let ball = editor.scene().objects[2].handle;
+    let sphere = editor.scene().objects[2].handle;
     let lamp = editor.scene().lights[1].handle;
-    editor.remove_object(ball);
+    editor.remove_object(sphere);
     editor.remove_light(lamp);
     drop(editor.session().finished());
     editor.follow();
