@@ -11,7 +11,6 @@ use crate::mesh::{Arrays, Manner, sphere_rows, strategy};
 use crate::renderer::{Inner, Renderer};
 use crate::settings::Settings;
 use crate::values;
-use cosine_lobes::lobe_core::Sphere;
 use cosine_lobes::renderer as lobes;
 use cosine_lobes::scene::{Object, Proxy, Shape};
 use cosine_lobes::session::Edit;
@@ -183,11 +182,7 @@ impl Renderer {
     fn set_environment(&self, py: Python<'_>, environment: &Bound<'_, PyAny>) -> PyResult<()> {
         let environment = environment::optional(environment)?;
         let mut held = self.hold(py)?;
-        let bounds = held.value.renderer.scene().bounds();
-        let world = match bounds.is_empty() {
-            true => Sphere { center: Vec3::ZERO, radius: 1.0 },
-            false => Sphere { center: bounds.center(), radius: bounds.radius() },
-        };
+        let world = held.value.renderer.scene().bounds().world();
         let environment = environment.map(|environment| environment.around(world));
         held.value.renderer.set_environment(environment).or_raise().map(drop)
     }

@@ -7,7 +7,6 @@ use crate::material::Material;
 use crate::mesh::{Arrays, Manner, sphere_rows};
 use crate::values::vector;
 use crate::work::warn;
-use cosine_lobes::lobe_core::Sphere;
 use cosine_lobes::scene::{self, Animation};
 use cosine_lobes::{brdf, lighting};
 use glam::Vec3;
@@ -225,11 +224,7 @@ impl Scene {
     /// Replaces the environment, or takes it away.
     fn set_environment(&mut self, environment: &Bound<'_, PyAny>) -> PyResult<()> {
         let environment: Option<PyRef<'_, Environment>> = environment::optional(environment)?;
-        let bounds = self.scene.bounds();
-        let world = match bounds.is_empty() {
-            true => Sphere { center: Vec3::ZERO, radius: 1.0 },
-            false => Sphere { center: bounds.center(), radius: bounds.radius() },
-        };
+        let world = self.scene.bounds().world();
         self.scene.lights.retain(|light| !matches!(light, lighting::Light::Sky(_)));
         let environment = environment.map(|environment| environment.around(world));
         if let Some(environment) = &environment {

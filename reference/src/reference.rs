@@ -234,8 +234,7 @@ impl Sampler {
             let geometry = if light.has_shadows() { job.geometry } else { Geometry::None };
             if geometry.has_spheres() {
                 let bounds = receivers.iter().fold(Bounds::EMPTY, |b, at| b.with_point(at.position));
-                let around = Sphere { center: bounds.center(), radius: bounds.radius() };
-                tile_candidates(receivers, light.bounds_from(&around), job.blockers, &mut self.candidates);
+                tile_candidates(receivers, light.bounds_from(&bounds.sphere()), job.blockers, &mut self.candidates);
             }
             for (i, (at, sums)) in receivers.iter().zip(&mut sums).enumerate() {
                 let Some(area) = light.kind().area(at.position) else { continue };

@@ -205,7 +205,7 @@ fn any_edits_give_the_picture_of_a_new_renderer() {
 }
 
 fn world(scene: &Scene) -> Sphere {
-    Sphere { center: scene.bounds().center(), radius: scene.bounds().radius() }
+    scene.bounds().sphere()
 }
 
 fn environment(world: Sphere, blue: f32) -> Arc<Environment> {

@@ -64,7 +64,7 @@ impl SceneLights {
     /// Appends a light and its motion.
     pub(crate) fn read(&mut self, mut t: Table<'_>, around: &Around<'_>) -> Result<(), SceneError> {
         let kind = t.require("kind")?;
-        let world = Sphere { center: around.bounds.center(), radius: around.bounds.radius() };
+        let world = around.bounds.sphere();
         let own = match kind.string()? {
             "sphere" => sphere(&mut t, around, None, &["radiance", "flux"])?,
             "point" => sphere(&mut t, around, Some(POINT), &["intensity", "flux", "radiance"])?,
@@ -112,8 +112,7 @@ impl SceneLights {
     pub(crate) fn environment(&mut self, bounds: &Bounds) -> Option<Arc<Environment>> {
         let Sky { first, picture, ambient } = self.sky.take()?;
         let (picture, across) = picture.map_or((None, AMBIENT_PATCHES), |(picture, across)| (Some(picture), across));
-        let world = Sphere { center: bounds.center(), radius: bounds.radius() };
-        let environment = Environment::with_ambient(picture, ambient, across, world);
+        let environment = Environment::with_ambient(picture, ambient, across, bounds.sphere());
         let lights = environment.lights();
         self.movers.iter_mut().filter(|mover| mover.first >= first).for_each(|mover| mover.first += lights.len());
         self.lights.splice(first..first, lights.iter().cloned());

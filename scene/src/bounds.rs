@@ -61,4 +61,16 @@ impl Bounds {
     pub fn radius(&self) -> f32 {
         0.5 * self.size().length()
     }
+
+    /// That sphere; of radius 0 about the origin for an empty box.
+    #[must_use]
+    pub fn sphere(&self) -> Sphere {
+        Sphere { center: self.center(), radius: self.radius() }
+    }
+
+    /// The sphere that lights at infinity are made for, around objects in the box; of radius 1 where there are none.
+    #[must_use]
+    pub fn world(&self) -> Sphere {
+        if self.is_empty() { Sphere { center: Vec3::ZERO, radius: 1.0 } } else { self.sphere() }
+    }
 }

@@ -223,7 +223,7 @@ impl Scene {
             return false;
         }
         let bounds = self.bounds();
-        let around = Sphere { center: bounds.center(), radius: bounds.radius() };
+        let around = bounds.sphere();
         let mut is_changed = false;
         for light in &mut self.lights {
             // To rounding: it may have been made for just these objects.

@@ -56,10 +56,7 @@ struct ImageGiven {
 impl EnvironmentGiven {
     /// The environment around a scene of these bounds.
     pub(crate) fn around(self, bounds: Bounds, arrays: Arrays<'_>) -> Result<Arc<Environment>, Fault> {
-        let world = match bounds.is_empty() {
-            true => Sphere { center: Vec3::ZERO, radius: 1.0 },
-            false => Sphere { center: bounds.center(), radius: bounds.radius() },
-        };
+        let world = bounds.world();
         let map = match self.image {
             Some(ImageGiven { width, height, data }) => {
                 EnvironmentMap::new(UVec2::new(width, height), arrays.list(data)?)?
