@@ -347,7 +347,10 @@ impl<'w> View<'w> {
             *material = objects[at.object as usize].material as u32;
             *depth = (at.position - self.rays.eye).dot(self.rays.forward);
         }
-        let smooth: [Vec3; SIDE] = core::array::from_fn(|l| now.receivers.get(l).map_or(Vec3::Z, |at| at.normal));
+        // Before normal maps turn them.
+        let smooth = self.has_smooth_terminators.then(|| -> [Vec3; SIDE] {
+            core::array::from_fn(|l| now.receivers.get(l).map_or(Vec3::Z, |at| at.normal))
+        });
         if let Some(varied) = &self.varied {
             for l in 0..count {
                 let at = &mut now.receivers[l];
@@ -365,7 +368,7 @@ impl<'w> View<'w> {
                 }
             }
         }
-        if self.has_smooth_terminators {
+        if let Some(smooth) = smooth {
             for (l, at) in now.receivers.iter_mut().enumerate() {
                 if objects[at.object as usize].terminator == Terminator::Smooth {
                     self.world.raise(met.hits.found[l], smooth[l], at);
