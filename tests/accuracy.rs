@@ -4,8 +4,7 @@
 use cosine_lobes::brdf::{Lambert, Material, MetallicRoughness, ModifiedPhong};
 use cosine_lobes::lighting::{Light, SphereLight};
 use cosine_lobes::lobe_core::{Cone, Sphere, oracle};
-use cosine_lobes::paper::PaperVisibility;
-use cosine_lobes::paper::{PaperIntegrator, Tables};
+use cosine_lobes::paper::{PaperIntegrator, PaperVisibility, Tables};
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Geometry, Reference, ReferenceJob};
 use cosine_lobes::render_cpu::{CpuShader, blockers};

@@ -1,7 +1,6 @@
 use crate::memory::Memory;
 use crate::{Gpu, GpuError};
-use paper::PaperWeights;
-use paper::Tables;
+use paper::{PaperWeights, Tables};
 use wgpu::BufferUsages;
 
 /// The paper's tables on the GPU, followed by the weights of the depth that was last used.

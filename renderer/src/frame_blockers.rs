@@ -1,7 +1,6 @@
 use crate::on_objects::OnObjects;
 use crate::{Backend, CustomStrategy, KeptSky, Method, Plan, RenderError, Settings, Shader, SkyFrame};
-use paper::PaperVisibility;
-use paper::{PaperIntegrator, Tables};
+use paper::{PaperIntegrator, PaperVisibility, Tables};
 use render_cpu::{CpuShader, SceneSilhouettes, SkyShader, SurfaceHits, World};
 use scene::{Frame, Object, Shape, Strategy};
 use shading::{Accuracy, Coverage, LightId, LobeIntegrator, Unshadowed, VisibilityQuery};

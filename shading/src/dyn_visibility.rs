@@ -3,8 +3,7 @@
 use crate::{Coverage, Shaft, Visibility, VisibilityQuery};
 use core::any::Any;
 use glam::Vec3;
-use lobe_core::{Lobe, Microfacets};
-use lobe_core::{Receiver, Sphere};
+use lobe_core::{Lobe, Microfacets, Receiver, Sphere};
 
 /// Working memory of a strategy behind `dyn`.
 pub type DynScratch = Box<dyn Any + Send>;

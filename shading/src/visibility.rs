@@ -2,9 +2,9 @@
 
 use crate::{Accuracy, LightId, Observer, Shaft, Stage};
 use glam::Vec3;
-use lobe_core::Sphere;
 use lobe_core::{
-    BrdfLobe, Cone, LightImage, Lobe, Microfacets, Outline, Receiver, VisibilitySum, light_integral, visible_fraction,
+    BrdfLobe, Cone, LightImage, Lobe, Microfacets, Outline, Receiver, Sphere, VisibilitySum, light_integral,
+    visible_fraction,
 };
 
 /// How much of a light a receiver sees.

@@ -10,8 +10,7 @@ use crate::failure::Failure;
 use core::f32::consts::TAU;
 use cosine_lobes::lighting::Light;
 use cosine_lobes::lobe_core::{BrdfLobe, Lobe, Receiver, VisibilitySum, orthonormal_basis};
-use cosine_lobes::paper::PaperVisibility;
-use cosine_lobes::paper::{PaperIntegrator, Tables};
+use cosine_lobes::paper::{PaperIntegrator, PaperVisibility, Tables};
 use cosine_lobes::scene::{BlockerSet, Scene, ShadingPoints};
 use cosine_lobes::shading::{
     BrdfLobes, Integrator, Interaction, LightCoverage, LightId, LightLobes, LightVisibility, Observer, Visibility,

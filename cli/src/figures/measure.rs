@@ -2,9 +2,7 @@
 //!
 //! Shared with `examples/results_table`.
 
-use cosine_lobes::paper::PaperIntegrator;
-use cosine_lobes::paper::PaperVisibility;
-use cosine_lobes::paper::Tables;
+use cosine_lobes::paper::{PaperIntegrator, PaperVisibility, Tables};
 use cosine_lobes::render_cpu::CpuShader;
 use cosine_lobes::scene::{BlockerSet, Frame, Scene, Shade, ShadeStats, ShadingPoints};
 use cosine_lobes::shading::{Accuracy, Integrator, Visibility};

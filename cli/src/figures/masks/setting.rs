@@ -3,8 +3,7 @@
 use super::super::canvas::failed;
 use crate::failure::Failure;
 use cosine_lobes::lobe_core::{Cone, Lobe, Receiver, Sphere, VisibilitySum};
-use cosine_lobes::paper::Tables;
-use cosine_lobes::paper::{PaperVisibility, ShadowNode};
+use cosine_lobes::paper::{PaperVisibility, ShadowNode, Tables};
 use cosine_lobes::shading::{Accuracy, Coverage, LightCoverage, LightId, LightVisibility, Visibility, VisibilityQuery};
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use glam::{Vec2, Vec3};
