@@ -4,9 +4,10 @@ use crate::coat::MIN_ALPHA;
 use crate::rows::{self, RowTable, Rows};
 use crate::shape::mirrored_view;
 use crate::visible_normals::VisibleNormals;
-use crate::wgsl::ModelWgsl;
+use crate::wgsl::MATERIAL;
 use crate::{Factors, Packer};
 use glam::Vec3;
+use lobe_core::wgsl::Piece;
 use lobe_core::{Facets, Lobe, Microfacets, Receiver};
 
 /// Reflectance at normal incidence, of a refractive index of 1.5.
@@ -90,7 +91,5 @@ impl Clearcoat {
     }
 }
 
-/// The WGSL of a clear coat over what some texts have.
-pub(crate) fn wgsl(name: &'static str, below: &[&'static str], own: &'static str) -> ModelWgsl {
-    ModelWgsl::new(name, [below, &[include_str!("clearcoat.wgsl"), own]].concat())
-}
+/// The WGSL of a clear coat.
+pub(crate) static WGSL: Piece = Piece::new(include_str!("clearcoat.wgsl")).needs(&[&MATERIAL]);

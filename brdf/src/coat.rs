@@ -2,6 +2,9 @@
 
 use crate::Packer;
 use crate::ggx::reflected;
+use crate::wgsl::MATERIAL;
+use lobe_core::wgsl::Piece;
+use lobe_core::wgsl_numbers;
 use std::sync::LazyLock;
 
 /// Rows, even in roughness, and columns, even in `√(1 − n·ω_o)`.
@@ -92,11 +95,10 @@ fn place(at: f32, nodes: usize) -> (usize, f32) {
     (first, at - first as f32)
 }
 
-/// The WGSL of the base under a coat, with the sizes of its table.
-pub(crate) static WGSL: LazyLock<String> = LazyLock::new(|| {
-    let sizes = format!("const COAT_ROUGHNESSES = {ROUGHNESSES}u;\nconst COAT_VIEWS = {VIEWS}u;\n");
-    format!("{}\n{sizes}", include_str!("coat.wgsl"))
-});
+/// The WGSL of the base under a coat.
+pub(crate) static WGSL: Piece = Piece::new(include_str!("coat.wgsl"))
+    .numbers(wgsl_numbers![COAT_ROUGHNESSES = ROUGHNESSES, COAT_VIEWS = VIEWS])
+    .needs(&[&MATERIAL]);
 
 /// Where the packed table begins.
 pub(crate) fn pack(out: &mut Packer) -> u32 {

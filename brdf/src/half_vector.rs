@@ -3,10 +3,11 @@ use crate::error::{check_coefficient, check_fraction};
 use crate::rows::{self, RowTable};
 use crate::sampling::{cosine_power_direction, luminance};
 use crate::visible_normals::VisibleNormals;
-use crate::wgsl::{ModelWgsl, TURN};
+use crate::wgsl::{MATERIAL, ModelWgsl};
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
+use lobe_core::wgsl::Piece;
 use lobe_core::{BrdfLobe, Lobe, Microfacets, Receiver};
 use shading::BrdfLobes;
 
@@ -165,6 +166,10 @@ impl Brdf for HalfVector {
     }
 }
 
+static MICROFACETS_WGSL: Piece = Piece::new(include_str!("half_vector_microfacets.wgsl")).needs(&[&MATERIAL]);
+
+static DIRECTIONS_WGSL: Piece = Piece::new(include_str!("half_vector.wgsl")).needs(&[&rows::WGSL]);
+
 impl Model for HalfVector {
     fn name(&self) -> &'static str {
         "half-vector"
@@ -189,12 +194,12 @@ impl Model for HalfVector {
     }
 
     fn wgsl(&self) -> Option<ModelWgsl> {
-        let own = ModelWgsl::new("half-vector-microfacets", [include_str!("half_vector_microfacets.wgsl")]);
+        let own = ModelWgsl::new("half-vector-microfacets", &MICROFACETS_WGSL);
         Some(own.with_microfacets())
     }
 
     fn cosine_wgsl(&self) -> Option<ModelWgsl> {
-        Some(ModelWgsl::new("half-vector", [TURN, &rows::WGSL, include_str!("half_vector.wgsl")]))
+        Some(ModelWgsl::new("half-vector", &DIRECTIONS_WGSL))
     }
 
     /// Of microfacets: exponent and reflectances of each.

@@ -3,10 +3,11 @@ use crate::lafortune_term::{IsotropicTerm, LafortuneTerm, spectral_norm};
 use crate::sampling::{density, draw};
 use crate::shape::Diffuse;
 use crate::term::Term;
-use crate::wgsl::ModelWgsl;
+use crate::wgsl::{MATERIAL, ModelWgsl};
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Mat3, Vec3};
+use lobe_core::wgsl::Piece;
 use lobe_core::{BrdfLobe, Lobe, Receiver, power};
 use shading::BrdfLobes;
 
@@ -179,6 +180,8 @@ impl Brdf for Lafortune {
     }
 }
 
+static WGSL: Piece = Piece::new(include_str!("lafortune.wgsl")).needs(&[&MATERIAL]);
+
 /// All parameters are valid; see [`LafortuneLobe::validate`].
 impl Model for Lafortune {
     fn name(&self) -> &'static str {
@@ -205,7 +208,7 @@ impl Model for Lafortune {
     }
 
     fn wgsl(&self) -> Option<ModelWgsl> {
-        Some(ModelWgsl::new("lafortune", [include_str!("lafortune.wgsl")]))
+        Some(ModelWgsl::new("lafortune", &WGSL))
     }
 
     fn pack(&self, out: &mut Packer) -> u32 {

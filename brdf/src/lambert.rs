@@ -2,10 +2,11 @@ use crate::error::check_coefficient;
 use crate::sampling::{density, draw};
 use crate::shape::Diffuse;
 use crate::term::Term;
-use crate::wgsl::ModelWgsl;
+use crate::wgsl::{MATERIAL, ModelWgsl};
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
+use lobe_core::wgsl::Piece;
 use lobe_core::{BrdfLobe, Lobe, Receiver};
 use shading::BrdfLobes;
 
@@ -48,6 +49,8 @@ impl Brdf for Lambert {
     }
 }
 
+static WGSL: Piece = Piece::new(include_str!("lambert.wgsl")).needs(&[&MATERIAL]);
+
 /// The albedo is finite and not negative.
 impl Model for Lambert {
     fn name(&self) -> &'static str {
@@ -67,7 +70,7 @@ impl Model for Lambert {
     }
 
     fn wgsl(&self) -> Option<ModelWgsl> {
-        Some(ModelWgsl::new("lambert", [include_str!("lambert.wgsl")]))
+        Some(ModelWgsl::new("lambert", &WGSL))
     }
 
     fn pack(&self, out: &mut Packer) -> u32 {

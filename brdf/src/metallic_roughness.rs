@@ -5,10 +5,11 @@ use crate::error::check_fraction;
 use crate::rows::{self, RowTable, Rows};
 use crate::sampling::{cosine_power_direction, luminance};
 use crate::visible_normals::VisibleNormals;
-use crate::wgsl::{ModelWgsl, TURN};
+use crate::wgsl::ModelWgsl;
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
+use lobe_core::wgsl::Piece;
 use lobe_core::{BrdfLobe, Lobe, Microfacets, Receiver};
 use shading::BrdfLobes;
 
@@ -346,6 +347,13 @@ impl MetallicRoughness {
     }
 }
 
+static MICROFACETS_WGSL: Piece = Piece::new(include_str!("metallic_microfacets.wgsl")).needs(&[&coat::WGSL]);
+static COATED_MICROFACETS_WGSL: Piece =
+    Piece::new(include_str!("clearcoat_microfacets.wgsl")).needs(&[&MICROFACETS_WGSL, &clearcoat::WGSL]);
+static DIRECTIONS_WGSL: Piece = Piece::new(include_str!("metallic_roughness.wgsl")).needs(&[&coat::WGSL, &rows::WGSL]);
+static COATED_DIRECTIONS_WGSL: Piece =
+    Piece::new(include_str!("clearcoat_directions.wgsl")).needs(&[&DIRECTIONS_WGSL, &clearcoat::WGSL]);
+
 /// Was checked when it was made.
 impl Model for MetallicRoughness {
     fn name(&self) -> &'static str {
@@ -393,19 +401,17 @@ impl Model for MetallicRoughness {
         if self.anisotropy.is_some() {
             return None;
         }
-        let below = [&coat::WGSL, include_str!("metallic_microfacets.wgsl")];
         let own = match self.clearcoat {
-            None => ModelWgsl::new("metallic-microfacets", below),
-            Some(_) => clearcoat::wgsl("clearcoat-microfacets", &below, include_str!("clearcoat_microfacets.wgsl")),
+            None => ModelWgsl::new("metallic-microfacets", &MICROFACETS_WGSL),
+            Some(_) => ModelWgsl::new("clearcoat-microfacets", &COATED_MICROFACETS_WGSL),
         };
         Some(own.with_microfacets())
     }
 
     fn cosine_wgsl(&self) -> Option<ModelWgsl> {
-        let below = [&coat::WGSL, TURN, &rows::WGSL, include_str!("metallic_roughness.wgsl")];
         Some(match self.clearcoat {
-            None => ModelWgsl::new("metallic-roughness", below),
-            Some(_) => clearcoat::wgsl("clearcoat-directions", &below, include_str!("clearcoat_directions.wgsl")),
+            None => ModelWgsl::new("metallic-roughness", &DIRECTIONS_WGSL),
+            Some(_) => ModelWgsl::new("clearcoat-directions", &COATED_DIRECTIONS_WGSL),
         })
     }
 

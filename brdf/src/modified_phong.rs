@@ -7,6 +7,7 @@ use crate::wgsl::{MIRRORED_VIEW, ModelWgsl};
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;
+use lobe_core::wgsl::Piece;
 use lobe_core::{BrdfLobe, Lobe, Receiver, power};
 use shading::BrdfLobes;
 
@@ -62,6 +63,8 @@ impl Brdf for ModifiedPhong {
     }
 }
 
+static WGSL: Piece = Piece::new(include_str!("modified_phong.wgsl")).needs(&[&MIRRORED_VIEW]);
+
 /// The coefficients are finite and not negative, the exponent in range.
 impl Model for ModifiedPhong {
     fn name(&self) -> &'static str {
@@ -84,7 +87,7 @@ impl Model for ModifiedPhong {
     }
 
     fn wgsl(&self) -> Option<ModelWgsl> {
-        Some(ModelWgsl::new("modified-phong", [MIRRORED_VIEW, include_str!("modified_phong.wgsl")]))
+        Some(ModelWgsl::new("modified-phong", &WGSL))
     }
 
     fn pack(&self, out: &mut Packer) -> u32 {

@@ -5,9 +5,10 @@ use crate::wgsl::{ModelWgsl, TURN};
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer, phong};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;
+use lobe_core::wgsl::{Number, Piece};
+use lobe_core::wgsl_numbers;
 use lobe_core::{BrdfLobe, Lobe, Receiver, orthonormal_basis, power};
 use shading::BrdfLobes;
-use std::sync::LazyLock;
 
 /// Neumann et al.'s *stretched Phong* model of metals: `f_r = kd/π + ks·(e+2)/2π·max(r·v, 0)^e / max(n·v, n·ω_o)`, `r` the mirrored
 /// view (L. Neumann, A. Neumann, L. Szirmay-Kalos, *Compact Metallic Reflectance Models*, 1999; \[25\] of the paper).
@@ -151,16 +152,23 @@ impl Brdf for Neumann {
     }
 }
 
-/// With its table.
-static WGSL: LazyLock<String> = LazyLock::new(|| {
-    let shape = |[a, b, c, d, e, f, g, h]: &[f32; 8]| {
-        format!("mat2x4f({a:?}, {b:?}, {c:?}, {d:?}, {e:?}, {f:?}, {g:?}, {h:?})")
-    };
-    let shapes = SHAPES.iter().map(shape).collect::<Vec<_>>().join(", ");
-    let count = SHAPES.len();
-    let table = format!("const NEUMANN_SHAPES = array<mat2x4f, {count}>({shapes});\n");
-    format!("{}\nconst NEUMANN_STEEPEST = {STEEPEST:?};\n{table}", include_str!("neumann.wgsl"))
-});
+/// Eight numbers as a `mat2x4f`.
+struct Shape([f32; 8]);
+
+impl Number for Shape {
+    fn write(&self, out: &mut String) {
+        out.push_str("mat2x4f(");
+        for number in self.0 {
+            number.write(out);
+            out.push_str(", ");
+        }
+        out.push(')');
+    }
+}
+
+static WGSL: Piece = Piece::new(include_str!("neumann.wgsl"))
+    .numbers(wgsl_numbers![NEUMANN_SHAPES = SHAPES.map(Shape), NEUMANN_STEEPEST = STEEPEST])
+    .needs(&[&TURN]);
 
 /// The coefficients are finite and not negative, the exponent in range.
 impl Model for Neumann {
@@ -184,7 +192,7 @@ impl Model for Neumann {
     }
 
     fn wgsl(&self) -> Option<ModelWgsl> {
-        Some(ModelWgsl::new("neumann", [TURN, &WGSL]))
+        Some(ModelWgsl::new("neumann", &WGSL))
     }
 
     fn pack(&self, out: &mut Packer) -> u32 {

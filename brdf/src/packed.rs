@@ -146,10 +146,12 @@ impl GpuMaterials for Material {
 
 impl From<PackedMaterials> for GpuMaterialSet {
     fn from(PackedMaterials { words, models, max_lobes }: PackedMaterials) -> Self {
+        let (needs, wgsl) = compose(&models);
         let names: Vec<&str> = models.iter().map(|model| model.name).collect();
         Self {
             name: if names.is_empty() { "no materials".to_owned() } else { names.join(" + ") },
-            wgsl: compose(&models),
+            wgsl,
+            needs,
             words,
             max_lobes,
             is_lambert: names.iter().all(|name| *name == "lambert"),

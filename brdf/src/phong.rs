@@ -6,6 +6,7 @@ use crate::wgsl::{MIRRORED_VIEW, ModelWgsl};
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::{PI, TAU};
 use glam::Vec3;
+use lobe_core::wgsl::Piece;
 use lobe_core::{BrdfLobe, Lobe, Receiver, power};
 use shading::BrdfLobes;
 
@@ -72,6 +73,8 @@ pub(crate) fn pack([diffuse, specular]: [Vec3; 2], exponent: f32, out: &mut Pack
     lobes + u32::from(specular != Vec3::ZERO)
 }
 
+static WGSL: Piece = Piece::new(include_str!("phong.wgsl")).needs(&[&MIRRORED_VIEW]);
+
 /// The coefficients are finite and not negative, the exponent in range.
 impl Model for Phong {
     fn name(&self) -> &'static str {
@@ -94,7 +97,7 @@ impl Model for Phong {
     }
 
     fn wgsl(&self) -> Option<ModelWgsl> {
-        Some(ModelWgsl::new("phong", [MIRRORED_VIEW, include_str!("phong.wgsl")]))
+        Some(ModelWgsl::new("phong", &WGSL))
     }
 
     fn pack(&self, out: &mut Packer) -> u32 {

@@ -3,9 +3,12 @@
 use crate::Packer;
 use crate::coat::MIN_ALPHA;
 use crate::ggx::{FAMILY_COUNT, Row, SPREAD};
+use crate::wgsl::TURN;
 use glam::Vec3;
+use lobe_core::wgsl::Piece;
+use lobe_core::wgsl_numbers;
 use lobe_core::{Lobe, Receiver, orthonormal_basis};
-use std::sync::{Arc, LazyLock, OnceLock};
+use std::sync::{Arc, OnceLock};
 
 /// Rows of a table over the view, even in `√(1 − n·ω_o)`, which is all but even in the angle.
 pub(crate) const ROWS: usize = 48;
@@ -106,11 +109,10 @@ fn row_place(cos: f32, sin: f32) -> (usize, f32) {
     (first, at - first as f32)
 }
 
-/// The WGSL of a lobe of directions, with the sizes of its table. Needs [`TURN`](crate::wgsl::TURN).
-pub(crate) static WGSL: LazyLock<String> = LazyLock::new(|| {
-    let words = 5 * FAMILY_COUNT;
-    format!("{}\nconst METAL_ROWS = {ROWS}u;\nconst METAL_ROW_WORDS = {words}u;\n", include_str!("row_lobe.wgsl"))
-});
+/// The WGSL of a lobe of directions.
+pub(crate) static WGSL: Piece = Piece::new(include_str!("row_lobe.wgsl"))
+    .numbers(wgsl_numbers![METAL_ROWS = ROWS, METAL_ROW_WORDS = 5 * FAMILY_COUNT])
+    .needs(&[&TURN]);
 
 /// Where packed rows begin.
 pub(crate) fn pack(rows: &Rows, out: &mut Packer) -> u32 {

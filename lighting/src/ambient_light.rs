@@ -3,6 +3,7 @@ use crate::{Area, Light, LightError, LightKind};
 use glam::{Mat4, Vec3};
 use lobe_core::{Cone, Receiver, SeenLight, Sphere};
 use shading::LightLobes;
+use shading::gpu::GpuText;
 
 /// The same radiance from everywhere, which nothing hides: what a scene without walls reflects, as a guess.
 ///
@@ -66,7 +67,7 @@ impl LightKind for AmbientLight {
         Some(Self { world, ..*self }.into())
     }
 
-    fn wgsl(&self) -> Option<[&'static str; 2]> {
+    fn wgsl(&self) -> Option<GpuText> {
         Some(CONES)
     }
 

@@ -2,7 +2,7 @@ use crate::gpu::{CONES, INSIDE, PLANES};
 use crate::{Area, Light, LightError, LightKind, SphereLight};
 use glam::{Mat4, Vec3};
 use lobe_core::{LightImage, Receiver, SeenLight, Sphere};
-use shading::gpu::GpuLight as _;
+use shading::gpu::{GpuLight as _, GpuText};
 use shading::{LightExtent, LightLobes};
 
 /// A light inside an object whose surface it stands for: it does not light that object.
@@ -98,10 +98,10 @@ impl LightKind for EnclosedLight {
     }
 
     /// Of spheres and of lights that are seen as outlines.
-    fn wgsl(&self) -> Option<[&'static str; 2]> {
+    fn wgsl(&self) -> Option<GpuText> {
         match self.light.kind().wgsl()? {
-            PLANES => Some(PLANES),
-            [SphereLight::NAME, _] => Some(CONES),
+            flat if flat == PLANES => Some(PLANES),
+            (SphereLight::NAME, _) => Some(CONES),
             _ => None,
         }
     }

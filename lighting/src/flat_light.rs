@@ -4,6 +4,7 @@ use crate::{Area, AreaShape, Light, LightKind, ShownImage};
 use core::f32::consts::{FRAC_PI_2, PI, TAU};
 use glam::{Mat4, Vec3};
 use lobe_core::{FlatShape, LightImage, Outline, Receiver, SeenLight, Sphere, Tile, TileLight};
+use shading::gpu::GpuText;
 use shading::{LightExtent, LightLobes};
 use std::sync::Arc;
 
@@ -308,7 +309,7 @@ impl LightKind for FlatLight {
         Some(Self::roundness(self))
     }
 
-    fn wgsl(&self) -> Option<[&'static str; 2]> {
+    fn wgsl(&self) -> Option<GpuText> {
         Some(PLANES)
     }
 

@@ -2,59 +2,62 @@
 
 use crate::{Light, SphereLight};
 use glam::Vec3;
-use lobe_core::Sphere;
-use shading::gpu::GpuLight;
+use lobe_core::wgsl::{GEOMETRY, OUTLINE, Piece};
+use lobe_core::{Sphere, wgsl_numbers};
+use shading::gpu::{GpuLight, GpuText};
 
-macro_rules! shared {
-    ($(#[$doc:meta])* $text:ident = $wgsl:expr; $($(#[$of:meta])* $name:ident = $value:literal;)*) => {
-        $($(#[$of])* pub(crate) const $name: f32 = $value;)*
-        $(#[$doc])*
-        const $text: &str = concat!($wgsl, $("const ", stringify!($name), ": f32 = ", stringify!($value), ";\n"),*);
-    };
-}
+/// The kinds of lights that are seen as cones: `frame.shape[1].w` says which kind one is; 0 is a sphere.
+pub(crate) const SPOT: f32 = 1.0;
+pub(crate) const SUN: f32 = 2.0;
+/// Inside an object that it does not light.
+pub(crate) const INSIDE: f32 = 3.0;
+/// The same from everywhere, which is a cone all around.
+pub(crate) const AMBIENT: f32 = 4.0;
 
-shared! {
-    /// Lights that are seen as cones. `frame.shape[1].w` says which kind one is; 0 is a sphere.
-    CONES_WGSL = include_str!("light.wgsl");
-    SPOT = 1.0;
-    SUN = 2.0;
-    /// Inside an object that it does not light.
-    INSIDE = 3.0;
-    /// The same from everywhere, which is a cone all around.
-    AMBIENT = 4.0;
-}
+/// The kinds of lights that are seen as outlines; `frame.shape[1].w` again.
+pub(crate) const PLANE_POLYGON: f32 = 0.0;
+pub(crate) const PLANE_DISC: f32 = 1.0;
+pub(crate) const PLANE_TUBE: f32 = 2.0;
+/// Its corners are the same for all receivers.
+pub(crate) const PLANE_SKY: f32 = 3.0;
+/// Receivers nearer to a tube's middle line than so many radii may see one end before the other.
+pub(crate) const TUBE_BESIDE: f32 = 1.05;
+/// Tangent of the angle beyond which a tube goes on unseen.
+pub(crate) const TUBE_FAR: f32 = 60.0;
+/// The number of the object that the light is inside of, where there is none.
+pub(crate) const PLANE_OUTSIDE: f32 = -1.0;
 
-shared! {
-    /// Lights that are seen as outlines; `frame.shape[1].w` again.
-    PLANES_WGSL = include_str!("plane_lights.wgsl");
-    PLANE_POLYGON = 0.0;
-    PLANE_DISC = 1.0;
-    PLANE_TUBE = 2.0;
-    /// Its corners are the same for all receivers.
-    PLANE_SKY = 3.0;
-    /// Receivers nearer to a tube's middle line than so many radii may see one end before the other.
-    TUBE_BESIDE = 1.05;
-    /// Tangent of the angle beyond which a tube goes on unseen.
-    TUBE_FAR = 60.0;
-    /// The number of the object that the light is inside of, where there is none.
-    PLANE_OUTSIDE = -1.0;
-}
+static CONES_WGSL: Piece = Piece::new(include_str!("light.wgsl"))
+    .numbers(wgsl_numbers![SPOT = SPOT, SUN = SUN, INSIDE = INSIDE, AMBIENT = AMBIENT])
+    .needs(&[&GEOMETRY]);
+static PLANES_WGSL: Piece = Piece::new(include_str!("plane_lights.wgsl"))
+    .numbers(wgsl_numbers![
+        PLANE_POLYGON = PLANE_POLYGON,
+        PLANE_DISC = PLANE_DISC,
+        PLANE_TUBE = PLANE_TUBE,
+        PLANE_SKY = PLANE_SKY,
+        TUBE_BESIDE = TUBE_BESIDE,
+        TUBE_FAR = TUBE_FAR,
+        TUBE_REACH = core::f32::consts::FRAC_PI_3,
+        PLANE_OUTSIDE = PLANE_OUTSIDE,
+    ])
+    .needs(&[&OUTLINE]);
 
-pub(crate) const CONES: [&str; 2] = ["lights", CONES_WGSL];
-pub(crate) const PLANES: [&str; 2] = ["flat lights", PLANES_WGSL];
+pub(crate) const CONES: GpuText = ("lights", &CONES_WGSL);
+pub(crate) const PLANES: GpuText = ("flat lights", &PLANES_WGSL);
 
 impl GpuLight for Light {
     const NAME: &'static str = "lights";
-    const WGSL: &'static str = CONES_WGSL;
+    const WGSL: &'static Piece = &CONES_WGSL;
 
-    fn gpu_text(&self, frame: &[Self]) -> Result<[&'static str; 2], String> {
+    fn gpu_text(&self, frame: &[Self]) -> Result<GpuText, String> {
         let text = |light: &Self| light.kind().wgsl();
         let own = text(self).ok_or_else(|| {
             let name = self.kind().name();
             format!("a GPU cannot shade with the light `{name}`: it has no WGSL")
         })?;
         // Spheres among other cones share their kernels.
-        let is_alone = own[0] != SphereLight::NAME || frame.iter().all(|light| text(light) != Some(CONES));
+        let is_alone = own.0 != SphereLight::NAME || frame.iter().all(|light| text(light) != Some(CONES));
         Ok(if is_alone { own } else { CONES })
     }
 

@@ -3,6 +3,7 @@ use core::fmt::Debug;
 use glam::{Mat4, Vec3};
 use lobe_core::{Outline, Sphere};
 use shading::LightLobes;
+use shading::gpu::GpuText;
 
 /// A kind of light with all that scenes, renderers and the reference want of it.
 ///
@@ -101,7 +102,7 @@ pub trait LightKind: LightLobes + Debug + Send + Sync {
 
     /// Name and text of its WGSL ([`GpuLight::WGSL`](shading::gpu::GpuLight::WGSL) says what that defines). Provided: `None`, a light that
     /// GPUs cannot shade with.
-    fn wgsl(&self) -> Option<[&'static str; 2]> {
+    fn wgsl(&self) -> Option<GpuText> {
         None
     }
 

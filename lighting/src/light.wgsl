@@ -1,5 +1,4 @@
-// Spheres, spots, suns, spheres inside an object and ambient light, as `Light`. `frame.shape[1].w` says which.
-// Needs frame.wgsl of render-gpu and lobe-core's geometry.
+// Spheres, spots, suns, spheres inside an object and ambient light, as `Light`. `frame.shape[1].w` says which. Reads `frame`.
 
 fn light_cone(at: Receiver) -> Cone {
     if frame.shape[1].w == SUN {

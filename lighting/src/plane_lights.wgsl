@@ -1,8 +1,5 @@
-// Rectangles, discs, polygons, tubes and patches of the sky, as `FlatLight`, `TubeLight` and `SkyPatch`. `frame.shape[1]`: corners or
-// radius, whether it has places, which object it is inside of, kind. Needs frame.wgsl of render-gpu, and lobe-core's geometry and outline.
-
-// From half an ellipse to a polygon of six sides of its area.
-const TUBE_REACH = 1.0471976;
+// Rectangles, discs, polygons, tubes and patches of the sky, as `FlatLight`, `TubeLight` and `SkyPatch`. `frame.shape[1]`:
+// corners or radius, whether it has places, which object it is inside of, kind. Reads `frame`.
 
 fn light_cone(at: Receiver) -> Cone {
     let middle = frame.light.xyz - at.position;

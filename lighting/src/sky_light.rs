@@ -4,6 +4,7 @@ use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
 use lobe_core::{LightImage, Outline, Receiver, SeenLight, Sphere};
 use shading::LightLobes;
+use shading::gpu::GpuText;
 use std::sync::Arc;
 
 /// A part of an [`Environment`](crate::Environment): a patch of the sky, or a sun.
@@ -170,7 +171,7 @@ impl LightKind for SkyLight {
         }
     }
 
-    fn wgsl(&self) -> Option<[&'static str; 2]> {
+    fn wgsl(&self) -> Option<GpuText> {
         match self {
             Self::Sun(sun) => sun.wgsl(),
             Self::Patch(_) => Some(PLANES),

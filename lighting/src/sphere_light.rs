@@ -1,8 +1,9 @@
 use crate::{Area, Light, LightError, LightKind};
 use glam::{Mat4, Vec3};
+use lobe_core::wgsl::{GEOMETRY, Piece};
 use lobe_core::{Cone, Receiver, SeenLight, Sphere, Tile, TileLight};
 use shading::LightLobes;
-use shading::gpu::GpuLight;
+use shading::gpu::{GpuLight, GpuText};
 
 /// A sphere that emits the same radiance in all directions from all of its surface.
 ///
@@ -76,14 +77,16 @@ impl LightKind for SphereLight {
         Some(Area::sphere(self.sphere))
     }
 
-    fn wgsl(&self) -> Option<[&'static str; 2]> {
-        Some([Self::NAME, Self::WGSL])
+    fn wgsl(&self) -> Option<GpuText> {
+        Some((Self::NAME, Self::WGSL))
     }
 }
 
+static WGSL: Piece = Piece::new(include_str!("sphere_light.wgsl")).needs(&[&GEOMETRY]);
+
 impl GpuLight for SphereLight {
     const NAME: &'static str = "sphere lights";
-    const WGSL: &'static str = include_str!("sphere_light.wgsl");
+    const WGSL: &'static Piece = &WGSL;
 
     fn gpu_radiance(&self) -> [f32; 3] {
         self.radiance.to_array()

@@ -1,4 +1,4 @@
-// A sphere of the same radiance everywhere, as `SphereLight`. Needs frame.wgsl of render-gpu and lobe-core's geometry.
+// A sphere of the same radiance everywhere, as `SphereLight`. Reads `frame`.
 
 fn light_cone(at: Receiver) -> Cone { return cone_of_sphere(at.position, frame.light); }
 

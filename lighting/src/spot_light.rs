@@ -3,6 +3,7 @@ use crate::{Area, Light, LightError, LightKind, SphereLight};
 use glam::{Mat4, Vec3};
 use lobe_core::{Receiver, SeenLight, Sphere};
 use shading::LightLobes;
+use shading::gpu::GpuText;
 
 /// A sphere of light that shines into a cone with a soft edge: `L(ψ) = L·clamp((cos ψ − cos ψ_o)/(cos ψ_i − cos ψ_o), 0, 1)²`, ψ the angle
 /// between the spot's axis and the direction from the light's middle to the receiver (as KHR_lights_punctual has it), times
@@ -103,7 +104,7 @@ impl LightKind for SpotLight {
         Some(Area::sphere(self.light.sphere))
     }
 
-    fn wgsl(&self) -> Option<[&'static str; 2]> {
+    fn wgsl(&self) -> Option<GpuText> {
         Some(CONES)
     }
 

@@ -4,6 +4,7 @@ use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
 use lobe_core::{Cone, Receiver, SeenLight, Sphere};
 use shading::LightLobes;
+use shading::gpu::GpuText;
 
 /// A light so far away that all receivers see it in the same directions: the sun, a window to a plain sky.
 ///
@@ -101,7 +102,7 @@ impl LightKind for SunLight {
         Some(Self { world, ..*self }.into())
     }
 
-    fn wgsl(&self) -> Option<[&'static str; 2]> {
+    fn wgsl(&self) -> Option<GpuText> {
         Some(CONES)
     }
 

@@ -4,6 +4,7 @@ use crate::{Area, AreaShape, Light, LightError, LightKind};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
 use lobe_core::{Cone, Outline, Receiver, SeenLight, Sphere};
+use shading::gpu::GpuText;
 use shading::{LightExtent, LightLobes};
 
 /// From a sphere around a tube to one around its outlines.
@@ -163,7 +164,7 @@ impl LightKind for TubeLight {
         self.bounds_from(&self.bounds())
     }
 
-    fn wgsl(&self) -> Option<[&'static str; 2]> {
+    fn wgsl(&self) -> Option<GpuText> {
         Some(PLANES)
     }
 

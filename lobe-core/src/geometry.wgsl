@@ -1,7 +1,5 @@
 // The types of geometry.rs, and what visibility.rs calls `Coverage`.
 
-const NO_OBJECT = 0xffffffffu;
-
 const LIT = 0u;
 const PARTIAL = 1u;
 const DARK = 2u;
@@ -23,9 +21,6 @@ struct Cone {
     one_minus_cos: f32,
     distance: f32,
 }
-
-// As `Cone::INSIDE`.
-const CONE_INSIDE = 0.999;
 
 // `Cone::of_sphere`; `sphere` is centre and radius.
 fn cone_of_sphere(x: vec3f, sphere: vec4f) -> Cone {

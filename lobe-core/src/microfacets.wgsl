@@ -8,9 +8,6 @@ struct MicrofacetsAt {
     shadowing: f32,
 }
 
-// Views lower than this are taken as at it.
-const MICROFACETS_GRAZING = 5e-3;
-
 // Cosine and sine of the eye's direction to the normal.
 fn seen_from(normal: vec3f, view: vec3f) -> vec2f {
     let cosine = dot(normal, view);

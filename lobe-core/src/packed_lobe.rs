@@ -16,31 +16,17 @@ pub struct PackedLobe {
     pub kind: f32,
 }
 
-/// Declares the kinds as constants of [`PackedLobe`] and of WGSL, with WGSL's prefix `LOBE_`.
-macro_rules! kinds {
-    ($($(#[$doc:meta])* $name:ident = $number:literal;)*) => {
-        impl PackedLobe {
-            $($(#[$doc])* pub const $name: f32 = $number;)*
-        }
-
-        pub(crate) const WGSL: &str = concat!(
-            $("const LOBE_", stringify!($name), " = ", stringify!($number), "f;\n",)*
-            include_str!("lobe.wgsl")
-        );
-    };
-}
-
-kinds! {
+impl PackedLobe {
     /// A cosine lobe.
-    PLAIN = 0.0;
+    pub const PLAIN: f32 = 0.0;
     /// A cosine lobe times the receiver's cosine.
-    COSINE = 1.0;
+    pub const COSINE: f32 = 1.0;
     /// The part of microfacets' reflectance that `f0` multiplies. This number and above: microfacets.
-    MICROFACETS_F0 = 2.0;
+    pub const MICROFACETS_F0: f32 = 2.0;
     /// The part that `f90` multiplies.
-    MICROFACETS_F90 = 3.0;
+    pub const MICROFACETS_F90: f32 = 3.0;
     /// This number and above: microfacets with a [grain](crate::Grain), whose bits are those behind; from 6 on those of `f90`.
-    MICROFACETS_GRAIN = 4.0;
+    pub const MICROFACETS_GRAIN: f32 = 4.0;
 }
 
 /// The lowest bit of the second half of numbers from [`PackedLobe::MICROFACETS_GRAIN`] on.

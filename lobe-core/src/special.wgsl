@@ -1,19 +1,6 @@
 // The functions of special.rs, by the same polynomials. No builtin logarithm, power, exponential or inverse tangent: WGSL
 // allows them errors that a large exponent turns into per cents.
 
-const PI = 3.14159265358979f;
-const TAU = 6.28318530717959f;
-const FRAC_PI_2 = 1.57079632679490f;
-const FRAC_PI_4 = 0.785398163397448f;
-const FRAC_1_PI = 0.318309886183791f;
-const FRAC_1_TAU = 0.159154943091895f;
-const FRAC_1_SQRT_2 = 0.707106781186548f;
-const FRAC_2_SQRT_PI = 1.12837916709551f;
-const LN_2 = 0.693147180559945f;
-const LOG2_E = 1.44269504088896f;
-const MIN_POSITIVE = 1.17549435e-38f;
-const MAX_FLOAT = 3.40282347e38f;
-
 fn positive(x: f32) -> f32 {
     return max(x, 0.0);
 }
@@ -62,8 +49,6 @@ fn erf_ratio(x: f32) -> vec2f {
         + x * (0.61910843 + x * (0.16731136 + x * (0.025493767 + x * (0.0022512524 + x * 1.8366365e-5))));
     return vec2f(p, q);
 }
-
-const ERF_END = 15.5f;
 
 fn erf(x: f32) -> f32 {
     let y = clamp(x, -3.937, 3.937);

@@ -4,7 +4,7 @@ use glam::Vec3;
 use lobe_core::Lobe;
 
 /// The largest exponent of the table.
-const LAST: f32 = 1e5;
+pub(crate) const LAST: f32 = 1e5;
 
 /// The product of two lobes, tabulated (§4.1): partial scaling factor `p_r` and exponent `e_r` over (e1, e2, α).
 ///

@@ -3,11 +3,6 @@
 // Pairs, as `Tables::pack` writes them: angles and exponents an interval; two for each row of the caps; the products.
 @group(0) @binding(9) var<storage, read> paper_tables: array<vec2f>;
 
-const PAPER_CAPS = 1u;
-const PAPER_CAP_VALUES = 1000u;
-const PAPER_PRODUCTS = 2001u;
-const PAPER_LAST = 1e5f;
-
 // A place between two samples.
 struct PaperPlace {
     index: u32,

@@ -1,5 +1,5 @@
-// The paper's shadow nodes (§5.3) by a workgroup, from a mask of DEPTH. Their quad-tree has PAPER_DEPTH, which is one less, or the
-// same at the greatest depth. Needs `paper_header`, mask.wgsl, square.wgsl, total.wgsl, paper.wgsl of lobe-core.
+// The paper's shadow nodes (§5.3) by a workgroup, from a mask of DEPTH. Their quad-tree has PAPER_DEPTH, which is one less, or
+// the same at the greatest depth.
 
 const CELL_SAMPLES = WIDTH / SIDE;
 

@@ -1,15 +1,23 @@
-//! The same in WGSL: texts that are joined into a shader module, in any order.
+//! The same in WGSL: pieces that a shader's module is [joined](lobe_core::wgsl::join) of, in any order.
 
+use crate::cap_table::VALUES;
+use crate::product_table::LAST;
 use crate::shadow_tree::ShadowTree;
+use crate::tables::{CAPS, PRODUCTS};
+use lobe_core::wgsl::{LOBE, Piece};
+use lobe_core::wgsl_numbers;
 use visibility_mask::Fineness;
+use visibility_mask::wgsl::{MASK, TOTAL};
 
 /// The tables, storage buffer of binding 9, and the lobes that come from them: `paper_product`, `paper_light_lobe`, `paper_occluder`,
-/// `paper_reflected`. The buffer is that of [`Tables::pack`](crate::Tables::pack). Needs `SPECIAL`, `GEOMETRY` and `LOBE` of `lobe-core`.
-pub const TABLES: &str = include_str!("tables.wgsl");
+/// `paper_reflected`. The buffer is that of [`Tables::pack`](crate::Tables::pack).
+pub static TABLES: Piece = Piece::new(include_str!("tables.wgsl"))
+    .numbers(wgsl_numbers![PAPER_CAPS = CAPS, PAPER_CAP_VALUES = VALUES, PAPER_PRODUCTS = PRODUCTS, PAPER_LAST = LAST,])
+    .needs(&[&LOBE]);
 
-/// Shadow nodes and their lobes; needs [`header`], [`TABLES`] with the pairs of [`PaperWeights::pack`](crate::PaperWeights::pack) after
-/// them, and `SQUARE`, `MASK` and `TOTAL` of `visibility-mask`.
-pub const VISIBILITY: &str = include_str!("visibility.wgsl");
+/// Shadow nodes and their lobes, by [`TABLES`] with the pairs of [`PaperWeights::pack`](crate::PaperWeights::pack) after them. Needs
+/// [`header`].
+pub static VISIBILITY: Piece = Piece::new(include_str!("visibility.wgsl")).needs(&[&TABLES, &MASK, &TOTAL]);
 
 /// [`header`](visibility_mask::wgsl::header) of the fine masks that a quad-tree of `depth` is read from, with `PAPER_DEPTH`.
 ///

@@ -4,9 +4,10 @@ mod gather;
 mod primitive;
 mod tree;
 
-pub use self::primitive::ShadowCasting;
 #[cfg(test)]
-pub(crate) use self::primitive::{BLOCKS, BLOCKS_ALIKE, FLAT, GpuPrimitive, SPHERE, VISIBLE};
+pub(crate) use self::primitive::GpuPrimitive;
+pub use self::primitive::ShadowCasting;
+pub(crate) use self::primitive::{BLOCKS, BLOCKS_ALIKE, FLAT, SPHERE, VISIBLE};
 #[cfg(test)]
 pub(crate) use self::tree::GpuNode;
 

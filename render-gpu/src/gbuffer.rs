@@ -12,10 +12,12 @@ use crate::bvh::GpuWorld;
 use crate::kernel::Kernel;
 use crate::memory::Memory;
 use crate::module::Text;
+use crate::wgsl::TRACE;
 use crate::{Gpu, GpuError, GpuReceiver, NO_MATERIAL};
 use core::ops::Range;
 use glam::Vec3;
 use lobe_core::Receiver;
+use lobe_core::wgsl::{constant, join};
 use scene::{Camera, Scene, ShadingPoints};
 use wgpu::BufferUsages;
 
@@ -168,7 +170,7 @@ impl GpuGBuffer {
         let kernel = match self.kernel.take() {
             Some((size, kernel)) if size >= stack => self.kernel.insert((size, kernel)),
             _ => {
-                let text = Text::new("trace", &[&trace_text(stack)], BINDINGS);
+                let text = Text::new("trace", &[], &[&trace_text(stack)], BINDINGS);
                 self.kernel.insert((stack, Kernel::new(gpu, &text)?))
             }
         };
@@ -228,6 +230,5 @@ const BINDINGS: &[(Slot, Access)] = &[
 /// The text of the kernel of visible points, for hierarchies that are no deeper than its stack.
 #[must_use]
 pub(crate) fn trace_text(stack: u32) -> String {
-    let stack = format!("const STACK = {stack}u;");
-    [lobe_core::wgsl::GEOMETRY, crate::wgsl::BVH, crate::wgsl::TRACE, &stack].join("\n")
+    constant("STACK", &stack) + &join(&[&TRACE])
 }

@@ -38,7 +38,7 @@ fn a_function_counts_for_each_call() {
             "var<private> x: f32; fn leaf() {{ x = x * x + x; }} fn twice() {{ leaf(); leaf(); }} \
             @compute @workgroup_size(1) fn main() {{ {calls} }}"
         );
-        size(&crate::validated::module(&[&text]))
+        size(&crate::validated::module(&text))
     };
     let [none, one, two] = ["", "leaf();", "twice();"].map(kernel);
     assert_eq!(two - none, 2 * (one - none) + 2, "a call and a return beside the two calls");

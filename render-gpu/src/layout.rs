@@ -4,8 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use lobe_core::Receiver;
 use shading::gpu::GPU_SHAPE;
 
-/// Material number of a place without a point: kernels skip it.
-pub const NO_MATERIAL: u32 = u32::MAX;
+pub use lobe_core::wgsl::NO_MATERIAL;
 
 /// A [`Receiver`] and the number of its material: `Receiver` of WGSL, 64 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -60,7 +59,9 @@ pub(crate) struct GpuFrame {
     pub(crate) rounds: u32,
     pub(crate) image: u32,
     pub(crate) number: u32,
-    pub(crate) pad: [u32; 2],
+    /// Cells a side of a mask.
+    pub(crate) cells: f32,
+    pub(crate) pad: u32,
     /// Parameters of the kind of light.
     pub(crate) shape: [[f32; 4]; GPU_SHAPE],
 }

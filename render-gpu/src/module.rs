@@ -4,9 +4,9 @@ use crate::binding::{
     Access::{self, Read, Uniform, Write},
     Binding, Slot,
 };
-use crate::{kernels, wgsl};
-use lobe_core::wgsl as lobes;
-use shading::gpu::{GpuBlockers, GpuLight, GpuPages, GpuPass};
+use crate::wgsl;
+use lobe_core::wgsl::{self as lobes, Piece, constant, join};
+use shading::gpu::{GpuBlockers, GpuLight, GpuPages, GpuPass, GpuText};
 use visibility_mask::{Fineness, wgsl as masks};
 
 /// The properties of a frame that its kernels depend on.
@@ -17,7 +17,7 @@ pub(crate) struct Variant {
     pub(crate) fineness: [Fineness; 2],
     pub(crate) materials: MaterialText,
     /// Name and text of the kind of light.
-    pub(crate) light: [&'static str; 2],
+    pub(crate) light: GpuText,
     pub(crate) shown: Shown,
     /// The strategies that block something.
     pub(crate) own: Vec<OwnText>,
@@ -32,6 +32,7 @@ pub(crate) struct Variant {
 pub(crate) struct MaterialText {
     pub(crate) name: String,
     pub(crate) wgsl: String,
+    pub(crate) needs: Vec<&'static Piece>,
     pub(crate) is_lambert: bool,
     pub(crate) has_microfacets: bool,
 }
@@ -97,11 +98,9 @@ impl OwnBuffer {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct OwnText {
     pub(crate) name: &'static str,
-    pub(crate) shared: String,
-    pub(crate) coverage: String,
-    pub(crate) coverage_needs: Vec<&'static str>,
-    pub(crate) splat: String,
-    pub(crate) splat_needs: Vec<&'static str>,
+    pub(crate) constants: String,
+    pub(crate) coverage: &'static Piece,
+    pub(crate) splat: &'static Piece,
     pub(crate) has_edges: bool,
     pub(crate) buffers: Vec<OwnBuffer>,
 }
@@ -110,19 +109,18 @@ impl OwnText {
     pub(crate) fn new(blockers: &dyn GpuBlockers, buffers: Vec<OwnBuffer>) -> Self {
         Self {
             name: blockers.name(),
-            shared: blockers.shared(),
+            constants: blockers.constants(),
             coverage: blockers.coverage(),
-            coverage_needs: blockers.coverage_needs(),
             splat: blockers.splat(),
-            splat_needs: blockers.splat_needs(),
             has_edges: blockers.has_edges(),
             buffers,
         }
     }
 
-    /// The declarations of its buffers.
+    /// Its constants, and the declarations of its buffers.
     fn declarations(&self) -> String {
-        self.buffers.iter().map(|buffer| buffer.declaration(Read)).collect()
+        let buffers = self.buffers.iter().map(|buffer| buffer.declaration(Read));
+        core::iter::once(self.constants.clone()).chain(buffers).collect()
     }
 }
 
@@ -143,68 +141,55 @@ impl Variant {
         let strategies: Vec<&str> = self.own.iter().map(|own| own.name).collect();
         let strategies = if strategies.is_empty() { "no blockers".to_owned() } else { strategies.join(" + ") };
         let method = if self.paper { ", paper" } else { "" };
-        format!("{strategies}, {}, {}, depth {}{method}", self.light[0], self.materials.name, self.depth)
+        format!("{strategies}, {}, {}, depth {}{method}", self.light.0, self.materials.name, self.depth)
     }
 
     /// The integrals of lobes over a light.
-    fn integral(&self) -> Vec<&'static str> {
+    fn integral(&self) -> Vec<&'static Piece> {
         let MaterialText { is_lambert, has_microfacets, .. } = self.materials;
-        let mut pieces = if has_microfacets { vec![lobes::MICROFACETS] } else { Vec::new() };
-        if self.shown != Shown::Image {
-            pieces.extend(match (is_lambert, has_microfacets) {
-                (true, _) => [lobes::CAP_LAMBERT, ""],
-                (false, true) => [lobes::CAP, lobes::CAP_MICROFACETS],
-                (false, false) => [lobes::CAP, lobes::CAP_NO_MICROFACETS],
-            });
+        let over_cones = match (is_lambert, has_microfacets) {
+            (true, _) => &lobes::CAP_LAMBERT,
+            (false, true) => &lobes::CAP_MICROFACETS,
+            (false, false) => &lobes::CAP_NO_MICROFACETS,
+        };
+        let over_outlines = if has_microfacets { &lobes::OUTLINE_MICROFACETS } else { &lobes::OUTLINE_NO_MICROFACETS };
+        match self.shown {
+            Shown::Cone => vec![over_cones, &OVER_CONES],
+            Shown::Outline => vec![over_cones, over_outlines, &lobes::OUTLINE_PLAIN],
+            Shown::Image => vec![over_outlines, &lobes::OUTLINE_IMAGE],
         }
-        if self.shown != Shown::Cone {
-            pieces.push(lobes::OUTLINE_INTEGRAL);
-            pieces.push(if has_microfacets { lobes::OUTLINE_MICROFACETS } else { lobes::OUTLINE_NO_MICROFACETS });
-        }
-        pieces.push(match self.shown {
-            Shown::Cone => OVER_CONES,
-            Shown::Outline => lobes::OUTLINE_PLAIN,
-            Shown::Image => lobes::OUTLINE_IMAGE,
-        });
-        pieces
     }
 
     /// How a point sees the light, and the light's integrals in the queue.
-    fn light(&self) -> Vec<&'static str> {
-        let light = self.light[1];
+    fn light(&self) -> Vec<&'static Piece> {
+        let light = self.light.1;
         match self.shown {
-            Shown::Cone => vec![light, lobes::NO_OUTLINE, kernels::INTEGRALS],
-            Shown::Outline => vec![light, lobes::OUTLINE, kernels::INTEGRALS],
-            Shown::Image => vec![light, lobes::OUTLINE, lobes::IMAGE, IMAGES, kernels::INTEGRALS_BY_CHANNEL],
+            Shown::Cone => vec![light, &lobes::NO_OUTLINE, &wgsl::INTEGRALS],
+            Shown::Outline => vec![light, &lobes::OUTLINE, &wgsl::INTEGRALS],
+            Shown::Image => vec![light, &lobes::IMAGE, &IMAGES, &wgsl::INTEGRALS_BY_CHANNEL],
         }
     }
 
     /// How masks show the emitting region.
-    const fn window(&self) -> &'static str {
+    const fn window(&self) -> &'static Piece {
         match self.shown {
-            Shown::Cone => masks::ROUND,
-            Shown::Outline | Shown::Image => masks::FLAT,
+            Shown::Cone => &masks::ROUND,
+            Shown::Outline | Shown::Image => &masks::FLAT,
         }
     }
 
     /// The visible fraction of lobes, from masks.
-    fn fractions(&self) -> Vec<&'static str> {
+    fn fractions(&self) -> Vec<&'static Piece> {
         let MaterialText { is_lambert, has_microfacets, .. } = self.materials;
-        let mut pieces = vec![masks::FRACTION, masks::VISIBILITY];
         if is_lambert && self.shown != Shown::Image {
-            pieces.push(masks::LAMBERT);
-            return pieces;
+            return vec![&masks::LAMBERT];
         }
-        pieces.push(masks::LOBES);
-        if has_microfacets {
-            pieces.extend([lobes::MICROFACETS, masks::MICROFACETS]);
-        }
-        match (self.shown, has_microfacets) {
-            (Shown::Image, true) => pieces.extend([masks::IMAGE, masks::IMAGE_MICROFACETS]),
-            (Shown::Image, false) => pieces.extend([masks::IMAGE, masks::IMAGE_NO_MICROFACETS]),
-            _ => pieces.push(masks::ALIKE),
-        }
-        pieces
+        let by_channel = match (self.shown, has_microfacets) {
+            (Shown::Image, true) => &masks::IMAGE_MICROFACETS,
+            (Shown::Image, false) => &masks::IMAGE_NO_MICROFACETS,
+            _ => &masks::ALIKE,
+        };
+        if has_microfacets { vec![by_channel, &masks::MICROFACETS] } else { vec![by_channel] }
     }
 
     /// Whether anything blocks.
@@ -212,10 +197,14 @@ impl Variant {
         !self.own.is_empty()
     }
 
-    /// Ray queries of strategies against the scene.
-    fn world(&self) -> Vec<String> {
-        let of = |size: u32| vec![format!("const STACK = {size}u;"), wgsl::BVH.to_owned(), wgsl::ANY_HIT.to_owned()];
-        self.stack.map_or_else(Vec::new, of)
+    /// Ray queries of strategies against the scene, and the constant that they need.
+    fn world(&self) -> (Option<&'static Piece>, String) {
+        self.stack.map_or((None, String::new()), |size| (Some(&wgsl::ANY_HIT), constant("STACK", &size)))
+    }
+
+    /// The declarations of all strategies.
+    fn declarations(&self) -> String {
+        self.own.iter().map(OwnText::declarations).collect()
     }
 }
 
@@ -230,15 +219,10 @@ pub(crate) struct Text {
 }
 
 impl Text {
-    /// Pieces that several parts need are included once.
-    pub(crate) fn new(entry: &'static str, pieces: &[&str], bindings: &[Binding]) -> Self {
-        let mut once: Vec<&str> = Vec::with_capacity(pieces.len());
-        for piece in pieces {
-            if !once.contains(piece) {
-                once.push(piece);
-            }
-        }
-        Self { entry, name: entry.to_owned(), text: once.join("\n"), bindings: bindings.to_vec() }
+    /// Of pieces, and of texts that are made for this kernel alone.
+    pub(crate) fn new(entry: &'static str, pieces: &[&'static Piece], texts: &[&str], bindings: &[Binding]) -> Self {
+        let text = join(pieces) + &texts.join("\n");
+        Self { entry, name: entry.to_owned(), text, bindings: bindings.to_vec() }
     }
 
     fn of(self, variant: &Variant) -> Self {
@@ -246,20 +230,18 @@ impl Text {
     }
 }
 
-/// Declares the points for a kernel that declares nothing else of [`kernels::POINTS`].
+/// Declares the points for a kernel that declares nothing else of [`wgsl::POINTS`].
 pub(crate) const POINTS_ALONE: &str = "@group(0) @binding(1) var<storage, read> points: array<Receiver>;\n";
 
 /// The text of a strategy's own pass.
 pub(crate) fn pass(pass: &GpuPass, declarations: &str, bindings: &[Binding]) -> Text {
-    let mut pieces = vec![kernels::FRAME, lobes::GEOMETRY, declarations, &pass.text];
-    pieces.extend(&pass.needs);
-    Text::new(pass.entry, &pieces, bindings)
+    Text::new(pass.entry, &[&wgsl::FRAME, &lobes::GEOMETRY, pass.piece], &[declarations], bindings)
 }
 
 /// The kernel that computes the size of the penumbra kernel's dispatch.
 pub(crate) fn args() -> Text {
-    let pieces = [kernels::FRAME, kernels::QUEUE, kernels::ARGS];
-    Text::new("args_of_queue", &pieces, &[(Slot::Frame, Uniform), (Slot::Queue, Write), (Slot::Indirect, Write)])
+    let bindings = [(Slot::Frame, Uniform), (Slot::Queue, Write), (Slot::Indirect, Write)];
+    Text::new("args_of_queue", &[&wgsl::ARGS], &[], &bindings)
 }
 
 /// The bindings of the kernels that shade.
@@ -271,56 +253,36 @@ const SHADED: [Binding; 5] = [
     (Slot::Queue, Write),
 ];
 
-const OVER_CONES: &str =
-    "fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cap_integral(at, lobe, cone); }";
-const IMAGES: &str = "@group(0) @binding(8) var<storage, read> light_images: array<u32>;";
+static OVER_CONES: Piece = Piece::new(
+    "fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cap_integral(at, lobe, cone); }",
+);
+static IMAGES: Piece = Piece::new("@group(0) @binding(8) var<storage, read> light_images: array<u32>;");
 
 /// The kernel that classifies each point as lit, dark or in penumbra for a light.
 pub(crate) fn classify(variant: &Variant) -> Text {
-    let reflectance = &variant.materials.wgsl;
-    let (integral, kernel) = if variant.paper {
-        (vec![paper::wgsl::TABLES], kernels::PAPER_CLASSIFY)
-    } else {
-        (variant.integral(), kernels::CLASSIFY)
-    };
     let of = |own: &OwnText| format!("coverage = max(coverage, {}_coverage(tile, at, cone));", own.name);
     let all: String = variant.own.iter().map(of).collect();
     let hook = format!(
         "fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {{ var coverage = LIT; {all} return coverage; }}"
     );
-    let world = variant.world();
-    let mut pieces = vec![
-        kernels::FRAME,
-        kernels::QUEUE,
-        kernels::POINTS,
-        kernels::TILES,
-        lobes::SPECIAL,
-        lobes::GEOMETRY,
-        lobes::LOBE,
-        reflectance,
-        &hook,
-        kernel,
-    ];
+    let (world, stack) = variant.world();
+    let mut pieces =
+        if variant.paper { vec![&wgsl::PAPER_CLASSIFY] } else { [vec![&wgsl::CLASSIFY], variant.integral()].concat() };
     pieces.extend(variant.light());
-    pieces.extend(integral);
-    pieces.extend(world.iter().map(String::as_str));
+    pieces.extend(&variant.materials.needs);
+    pieces.extend(world);
     if variant.is_blocked() {
-        pieces.push(masks::FACET);
-    }
-    let declarations: Vec<String> = variant.own.iter().map(OwnText::declarations).collect();
-    for (own, declarations) in variant.own.iter().zip(&declarations) {
-        pieces.extend([own.shared.as_str(), declarations, &own.coverage]);
-        pieces.extend(&own.coverage_needs);
-    }
-    if pieces.contains(&masks::SQUARE) {
+        // Texts of strategies may call what shows windows of the light.
         pieces.push(variant.window());
     }
-    Text::new("classify", &pieces, &variant.bindings()).of(variant)
+    pieces.extend(variant.own.iter().map(|own| own.coverage));
+    let declarations = variant.declarations();
+    let texts = [&variant.materials.wgsl, &hook, &declarations, &stack].map(String::as_str);
+    Text::new("classify", &pieces, &texts, &variant.bindings()).of(variant)
 }
 
 /// The kernel that shades the points in a light's penumbra.
 pub(crate) fn penumbra(variant: &Variant) -> Text {
-    let reflectance = &variant.materials.wgsl;
     let [broad, narrow] = variant.fineness;
     let header = match (variant.paper, variant.materials.is_lambert && variant.shown != Shown::Image) {
         (true, _) => paper::wgsl::header(variant.depth),
@@ -332,45 +294,25 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     let edges: String = edges.collect();
     let splats = variant.own.iter().map(|own| format!("{}_splat(lane, tile, at, light, mask);", own.name));
     let splats: String = splats.collect();
-    let world = variant.world();
     let hooks = format!(
         "fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f {{ \
         var edges = vec4f(0.0); {edges} return edges; }}\n\
         fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {{ {splats} }}"
     );
-    let mut pieces = vec![
-        kernels::FRAME,
-        kernels::QUEUE,
-        kernels::POINTS,
-        lobes::SPECIAL,
-        lobes::GEOMETRY,
-        lobes::LOBE,
-        reflectance,
-        &header,
-        masks::SQUARE,
-        variant.window(),
-        masks::MASK,
-        masks::EDGES,
-        masks::TOTAL,
-        &hooks,
-    ];
-    if variant.paper {
-        pieces.extend([paper::wgsl::TABLES, paper::wgsl::VISIBILITY, kernels::PAPER_PENUMBRA]);
+    let (world, stack) = variant.world();
+    let mut pieces = if variant.paper {
+        vec![&wgsl::PAPER_PENUMBRA, &masks::EDGES]
     } else {
-        pieces.push(kernels::PENUMBRA);
-        pieces.extend(variant.fractions());
-    }
+        [vec![&wgsl::PENUMBRA], variant.fractions()].concat()
+    };
     pieces.extend(variant.light());
-    pieces.extend(world.iter().map(String::as_str));
-    if variant.is_blocked() {
-        pieces.push(masks::FACET);
-    }
-    let declarations: Vec<String> = variant.own.iter().map(OwnText::declarations).collect();
-    for (own, declarations) in variant.own.iter().zip(&declarations) {
-        pieces.extend([own.shared.as_str(), declarations, &own.splat]);
-        pieces.extend(&own.splat_needs);
-    }
-    Text::new("penumbra", &pieces, &variant.bindings()).of(variant)
+    pieces.push(variant.window());
+    pieces.extend(&variant.materials.needs);
+    pieces.extend(world);
+    pieces.extend(variant.own.iter().map(|own| own.splat));
+    let declarations = variant.declarations();
+    let texts = [&variant.materials.wgsl, &header, &hooks, &declarations, &stack].map(String::as_str);
+    Text::new("penumbra", &pieces, &texts, &variant.bindings()).of(variant)
 }
 
 #[cfg(test)]

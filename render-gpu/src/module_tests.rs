@@ -48,13 +48,14 @@ fn check(name: &str, text: &Text) -> naga::Module {
     module
 }
 
-const LIGHT: [&str; 2] = [SphereLight::NAME, SphereLight::WGSL];
+const LIGHT: GpuText = (SphereLight::NAME, SphereLight::WGSL);
 
 /// Materials of these models.
 fn set(models: &[ModelWgsl]) -> MaterialText {
     let name = models.iter().map(|model| model.name).collect::<Vec<_>>().join(" + ");
     let has_microfacets = models.iter().any(|model| model.has_microfacets);
-    MaterialText { is_lambert: name == "lambert", has_microfacets, name, wgsl: brdf::wgsl::compose(models) }
+    let (needs, wgsl) = brdf::wgsl::compose(models);
+    MaterialText { is_lambert: name == "lambert", has_microfacets, name, wgsl, needs }
 }
 
 /// Each model alone, the first two, and all.
@@ -171,7 +172,7 @@ fn kernels_of_silhouettes_are_valid_and_small() {
     let blockers = GpuSilhouettes::new(&[SilhouetteMesh::new(0, &corners, &[[0, 1, 2]])]);
     let mut own = own(&blockers, 8, GpuPages::ONE);
     // As for ten million edges in a thousand objects.
-    own.shared = own.shared.replace("DEPTH = 4u", "DEPTH = 12u");
+    own.constants = constant("SILHOUETTES_DEPTH", &12_u32);
     let is_some = |v: &Variant| v.stack.is_none() && [1, 5, 6].contains(&v.depth);
     for variant in variants().chain(flat_variants()).filter(is_some) {
         let all = variant.own.iter().chain([&own]).cloned().collect();
@@ -179,6 +180,27 @@ fn kernels_of_silhouettes_are_valid_and_small() {
         for text in [classify(&variant), penumbra(&variant)] {
             let size = inlined::size(&check(&text.name, &text));
             assert!(size <= LARGEST, "{}: {size}", text.name);
+        }
+    }
+}
+
+/// A strategy's pieces name all that they call: nothing comes from another strategy by chance.
+#[test]
+fn each_strategy_is_valid_alone() {
+    let silhouettes = GpuSilhouettes::new(&[SilhouetteMesh::new(0, &[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]])]);
+    let all: [(&dyn GpuBlockers, _); 4] = [
+        (&spheres(), None),
+        (&PackedMaps::default(), None),
+        (&visibility_rays::GpuRays, Some(64)),
+        (&silhouettes, Some(64)),
+    ];
+    for (blockers, stack) in all {
+        let own = vec![own(blockers, 0, GpuPages::ONE)];
+        let is_some = |v: &Variant| v.stack.is_none() && v.depth == 5;
+        for variant in variants().chain(flat_variants()).filter(is_some) {
+            let variant = Variant { own: own.clone(), stack, ..variant };
+            check("classify", &classify(&variant));
+            check("penumbra", &penumbra(&variant));
         }
     }
 }
@@ -213,6 +235,7 @@ fn the_frame_is_laid_out_as_in_rust() {
     macro_rules! rust {
         ($($field:ident),*) => { [$((stringify!($field), core::mem::offset_of!(GpuFrame, $field) as u32)),*] };
     }
-    let rust = rust!(light, radiance, tolerance, threshold, point_count, queue_stride, rounds, image, number, shape);
+    let rust =
+        rust!(light, radiance, tolerance, threshold, point_count, queue_stride, rounds, image, number, cells, shape);
     assert_eq!(offsets, rust);
 }

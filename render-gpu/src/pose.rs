@@ -49,7 +49,6 @@ impl GpuPose {
     /// [`GpuError`].
     pub fn new(gpu: &Gpu, rig: SphereRig) -> Result<Self, GpuError> {
         let bindings = [(Slot::Spheres, Access::Write), (Slot::Rig, Access::Read), (Slot::Bones, Access::Read)];
-        let pieces = [lobe_core::wgsl::SPECIAL, visibility_spheres::wgsl::PACKED, sphere_sets::wgsl::POSE];
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
         let (needed, limits) = (rig.spheres().div_ceil(GROUP).into(), gpu.device().limits());
         let allowed = limits.max_compute_workgroups_per_dimension.into();
@@ -60,7 +59,7 @@ impl GpuPose {
         words.hold(gpu, bytemuck::cast_slice(rig.words()))?;
         Ok(Self {
             rig,
-            kernel: Kernel::new(gpu, &Text::new("pose_spheres", &pieces, &bindings))?,
+            kernel: Kernel::new(gpu, &Text::new("pose_spheres", &[&sphere_sets::wgsl::POSE], &[], &bindings))?,
             words,
             bones: Memory::new("bones", storage),
             floats: Vec::new(),

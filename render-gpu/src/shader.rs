@@ -16,7 +16,7 @@ use glam::{Mat4, Vec3};
 use paper::Tables;
 use rayon::prelude::*;
 use scene::{Cancel, Frame, Shade, ShadeStats, ShadingPoints, Stopwatch};
-use shading::gpu::{GPU_SHAPE, GpuLight, GpuMaterialSet, GpuMaterials};
+use shading::gpu::{GPU_SHAPE, GpuLight, GpuMaterialSet, GpuMaterials, GpuText};
 use shading::{Accuracy, LightLobes};
 use visibility_mask::{Fineness, MAX_DEPTH};
 use wgpu::BufferUsages;
@@ -185,7 +185,7 @@ impl GpuShader {
         &mut self,
         accuracy: Accuracy,
         materials: MaterialText,
-        light: [&'static str; 2],
+        light: GpuText,
         (shown, roundness): (Shown, Option<f32>),
     ) -> Result<usize, GpuError> {
         let tolerance = accuracy.tolerance * roundness.map_or(1.0, visibility_mask::fill_factor);
@@ -235,10 +235,10 @@ impl GpuShader {
         if self.paper.is_some() && set.has_microfacets {
             return Err(GpuError::Unsupported(MICROFACETS_BY_PAPER.to_owned()));
         }
-        let GpuMaterialSet { name, wgsl, words, max_lobes, is_lambert, has_microfacets } = set;
+        let GpuMaterialSet { name, wgsl, needs, words, max_lobes, is_lambert, has_microfacets } = set;
         self.materials.hold(&self.gpu, bytemuck::cast_slice(&words))?;
         self.max_lobes = max_lobes;
-        let materials = MaterialText { name, wgsl, is_lambert, has_microfacets };
+        let materials = MaterialText { name, wgsl, needs, is_lambert, has_microfacets };
         let mut kernels = Vec::with_capacity(frame.lights.len());
         for light in frame.lights {
             let shown = Shown::of(light);
@@ -339,7 +339,8 @@ impl GpuShader {
                 queue_stride: 1 + Shown::of(light).words() as u32 * self.max_lobes,
                 image: self.images.start(number),
                 number,
-                pad: [0; 2],
+                cells: (1_u32 << frame.accuracy.depth.clamp(1, MAX_DEPTH)) as f32,
+                pad: 0,
                 rounds: 2,
             };
             bytes[..size_of::<GpuFrame>()].copy_from_slice(bytemuck::bytes_of(&uniform));

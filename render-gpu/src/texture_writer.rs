@@ -1,7 +1,8 @@
 use crate::layout::GpuReceiver;
+use crate::wgsl::TEXTURE_WRITER;
 use crate::{Gpu, GpuError, TILE};
 use core::num::NonZeroU64;
-use lobe_core::wgsl::GEOMETRY;
+use lobe_core::wgsl::join;
 use wgpu::util::DeviceExt;
 
 /// Writes radiance to a caller's texture: linear RGB, and alpha 0 where a pixel has no point ([`NO_MATERIAL`](crate::NO_MATERIAL)),
@@ -45,7 +46,7 @@ impl GpuTextureWriter {
             }
         };
         let binding = format!("@group(0) @binding(10) var target_texture: texture_storage_2d<{name}, write>;");
-        let text = [binding.as_str(), GEOMETRY, include_str!("kernels/texture_writer.wgsl")].join("\n");
+        let text = binding + &join(&[&TEXTURE_WRITER]);
         let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: wgpu::ShaderStages::COMPUTE,

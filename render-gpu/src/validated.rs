@@ -2,10 +2,10 @@
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
-/// Validates joined pieces against the limits of every device.
+/// Validates a text against the limits of every device.
 #[track_caller]
-pub(crate) fn module(pieces: &[&str]) -> naga::Module {
-    with_info("pieces", &pieces.join("\n"), Capabilities::default()).0
+pub(crate) fn module(text: &str) -> naga::Module {
+    with_info("pieces", text, Capabilities::default()).0
 }
 
 /// Validates a text; also returns naga's analysis of it.

@@ -1,8 +1,67 @@
-//! Texts of this crate's own kernels: pieces to be joined.
+//! Pieces of this crate's own kernels.
 
-/// The hierarchy, its primitives, and their intersections with rays.
-pub const BVH: &str = include_str!("kernels/bvh.wgsl");
-/// The kernel of visible points. Needs [`BVH`], `lobe_core::wgsl::GEOMETRY` and a constant `STACK`.
-pub const TRACE: &str = include_str!("kernels/trace.wgsl");
-/// Answers the strategies' ray queries. Needs [`BVH`], `lobe_core::wgsl::GEOMETRY` and a constant `STACK`.
-pub const ANY_HIT: &str = include_str!("kernels/any_hit.wgsl");
+use crate::bvh::{BLOCKS, BLOCKS_ALIKE, FLAT, SPHERE, VISIBLE};
+use crate::kernels::queue;
+use lobe_core::wgsl::{GEOMETRY, LOBE, Piece};
+use lobe_core::wgsl_numbers;
+use scene::rounding;
+use visibility_mask::wgsl as masks;
+
+/// The hierarchy, its primitives, and their intersections with rays. Needs a constant `STACK`.
+pub static BVH: Piece = Piece::new(include_str!("kernels/bvh.wgsl"))
+    .numbers(wgsl_numbers![
+        SPHERE = SPHERE,
+        VISIBLE = VISIBLE,
+        BLOCKS = BLOCKS,
+        BLOCKS_ALIKE = BLOCKS_ALIKE,
+        OBJECT = BLOCKS_ALIKE - 1,
+        NO_CORNERS = FLAT,
+        BVH_EDGE = rounding::EDGE,
+        WIDEST = rounding::WIDEST,
+        CLOSE = rounding::CLOSE,
+        CLOSE_TO_SPHERE = rounding::CLOSE_TO_SPHERE,
+    ])
+    .needs(&[&GEOMETRY]);
+/// The kernel of visible points.
+pub static TRACE: Piece = Piece::new(include_str!("kernels/trace.wgsl")).needs(&[&BVH]);
+/// Answers the strategies' ray queries.
+pub static ANY_HIT: Piece =
+    Piece::new(include_str!("kernels/any_hit.wgsl")).numbers(wgsl_numbers![BLUR = rounding::BLUR]).needs(&[&BVH]);
+/// Writes radiance to a texture. Needs a binding `target_texture`.
+pub static TEXTURE_WRITER: Piece = Piece::new(include_str!("kernels/texture_writer.wgsl")).needs(&[&GEOMETRY]);
+
+/// One light of one frame: the uniform `frame`.
+pub static FRAME: Piece = Piece::new(include_str!("kernels/frame.wgsl"));
+/// The queue of points in penumbra, and the counters of a frame.
+pub static QUEUE: Piece = Piece::new(include_str!("kernels/queue.wgsl"))
+    .numbers(wgsl_numbers![
+        QUEUE_COUNTERS = queue::QUEUE_HEADER - 1,
+        LIT_POINTS = queue::LIT_POINTS,
+        DARK_POINTS = queue::DARK_POINTS,
+        PENUMBRA_POINTS = queue::PENUMBRA_POINTS,
+        INTEGRALS = queue::INTEGRALS,
+        PRUNED = queue::PRUNED,
+        CUT = queue::CUT,
+    ])
+    .needs(&[&FRAME]);
+/// Integrals in the queue, for lights with the same radiance everywhere.
+pub static INTEGRALS: Piece = Piece::new(include_str!("kernels/integrals.wgsl")).needs(&[&QUEUE]);
+/// The same for lights that show an image.
+pub static INTEGRALS_BY_CHANNEL: Piece = Piece::new(include_str!("kernels/integrals_by_channel.wgsl")).needs(&[&QUEUE]);
+/// Points, materials, and their radiance.
+pub static POINTS: Piece = Piece::new(include_str!("kernels/points.wgsl")).needs(&[&GEOMETRY]);
+/// The parts that both kernels of classification share.
+pub static TILES: Piece = Piece::new(include_str!("kernels/tiles.wgsl")).needs(&[&QUEUE, &POINTS]);
+/// Classifies each point for one light. Needs `light_integral`, `blockers_coverage`, the light and `brdf_lobe`.
+pub static CLASSIFY: Piece = Piece::new(include_str!("kernels/classify.wgsl")).needs(&[&TILES, &LOBE]);
+/// Shades one queued point with one workgroup. Needs the same, the hooks of masks and the visible fraction of lobes.
+pub static PENUMBRA: Piece =
+    Piece::new(include_str!("kernels/penumbra.wgsl")).needs(&[&QUEUE, &POINTS, &masks::VISIBILITY]);
+/// [`CLASSIFY`] by the paper's method.
+pub static PAPER_CLASSIFY: Piece =
+    Piece::new(include_str!("kernels/paper_classify.wgsl")).needs(&[&TILES, &paper::wgsl::TABLES]);
+/// [`PENUMBRA`] by the paper's method.
+pub static PAPER_PENUMBRA: Piece =
+    Piece::new(include_str!("kernels/paper_penumbra.wgsl")).needs(&[&QUEUE, &POINTS, &paper::wgsl::VISIBILITY]);
+/// The size of the penumbra kernel's dispatch.
+pub static ARGS: Piece = Piece::new(include_str!("kernels/args.wgsl")).needs(&[&QUEUE]);

@@ -47,6 +47,7 @@ pub mod normals;
 mod origins;
 mod placement;
 pub mod quick_hash;
+pub mod rounding;
 mod scene;
 mod shapes;
 mod skeleton;

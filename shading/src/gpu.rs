@@ -7,6 +7,7 @@
 
 use crate::{BrdfLobes, LightLobes};
 use core::fmt::Debug;
+use lobe_core::wgsl::Piece;
 use lobe_core::{Outline, Sphere};
 use std::borrow::Cow;
 
@@ -21,6 +22,8 @@ pub struct GpuMaterialSet {
     /// [`brdf_lobes`](BrdfLobes::brdf_lobes) in the same order, with a flux of 0 where a receiver has less. Both read `materials`, an
     /// `array<u32>`, which render-gpu declares.
     pub wgsl: String,
+    /// The pieces that it calls; `LOBE` of lobe-core is there.
+    pub needs: Vec<&'static Piece>,
     /// The words of `materials`. Not empty.
     pub words: Vec<u32>,
     /// The largest number of lobes of a material.
@@ -56,7 +59,7 @@ pub struct GpuMaterialSet {
 ///                 return Lobe(at.view, 40.0, bitcast<vec3f>(color), LOBE_PLAIN);
 ///             }";
 ///         let words = materials.iter().flat_map(|m| m.0.to_array()).map(f32::to_bits).collect();
-///         Ok(GpuMaterialSet { name: "retro".into(), wgsl: wgsl.into(), words, max_lobes: 1, is_lambert: false, has_microfacets: false })
+///         Ok(GpuMaterialSet { name: "retro".into(), wgsl: wgsl.into(), needs: Vec::new(), words, max_lobes: 1, is_lambert: false, has_microfacets: false })
 ///     }
 /// }
 /// ```
@@ -76,6 +79,9 @@ pub trait GpuMaterials: BrdfLobes + Sized {
     }
 }
 
+/// Name and text of a kind of light.
+pub type GpuText = (&'static str, &'static Piece);
+
 /// The most rows of a light's [shape](GpuLight::gpu_shape).
 pub const GPU_SHAPE: usize = 2 + Outline::MOST;
 
@@ -88,19 +94,19 @@ pub trait GpuLight: LightLobes {
     /// [`cone`](LightLobes::cone) and [`radiance`](LightLobes::radiance). The cone of a light with an [outline](LightLobes::outline) comes from
     /// `outline_cone`, after `outline_new` or `outline_disc` and before `outline_keep_above(at.normal)`
     /// ([`OUTLINE`](lobe_core::wgsl::OUTLINE)).
-    const WGSL: &'static str;
+    const WGSL: &'static Piece;
 
     /// Name and text for this light, among all of a frame: lights of the same text share their kernels. [`NAME`](Self::NAME) and
     /// [`WGSL`](Self::WGSL), unless the type has several kinds.
     ///
     /// # Errors
     /// Why a GPU cannot shade with it, in a sentence.
-    fn gpu_text(&self, frame: &[Self]) -> Result<[&'static str; 2], String>
+    fn gpu_text(&self, frame: &[Self]) -> Result<GpuText, String>
     where
         Self: Sized,
     {
         let _ = frame;
-        Ok([Self::NAME, Self::WGSL])
+        Ok((Self::NAME, Self::WGSL))
     }
 
     /// Of a light that may have an [outline](LightLobes::outline) its [roundness](lobe_core::Outline::roundness), by which masks are made finer.
@@ -170,9 +176,7 @@ pub struct GpuPass {
     /// The entry point, of workgroups of any size.
     pub entry: &'static str,
     /// Its text, without declarations of buffers. `GEOMETRY` of lobe-core is there, and `frame`.
-    pub text: String,
-    /// Texts that it needs beside it.
-    pub needs: Vec<&'static str>,
+    pub piece: &'static Piece,
     /// Names of the part's buffers that it reads; `points` are the points of the slice, an `array<Receiver>`.
     pub reads: Vec<&'static str>,
     /// Names of those that it writes, too.
@@ -210,33 +214,23 @@ pub enum GpuRun {
 ///   are among them; `any_hit_side(a: vec3f, b: vec3f, c: vec3f, x: vec3f) -> f32`, above 0 where a point is in front of a triangle, below 0 behind it, to 2⁻⁴⁰ of
 ///   the triangle's size.
 ///
-/// # Texts that are there
-/// Of `lobe-core` `SPECIAL`, `GEOMETRY`, `LOBE` and what it has for outlines; of visibility-mask its `FACET` and, for masks, `SQUARE`, `MASK`, `EDGES` and
-/// `TOTAL`; what else a part needs of the crates' texts it says by [`coverage_needs`](Self::coverage_needs) and [`splat_needs`](Self::splat_needs).
+/// # Pieces
+/// The pieces of a part [name](Piece::needs) those of the crates that they call, such as visibility-mask's `FACET`, and its `MASK` and `EDGES` for
+/// masks. A choice is the shader's: `OUTLINE` or `NO_OUTLINE` of lobe-core, the header of masks, their `ROUND` or `FLAT`.
 pub trait GpuBlockers: Debug + Sync {
     /// The prefix of the names of its functions and buffers.
     fn name(&self) -> &'static str;
 
-    /// Text that both share: structs, constants, functions.
-    fn shared(&self) -> String {
+    /// Constants that depend on the blockers, as [`constant`](lobe_core::wgsl::constant) writes them. Kernels are made for each value.
+    fn constants(&self) -> String {
         String::new()
     }
 
-    /// The text of `NAME_coverage`.
-    fn coverage(&self) -> String;
+    /// `NAME_coverage`, and what it needs.
+    fn coverage(&self) -> &'static Piece;
 
-    /// Texts that [`coverage`](Self::coverage) needs beside it. Each is there once, however many parts need it.
-    fn coverage_needs(&self) -> Vec<&'static str> {
-        Vec::new()
-    }
-
-    /// The text of `NAME_splat`, and of `NAME_edges` where there is one.
-    fn splat(&self) -> String;
-
-    /// Texts that [`splat`](Self::splat) needs beside it. Each is there once, however many parts need it.
-    fn splat_needs(&self) -> Vec<&'static str> {
-        Vec::new()
-    }
+    /// `NAME_splat`, and `NAME_edges` where there is one, and what they need.
+    fn splat(&self) -> &'static Piece;
 
     /// Whether masks are turned across its edges.
     fn has_edges(&self) -> bool {

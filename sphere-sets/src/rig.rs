@@ -32,8 +32,8 @@ pub struct SphereRigPart<'a> {
 }
 
 /// `RIG_WORDS`, `MORPH_WORDS` and the floats of a joint.
-const RIG_WORDS: usize = 30;
-const MORPH_WORDS: usize = 13;
+pub(crate) const RIG_WORDS: usize = 30;
+pub(crate) const MORPH_WORDS: usize = 13;
 const JOINT_FLOATS: usize = 12;
 
 impl SphereRig {

@@ -4,15 +4,18 @@ use glam::{Vec2, Vec3};
 
 const SIDE: usize = 1 << MAX_DEPTH;
 /// One whole cell, in units of `Contour::covered`.
-const WHOLE: i8 = i8::MAX;
+pub(crate) const WHOLE: i8 = i8::MAX;
 /// Number of cells on the rim that are tested.
-const RIM: usize = 32;
+pub(crate) const RIM: usize = 32;
 /// Number of columns that share one test of the contour's height between two rows.
 const STRIDE: usize = 2;
 /// Half a window's side, at distance 1, beyond which a light is wide: through an opening, of a wall or between leaves, little of it may be seen.
-const WIDE: f32 = 0.3;
+pub(crate) const WIDE: f32 = 0.3;
 /// The length in columns up to which a contour may pass from one row to the next without a test of its height.
-const LONG: usize = 3;
+pub(crate) const LONG: usize = 3;
+/// Coarse blocks a side, and tests for each point at which the contour crosses a row, unless requested otherwise.
+pub(crate) const START: usize = 8;
+pub(crate) const BISECTIONS: u32 = 2;
 
 /// Fills a [`Mask`] from as few results as possible of one test: *is the light hidden in this direction?* For strategies that have
 /// no spans, such as shadow rays.
@@ -54,10 +57,15 @@ pub struct Contour {
     covered: [[i8; SIDE]; SIDE],
 }
 
+/// Sine and cosine of the directions in which the rim is tested.
+pub(crate) fn rim() -> [(f32, f32); RIM] {
+    core::array::from_fn(|k| (core::f32::consts::TAU * (k as f32 + 0.5) / RIM as f32).sin_cos())
+}
+
 impl Default for Contour {
     /// 8 blocks a side, 2 bisections.
     fn default() -> Self {
-        Self::new(8, 2)
+        Self::new(START, BISECTIONS)
     }
 }
 
@@ -71,7 +79,7 @@ impl Contour {
             start,
             bisections,
             seeks: true,
-            rim: core::array::from_fn(|k| (core::f32::consts::TAU * (k as f32 + 0.5) / RIM as f32).sin_cos()),
+            rim: rim(),
             known: [0; SIDE],
             dark: [0; SIDE],
             spans: [(0, 0); SIDE],

@@ -1,32 +1,16 @@
-// The Contour of contour.rs, followed by a workgroup: each thread has a row, and all share the tests. Needs mask.wgsl and
-// `light_is_hidden(v: vec3f) -> bool` for unit directions. All functions require uniform control flow.
+// The Contour of contour.rs, followed by a workgroup: each thread has a row, and all share the tests. All functions require
+// uniform control flow. Calls `light_is_hidden(v: vec3f) -> bool` for unit directions.
 //
 // Cells of a row are bits of two words. The set of tests does not depend on the order of their results, so the results do not
 // either.
 
-// Coarse blocks a side, and tests for each point at which the contour crosses a row.
-const CONTOUR_START = 8u;
-const CONTOUR_BISECTIONS = 2u;
 const CONTOUR_STEPS = 1u << CONTOUR_BISECTIONS;
-// The length in columns up to which a contour may pass from one row to the next without a test of its height.
-const CONTOUR_LONG = 3u;
-// One whole cell, in contour coverage units.
-const CONTOUR_WHOLE = 127.0;
-// Half a window's side, at distance 1, beyond which a light is wide.
-const CONTOUR_WIDE = 0.3;
 const CONTOUR_WORDS = 2u * LANES;
 const CONTOUR_PART = LANES / 8u;
 // A byte for every second cell, in three layers.
 const CONTOUR_ROW = (SIDE + 7u) / 8u;
 const CONTOUR_LAYERS = 3u * LANES;
 const CONTOUR_BYTES = CONTOUR_LAYERS * CONTOUR_ROW;
-// Cosine and sine of the rim's directions in a quadrant.
-const CONTOUR_RIM = array<vec2f, 8>(
-    vec2f(0.99518472667, 0.09801714033), vec2f(0.95694033573, 0.29028467725),
-    vec2f(0.88192126435, 0.47139673683), vec2f(0.77301045336, 0.63439328416),
-    vec2f(0.63439328416, 0.77301045336), vec2f(0.47139673683, 0.88192126435),
-    vec2f(0.29028467725, 0.95694033573), vec2f(0.09801714033, 0.99518472667),
-);
 
 // The stages, in order. Up to CONTOUR_FOLLOW cells are tested, then the distance of the contour from a dark point.
 const CONTOUR_RIM_CELLS = 0u;

@@ -42,7 +42,7 @@ pub struct Edges {
 }
 
 /// Lengths that may be added in any order are rounded to this fraction of the disc's radius.
-const STEP: f32 = 1.0 / 65_536.0;
+pub(crate) const STEP: f32 = 1.0 / 65_536.0;
 
 impl Edges {
     /// No edges across this light.

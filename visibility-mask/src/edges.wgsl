@@ -1,14 +1,8 @@
 // The directions of all edges across a light: a mask is turned by their sum. Each thread adds its own edges; the sum of all
-// threads, plus EDGES_NOTHING, gives the direction. Needs geometry.wgsl.
+// threads, plus EDGES_NOTHING, gives the direction.
 
 // Two unit vectors across a cone's axis: the frame of the sum.
 struct EdgeFrame { right: vec3f, up: vec3f }
-
-// The weight of an edge without direction, as a fraction of the light's radius.
-const EDGES_NOTHING = vec2f(1e-3, 0.0);
-
-// The weight of the edge of a plane (the horizon's or a facet's) relative to a blocker's edge, since masks cut by it on rows only.
-const EDGES_PLANE = 4.0;
 
 // Two unit vectors that complete an axis to a basis; continuous, except if the axis points straight down.
 fn edges_frame(axis: vec3f) -> EdgeFrame {

@@ -1,4 +1,4 @@
-// Coverage of a light by a receiver's own facet. Needs geometry.wgsl of lobe-core.
+// Coverage of a light by a receiver's own facet.
 
 // Coverage of a light by the plane of the receiver's own facet, for receivers on an object that blocks; a partly covered light
 // counts as LIT if the horizon leaves out the same directions.

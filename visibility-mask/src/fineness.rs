@@ -1,7 +1,7 @@
 use shading::Accuracy;
 
 /// The tolerance from which on rows of 64 samples suffice for broad lobes, and one mask for narrow ones.
-const COARSE: f32 = 0.005;
+pub(crate) const COARSE: f32 = 0.005;
 
 /// The number of samples for a lobe's visible fraction, besides the depth of the masks.
 ///

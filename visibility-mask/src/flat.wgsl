@@ -1,7 +1,4 @@
-// Lights that may have an outline, in the form of outline.wgsl of lobe-core; else they appear as discs. Needs square.wgsl.
-
-// A mask of a wider light than this (1 − cos θ) is turned as one of this width.
-const FLAT_WIDE = 0.6;
+// Lights that may have an outline, in the form of outline.wgsl of lobe-core; else they appear as discs.
 
 // Centre and radius of the light's disc in the plane of the last window.
 var<private> flat_disc: vec3f;

@@ -1,5 +1,5 @@
-// The visible fraction of a reflectance lobe through a mask, summed over its samples: each thread sums its row, and the weights of
-// columns are shared. Needs mask.wgsl, total.wgsl, and one of fraction_lambert_only.wgsl and fraction_both.wgsl.
+// The visible fraction of a reflectance lobe through a mask, summed over its samples: each thread sums its row, and the weights
+// of columns are shared.
 
 // Four columns each: the weights u, u·dx, u·dx², if weights are a product of one by row and one by column.
 var<workgroup> columns: array<mat3x4f, COLUMNS / 4u>;

@@ -1,5 +1,4 @@
 // The visible fraction of a light for a lobe, if the light has the same radiance everywhere: used instead of fraction_image.wgsl.
-// Needs visibility_window.wgsl.
 
 alias Fraction = f32;
 

@@ -1,4 +1,4 @@
-// Lambert's lobes and others. Needs fraction_lambert.wgsl and fraction_glossy.wgsl.
+// Lambert's lobes and others.
 
 struct Weights {
     by_row: bool,

@@ -1,5 +1,5 @@
 // Weights of a lobe: (a·p)ᵉ |p|⁻⁽ᵉ⁺³⁾ dA, times n·p/|p| for the receiver's cosine. In a small window their logarithm is a
-// polynomial of second order around its peak. Needs mask.wgsl and special.wgsl of lobe-core.
+// polynomial of second order around its peak.
 
 struct GlossyWeights {
     // Whether the weights are a product of one by row and one by column.
@@ -15,11 +15,6 @@ struct GlossyWeights {
     slope: vec2f,
     bend: vec3f,
 }
-
-// The largest neglected third and fourth order of a weight's logarithm.
-const LEFT_OUT = 0.004;
-// The largest exponent, unless a lobe is wider than a cell even with a larger one: a mirror still needs some samples.
-const MIRROR_EXPONENT = 1e6;
 
 fn glossy_of(mask: Mask, square: UnitSquare, at: Receiver, lobe: Lobe) -> GlossyWeights {
     var weights: GlossyWeights;

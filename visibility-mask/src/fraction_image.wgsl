@@ -1,5 +1,4 @@
-// The visible fraction of a light that shows an image, by channel: as `image_fractions`. Needs visibility_window.wgsl, LOBES, image.wgsl
-// of lobe-core, and fraction_image_microfacets.wgsl or its replacement.
+// The visible fraction of a light that shows an image, by channel: as `image_fractions`.
 
 alias Fraction = vec3f;
 

@@ -1,4 +1,4 @@
-// Microfacet lobes for the light of an image. Needs fraction_image.wgsl and fraction_microfacets.wgsl.
+// Microfacet lobes for the light of an image.
 
 // The lobe's microfacets, in the frame of a mask's square.
 var<private> image_surface: MicrofacetsAt;

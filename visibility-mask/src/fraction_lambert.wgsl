@@ -1,4 +1,4 @@
-// Weights of a Lambert lobe: n·p |p|⁻⁴ dA. Needs square.wgsl.
+// Weights of a Lambert lobe: n·p |p|⁻⁴ dA.
 
 struct LambertWeights {
     // Whether the weights are a product of one by row and one by column.
@@ -6,9 +6,6 @@ struct LambertWeights {
     // In the square's frame.
     normal: vec3f,
 }
-
-// The largest tan⁴θ/2 for which they are.
-const CORNER = 2e-4;
 
 fn lambert_of(window: UnitSquare, at: Receiver) -> LambertWeights {
     let corner = abs(window.center) + window.half;

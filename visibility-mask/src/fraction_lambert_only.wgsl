@@ -1,4 +1,4 @@
-// All lobes are Lambert's. Needs fraction_lambert.wgsl.
+// All lobes are Lambert's.
 
 alias Weights = LambertWeights;
 

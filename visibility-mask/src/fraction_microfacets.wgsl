@@ -1,8 +1,4 @@
-// The visible fraction of microfacets' light, as `MaskVisibility::microfacets`. Needs visibility.wgsl and microfacets.wgsl of
-// lobe-core.
-
-// Half the size of the window of highlights, in their widths 2α, times the root of the tolerance.
-const HIGHLIGHT = 0.2;
+// The visible fraction of microfacets' light, as `MaskVisibility::microfacets`.
 
 // The exponent of microfacets whose edge fraction is known, and that fraction.
 var<private> known_edge: vec2f = vec2f(-1.0, 0.0);

@@ -1,5 +1,4 @@
-// The visibility mask, one row a thread: thread j of the workgroup has row j; threads from SIDE on have an empty one. Needs the
-// header and square.wgsl.
+// The visibility mask, one row a thread: thread j of the workgroup has row j; threads from SIDE on have an empty one.
 
 struct Mask {
     square: UnitSquare,

@@ -1,4 +1,4 @@
-// Lights that appear as discs: used instead of flat.wgsl. Needs square.wgsl.
+// Lights that appear as discs: used instead of flat.wgsl.
 
 // The window around the part of the light above the horizon of `normal`, turned so that `across` lies between right and axis.
 fn light_window(light: Cone, across: vec3f, normal: vec3f) -> UnitSquare {

@@ -1,5 +1,4 @@
 // Columns of rows with 64 samples for broad lobes and 256 for narrow ones; the 64 are stored in place of the first of the 256.
-// Needs row.wgsl.
 
 var<private> row_width: u32 = 64u;
 // Groups of four columns.

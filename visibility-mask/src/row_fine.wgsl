@@ -1,4 +1,4 @@
-// Columns of a row of 256 samples. Needs row.wgsl.
+// Columns of a row of 256 samples.
 
 const row_width = 256u;
 // Groups of four columns.

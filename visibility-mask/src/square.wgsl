@@ -1,5 +1,5 @@
-// The unit square (Fig. 8): the window in the plane facing the light on which visibility is rasterised. Coordinates are
-// those of the plane at distance 1 along `axis`. Needs geometry.wgsl and lobe.wgsl of lobe-core, and one of round.wgsl and flat.wgsl.
+// The unit square (Fig. 8): the window in the plane facing the light on which visibility is rasterised. Coordinates are those of
+// the plane at distance 1 along `axis`.
 
 struct UnitSquare {
     // World directions of +x and +y, and toward the light.
@@ -11,15 +11,6 @@ struct UnitSquare {
     half: vec2f,
     disc: f32,
 }
-
-// Half-angles above this (85°) count as this one.
-const WIDEST_TAN = 11.43;
-// The exponent of the smallest window.
-const NARROWEST = 1e8;
-// A lobe whose axis is beside the light by more than this many of its reaches has the window of one at that distance.
-const FARTHEST = 8.0;
-// The smallest half side of a window, in radii of the light.
-const THINNEST = 1e-4;
 
 // The window of the whole light, turned so that `across` lies between right and axis.
 fn square_facing(cone: Cone, across: vec3f) -> UnitSquare {

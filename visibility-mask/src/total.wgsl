@@ -1,4 +1,4 @@
-// Results that the threads of a workgroup compute together. Needs the header.
+// Results that the threads of a workgroup compute together.
 
 var<workgroup> totals: array<vec4f, LANES>;
 var<workgroup> whole_total: vec4f;

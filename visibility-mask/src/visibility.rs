@@ -18,11 +18,11 @@ pub(crate) const STEEP: f32 = 1.0;
 const FILLED: f32 = 3.0;
 
 /// A mask of a wider light than this (1 − cos θ) is turned as one of this width.
-const WIDE: f32 = 0.6;
+pub(crate) const WIDE: f32 = 0.6;
 
 /// The crowding from which on there are more samples (the solid angle of samples in the middle of the light over their mean):
 /// lights of 65° and more. Masks are deeper from there on, and once more from four times that, 79°.
-const CROWDED: f32 = 4.0;
+pub(crate) const CROWDED: f32 = 4.0;
 
 /// Blockers of light that can be rasterised: the interface of a visibility strategy.
 ///

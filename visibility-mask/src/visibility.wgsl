@@ -1,6 +1,5 @@
-// MaskVisibility for blockers, by a workgroup. Needs mask.wgsl, edges.wgsl, total.wgsl, fraction.wgsl; from the strategies
-// `blockers_edges(lane, tile, at, light, window) -> vec4f` (a thread's part of the sums of edges) and
-// `blockers_splat(lane, tile, at, light, mask)`; and one of visibility_whole.wgsl, fraction_alike.wgsl and fraction_image.wgsl.
+// MaskVisibility for blockers, by a workgroup. Calls the strategies' `blockers_edges(lane, tile, at, light, window) -> vec4f` (a
+// thread's part of the sums of edges) and `blockers_splat(lane, tile, at, light, mask)`.
 
 // Numbers of masks across and upward, computed by the first thread: for broad lobes, then for narrow ones. They include the bands
 // of a mask, which are one above the other.
@@ -8,12 +7,6 @@ var<workgroup> grid_counts: vec4u;
 // Bands of a mask; whether broad lobes have fine masks; whether narrow lobes have finer ones; whether the masks of the whole light
 // are too many to be stored, and are drawn for each lobe.
 var<workgroup> grid_forms: vec4u;
-
-// The crowding from which on there are more samples: lights of 65° and more.
-const CROWDED = 4.0;
-// The tolerances from which on masks are coarse, and in one piece.
-const COARSE = 0.005;
-const FINEST = 0.002;
 
 // As `MaskVisibility::depth`, and the tolerance of its masks. A deeper mask is here several bands of SIDE rows.
 fn visibility_fineness(light: Cone, tolerance: f32) {

@@ -1,4 +1,4 @@
-// Only Lambert lobes: all use the masks of the whole light, with the same result. Needs visibility.wgsl.
+// Only Lambert lobes: all use the masks of the whole light, with the same result.
 
 alias Fraction = f32;
 const NARROW_GRID = BROAD_GRID;

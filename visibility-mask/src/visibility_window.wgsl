@@ -1,13 +1,9 @@
-// Masks of the whole light are stored for the lobes; narrow lobes have masks of their own, with 256 samples a row. Needs
-// visibility.wgsl, special.wgsl of lobe-core, and one of fraction_alike.wgsl and fraction_image.wgsl.
+// Masks of the whole light are stored for the lobes; narrow lobes have masks of their own, with 256 samples a row.
 
 // Emitting and lit samples of this thread's row in each part of the whole light, if the parts are few enough to be stored.
 var<private> broad_emitting: array<vec2u, BROAD_COUNT>;
 var<private> broad_lit: array<Row, BROAD_COUNT>;
 const BROAD_COUNT = BROAD_GRID.x * BROAD_GRID.y;
-
-// A lobe whose logarithm falls by more than this over a radius of the light has masks as fine as a narrow one.
-const STEEP = 1.0;
 
 // The reach of a lobe's own window, in its standard deviations: √(2 ln(2/τ)).
 fn zoom_sigmas(tolerance: f32) -> f32 { return sqrt(2.0 * ln_1p(2.0 / clamp(tolerance, 1e-6, 0.5) - 1.0)); }

@@ -1,69 +1,106 @@
-//! The same in WGSL: texts that are joined into a shader module, in any order.
+//! The same in WGSL: pieces that a shader's module is [joined](lobe_core::wgsl::join) of, in any order.
 //!
 //! One workgroup of `LANES` threads draws the mask of one point and light, a row a thread. Functions are named after their Rust
-//! equivalents, with the type's name first: `mask_row_y` is [`Mask::row_y`](crate::Mask::row_y).
+//! equivalents, with the type's name first: `mask_row_y` is [`Mask::row_y`](crate::Mask::row_y). All but [`SQUARE`], [`ROUND`], [`FLAT`], [`EDGES`] and
+//! [`FACET`] need a [`header`].
 
 use crate::row::{COARSE, WIDTH};
-use crate::{Fineness, MAX_DEPTH};
+use crate::{Fineness, MAX_DEPTH, contour, edges, fineness, square, visibility, visible_fraction};
+use lobe_core::wgsl::{self as lobes, Piece};
+use lobe_core::wgsl_numbers;
+use shading::Accuracy;
 
-/// The unit square; needs `geometry.wgsl` and `lobe.wgsl` of `lobe-core`, and one of [`ROUND`] and [`FLAT`].
-pub const SQUARE: &str = include_str!("square.wgsl");
-/// Lights that appear as discs. Needs [`SQUARE`] and `NO_OUTLINE` of `lobe-core`.
-pub const ROUND: &str = include_str!("round.wgsl");
-/// Lights that may have outlines, instead of [`ROUND`]. Needs [`SQUARE`] and `OUTLINE` of `lobe-core`.
-pub const FLAT: &str = include_str!("flat.wgsl");
-/// The thread's row of the mask; needs [`header`] and [`SQUARE`].
-pub const MASK: &str = include_str!("mask.wgsl");
-/// The contour of blockers, from tests of directions; needs [`MASK`] and `light_is_hidden`.
-pub const CONTOUR: &str = concat!(
-    include_str!("contour_bits.wgsl"),
-    include_str!("contour_cells.wgsl"),
-    include_str!("contour_spans.wgsl"),
-    include_str!("contour.wgsl")
-);
-/// The sum of edges that turns a mask; needs `geometry.wgsl`.
-pub const EDGES: &str = include_str!("edges.wgsl");
+/// The unit square. Needs one of [`ROUND`] and [`FLAT`].
+pub static SQUARE: Piece = Piece::new(include_str!("square.wgsl"))
+    .numbers(wgsl_numbers![
+        WIDEST_TAN = square::WIDEST_TAN,
+        NARROWEST = square::NARROWEST,
+        FARTHEST = square::FARTHEST,
+        THINNEST = square::THINNEST,
+    ])
+    .needs(&[&lobes::LOBE]);
+/// Lights that appear as discs.
+pub static ROUND: Piece = Piece::new(include_str!("round.wgsl")).needs(&[&SQUARE, &lobes::NO_OUTLINE]);
+/// Lights that may have outlines, instead of [`ROUND`].
+pub static FLAT: Piece = Piece::new(include_str!("flat.wgsl"))
+    .numbers(wgsl_numbers![FLAT_WIDE = visibility::WIDE])
+    .needs(&[&SQUARE, &lobes::OUTLINE]);
+/// The thread's row of the mask.
+pub static MASK: Piece = Piece::new(include_str!("mask.wgsl")).needs(&[&SQUARE]);
 
-/// Coverage of a light by a receiver's own facet; needs `geometry.wgsl`.
-pub const FACET: &str = include_str!("facet.wgsl");
+static CONTOUR_BITS: Piece = Piece::new(include_str!("contour_bits.wgsl"));
+static CONTOUR_CELLS: Piece = Piece::new(include_str!("contour_cells.wgsl")).needs(&[&CONTOUR_BITS, &MASK]);
+static CONTOUR_SPANS: Piece = Piece::new(include_str!("contour_spans.wgsl")).needs(&[&CONTOUR_CELLS]);
+/// The contour of blockers, from tests of directions. Needs `light_is_hidden`.
+pub static CONTOUR: Piece = Piece::new(include_str!("contour.wgsl"))
+    .numbers(wgsl_numbers![
+        CONTOUR_START = contour::START,
+        CONTOUR_BISECTIONS = contour::BISECTIONS,
+        CONTOUR_LONG = contour::LONG,
+        CONTOUR_WHOLE = f32::from(contour::WHOLE),
+        CONTOUR_WIDE = contour::WIDE,
+        CONTOUR_RIM = contour::rim()[..contour::RIM / 4].iter().map(|(sin, cos)| (*cos, *sin)).collect::<Vec<_>>(),
+    ])
+    .needs(&[&CONTOUR_SPANS]);
+/// The sum of edges that turns a mask.
+pub static EDGES: Piece = Piece::new(include_str!("edges.wgsl"))
+    .numbers(wgsl_numbers![
+        EDGES_NOTHING = (edges::NOTHING, 0.0),
+        EDGES_PLANE = edges::PLANE,
+        EDGES_STEPS = edges::STEP.recip(),
+    ])
+    .needs(&[&lobes::GEOMETRY]);
 
-/// Results that threads compute together; needs [`header`].
-pub const TOTAL: &str = include_str!("total.wgsl");
-/// The visible fraction of a lobe through masks; needs [`MASK`], [`TOTAL`] and one of [`LAMBERT`] and [`LOBES`].
-pub const FRACTION: &str = include_str!("fraction.wgsl");
-/// Masks of blockers; needs [`EDGES`], [`MASK`], [`TOTAL`], [`FRACTION`], `blockers_edges` and `blockers_splat`.
-pub const VISIBILITY: &str = include_str!("visibility.wgsl");
-/// The visible fraction of a lobe if all lobes are Lambert's; needs [`VISIBILITY`].
-pub const LAMBERT: &str = concat!(
-    include_str!("visibility_whole.wgsl"),
-    include_str!("fraction_lambert.wgsl"),
-    include_str!("fraction_lambert_only.wgsl")
-);
-/// The visible fraction of any lobe; needs [`VISIBILITY`], [`header_of_lobes`], `special.wgsl` of `lobe-core`, and one of [`ALIKE`] and
-/// [`IMAGE`].
-pub const LOBES: &str = concat!(
-    include_str!("visibility_window.wgsl"),
-    include_str!("fraction_lambert.wgsl"),
-    include_str!("fraction_glossy.wgsl"),
-    include_str!("fraction_both.wgsl")
-);
+/// Coverage of a light by a receiver's own facet.
+pub static FACET: Piece = Piece::new(include_str!("facet.wgsl")).needs(&[&lobes::GEOMETRY]);
 
-/// The visible fraction of microfacet lobes, if [`header_of_lobes`] has them; needs [`LOBES`] and `MICROFACETS` of `lobe-core`.
-pub const MICROFACETS: &str = include_str!("fraction_microfacets.wgsl");
+/// Results that threads compute together.
+pub static TOTAL: Piece = Piece::new(include_str!("total.wgsl"));
+/// The visible fraction of a lobe through masks. Needs one of [`LAMBERT`] and [`LOBES`].
+pub static FRACTION: Piece = Piece::new(include_str!("fraction.wgsl")).needs(&[&MASK, &TOTAL]);
+/// Masks of blockers. Needs `blockers_edges` and `blockers_splat`, and what [`FRACTION`] needs.
+pub static VISIBILITY: Piece = Piece::new(include_str!("visibility.wgsl"))
+    .numbers(wgsl_numbers![CROWDED = visibility::CROWDED, COARSE = fineness::COARSE, FINEST = Accuracy::FINEST,])
+    .needs(&[&EDGES, &FRACTION]);
 
-/// The visible fraction if it is the same in all channels; needs [`LOBES`].
-pub const ALIKE: &str = include_str!("fraction_alike.wgsl");
-/// The same by channel, for a light that shows an image; needs [`FLAT`], [`LOBES`], `IMAGE` of `lobe-core`, and
-/// [`IMAGE_MICROFACETS`] or [`IMAGE_NO_MICROFACETS`].
-pub const IMAGE: &str = include_str!("fraction_image.wgsl");
-/// Microfacet lobes for such a light; needs [`MICROFACETS`].
-pub const IMAGE_MICROFACETS: &str = include_str!("fraction_image_microfacets.wgsl");
-/// Replaces [`IMAGE_MICROFACETS`] if there are no microfacets.
-pub const IMAGE_NO_MICROFACETS: &str = "fn image_alpha(lobe: Lobe) -> f32 { return 0.0; }
+static LAMBERT_WEIGHTS: Piece = Piece::new(include_str!("fraction_lambert.wgsl"))
+    .numbers(wgsl_numbers![CORNER = visible_fraction::CORNER])
+    .needs(&[&SQUARE]);
+static WHOLE: Piece = Piece::new(include_str!("visibility_whole.wgsl")).needs(&[&VISIBILITY]);
+/// The visible fraction of a lobe if all lobes are Lambert's.
+pub static LAMBERT: Piece = Piece::new(include_str!("fraction_lambert_only.wgsl")).needs(&[&WHOLE, &LAMBERT_WEIGHTS]);
+
+static WINDOW: Piece = Piece::new(include_str!("visibility_window.wgsl"))
+    .numbers(wgsl_numbers![STEEP = visibility::STEEP])
+    .needs(&[&VISIBILITY, &lobes::SPECIAL]);
+static GLOSSY_WEIGHTS: Piece = Piece::new(include_str!("fraction_glossy.wgsl"))
+    .numbers(wgsl_numbers![LEFT_OUT = visible_fraction::LEFT_OUT, MIRROR_EXPONENT = visible_fraction::MIRROR])
+    .needs(&[&MASK, &lobes::SPECIAL]);
+/// The visible fraction of any lobe. Needs [`header_of_lobes`], and one of [`ALIKE`] and [`IMAGE`].
+pub static LOBES: Piece =
+    Piece::new(include_str!("fraction_both.wgsl")).needs(&[&WINDOW, &LAMBERT_WEIGHTS, &GLOSSY_WEIGHTS]);
+
+/// The visible fraction of microfacet lobes, if [`header_of_lobes`] has them.
+pub static MICROFACETS: Piece = Piece::new(include_str!("fraction_microfacets.wgsl"))
+    .numbers(wgsl_numbers![HIGHLIGHT = square::HIGHLIGHT])
+    .needs(&[&LOBES, &lobes::MICROFACETS]);
+
+/// The visible fraction if it is the same in all channels.
+pub static ALIKE: Piece = Piece::new(include_str!("fraction_alike.wgsl")).needs(&[&LOBES]);
+/// The same by channel, for a light that shows an image. Needs one of [`IMAGE_MICROFACETS`] and [`IMAGE_NO_MICROFACETS`].
+pub static IMAGE: Piece = Piece::new(include_str!("fraction_image.wgsl")).needs(&[&FLAT, &LOBES, &lobes::IMAGE]);
+/// [`IMAGE`] with microfacet lobes.
+pub static IMAGE_MICROFACETS: Piece =
+    Piece::new(include_str!("fraction_image_microfacets.wgsl")).needs(&[&IMAGE, &MICROFACETS]);
+/// [`IMAGE`] without microfacets.
+pub static IMAGE_NO_MICROFACETS: Piece = Piece::new(
+    "fn image_alpha(lobe: Lobe) -> f32 { return 0.0; }
 fn image_highlight(whole: UnitSquare, at: Receiver, tolerance: f32, lobe: Lobe) -> UnitSquare { return whole; }
 fn image_facets_in(square: UnitSquare, at: Receiver, lobe: Lobe) {}
 fn image_facets(v: vec3f) -> f32 { return 0.0; }
-";
+",
+)
+.needs(&[&IMAGE]);
 
 /// Half the golden section, in units of 2⁻³²: shifts of rows are fractions of its odd multiples.
 const GOLDEN: u32 = 0x4f1b_bcdd;
@@ -121,11 +158,6 @@ fn header_of(depth: u32, width: usize, fineness: Fineness, row: &str) -> String 
 mod tests {
     use super::*;
     use crate::row::PHASE;
-
-    #[test]
-    fn edges_of_nothing_are_rusts() {
-        assert!(EDGES.contains(&format!("EDGES_NOTHING = vec2f({:e}, 0.0)", crate::edges::NOTHING)));
-    }
 
     #[test]
     fn shifts_of_rows_by_integers() {

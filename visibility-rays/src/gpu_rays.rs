@@ -1,5 +1,14 @@
+use crate::rays;
+use lobe_core::wgsl::Piece;
+use lobe_core::wgsl_numbers;
 use shading::gpu::{GpuBlockers, GpuBuffer};
-use visibility_mask::wgsl::CONTOUR;
+use visibility_mask::wgsl::{CONTOUR, EDGES, FACET};
+
+static RAYS: Piece = Piece::new(include_str!("rays.wgsl")).needs(&[&FACET]);
+static COVERAGE: Piece = Piece::new(include_str!("rays_coverage.wgsl")).needs(&[&RAYS]);
+static SPLAT: Piece = Piece::new(include_str!("rays_splat.wgsl"))
+    .numbers(wgsl_numbers![GRAZING = rays::GRAZING])
+    .needs(&[&RAYS, &CONTOUR, &EDGES]);
 
 /// The `rays` strategy for a GPU: what [`RayBlockers`](crate::RayBlockers) is, of the scene whose rays a shader answers.
 ///
@@ -15,20 +24,12 @@ impl GpuBlockers for GpuRays {
         "rays"
     }
 
-    fn shared(&self) -> String {
-        include_str!("rays.wgsl").to_owned()
+    fn coverage(&self) -> &'static Piece {
+        &COVERAGE
     }
 
-    fn coverage(&self) -> String {
-        include_str!("rays_coverage.wgsl").to_owned()
-    }
-
-    fn splat(&self) -> String {
-        include_str!("rays_splat.wgsl").to_owned()
-    }
-
-    fn splat_needs(&self) -> Vec<&'static str> {
-        vec![CONTOUR]
+    fn splat(&self) -> &'static Piece {
+        &SPLAT
     }
 
     fn has_edges(&self) -> bool {

@@ -165,7 +165,7 @@ impl Blockers for RayBlockers<'_> {
 }
 
 /// Sine of the least elevation above a facet of a ray to the light: rounding does not turn such a ray down.
-const GRAZING: f32 = 1e-6;
+pub(crate) const GRAZING: f32 = 1e-6;
 
 /// A unit direction, or the nearest one that is above the plane with this normal.
 fn lifted(v: Vec3, normal: Vec3) -> Vec3 {

@@ -1,5 +1,5 @@
-// The `rays` strategy: what coverage and masks share. `RayBlockers` of render-cpu. Needs visibility-mask's facet.wgsl and the functions
-// `any_hit…` of `GpuBlockers`.
+// The `rays` strategy: what coverage and masks share. `RayBlockers` of render-cpu. Calls the functions `any_hit…` of
+// `GpuBlockers`.
 
 // How much of the light the receiver's own facet hides.
 fn rays_facet(at: Receiver, cone: Cone) -> u32 {

@@ -1,13 +1,10 @@
-// Masks from shadow rays: `RayBlockers::splat`. Needs rays.wgsl, and visibility-mask's contour.wgsl and edges.wgsl.
+// Masks from shadow rays: `RayBlockers::splat`.
 
 // Where the rays of the point that is shaded begin, and the light.
 var<private> rays_origin: vec3f;
 var<private> rays_light: Cone;
 // Normal of the point's facet where that hides a part of the light, or 0.
 var<private> rays_face: vec3f;
-
-// Sine of the least elevation above a facet at which a ray is traced: rounding does not turn such a ray below the facet.
-const GRAZING = 1e-6;
 
 fn light_is_hidden(v: vec3f) -> bool {
     // A ray below the plane would meet the facet or pass its edge.

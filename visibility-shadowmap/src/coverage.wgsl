@@ -1,12 +1,4 @@
-// Coverage of a light by texels, one thread a receiver: `select` of blockers.rs, from the pyramids' roots.
-// Needs face_view.wgsl, own_face.wgsl and `frame`.
-
-const MAP_DIAGONAL = 0.70710678;
-
-// Cells a side of the mask for a tolerance: 2^depth, as `Accuracy::new`.
-fn map_cells(tolerance: f32) -> f32 {
-    return select(select(64.0, 32.0, tolerance >= 0.002), 16.0, tolerance >= 0.008);
-}
+// Coverage of a light by texels, one thread a receiver: `select` of blockers.rs, from the pyramids' roots. Reads `frame`.
 
 fn maps_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
     let map = map_of_light();
@@ -18,15 +10,15 @@ fn maps_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
         return own;
     }
     let square = square_facing(cone, vec3f(0.0));
-    let cell = 2.0 * square.disc / map_cells(frame.tolerance);
+    let cell = 2.0 * square.disc / frame.cells;
     for (var f = 0u; f < maps_word(map); f++) {
         let face = map + 1u + MAP_FACE * f;
         let view = map_view(face, frame.light, at, square, -square.half, square.half, cell);
         // Includes all cells at the rim.
         let rows = transpose(view.image);
         let disc = rows[2] * (square.disc + 1.5 * cell);
-        let aside = (rows[0] + rows[1]) * MAP_DIAGONAL;
-        let across = (rows[0] - rows[1]) * MAP_DIAGONAL;
+        let aside = (rows[0] + rows[1]) * FRAC_1_SQRT_2;
+        let across = (rows[0] - rows[1]) * FRAC_1_SQRT_2;
         let rim = transpose(mat4x4f(disc - aside, disc + aside, disc - across, disc + across));
         for (var l = 0u; l < maps_word(face + 15u); l++) {
             let layer = map_layer(face, l);

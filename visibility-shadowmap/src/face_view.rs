@@ -13,15 +13,15 @@ use visibility_mask::UnitSquare;
 /// the horizon at any distance of the blocker. Measured on a bunny's own surface, map of 512², light of 1°: a tilt of 1/16 darkens
 /// lit surfaces by 0.10 % and leaves 2.1 % of the light in the umbra; without tilt 0.06 % and 4.1 %, without bias 1.9 % and 2.1 %.
 /// With smooth normals a larger tilt gives dark specks near terminators.
-const BIAS: f64 = 0.5;
-const TILT: f64 = 1.0 / 32.0;
-const ROUNDING: f64 = 0.02;
+pub(crate) const BIAS: f64 = 0.5;
+pub(crate) const TILT: f64 = 1.0 / 32.0;
+pub(crate) const ROUNDING: f64 = 0.02;
 /// A node is drawn for its texels if none of its points appears farther than this from its true place, in cells.
-const SHIFT: f64 = 0.125;
+pub(crate) const SHIFT: f64 = 0.125;
 /// A node smaller than this, in cells, is not split at its outlines and depth steps, since a finer map has more nodes there.
-const SMALL: f64 = 0.7;
+pub(crate) const SMALL: f64 = 0.7;
 /// The largest shift of a part of such a node by its depths, in cells; otherwise the node is split after all.
-const PART_SHIFT: f64 = 0.25;
+pub(crate) const PART_SHIFT: f64 = 0.25;
 /// Points nearer to the receiver's plane than this, relative to its farthest point, are outside of every window.
 pub(crate) const NEAR: f32 = 1e-4;
 const LANES: usize = 12;

@@ -1,18 +1,9 @@
-// The part of a face that can block light from one receiver. Needs layer.wgsl, `lobe_core::wgsl::GEOMETRY` and
-// `visibility_mask::wgsl::SQUARE`.
+// The part of a face that can block light from one receiver.
 //
 // This is f32, while Rust has f64: texels and q are counted from the receiver's own place in the face. With T = L − x, that place
 // has depth −F·T and q_x = z₀/(−F·T) − 1, and
 //     (1 + q) m·(P − x) = (q − q_x) m·T + z₀ texel (Δi m·R + Δj m·U):
 // without differences of large numbers. A receiver far outside a face has only distant blockers there.
-
-const MAP_BIAS = 0.5;
-const MAP_TILT = 0.03125;
-const MAP_ROUNDING = 0.02;
-const MAP_SHIFT = 0.125;
-const MAP_SMALL = 0.7;
-const MAP_PART_SHIFT = 0.25;
-const MAP_NEAR = 1e-4;
 
 // Verdicts.
 const MAP_NO = 0u;

@@ -1,4 +1,4 @@
-// Depth layers and their pyramids in the layout of packed.rs. Needs `maps_word`.
+// Depth layers and their pyramids in the layout of packed.rs. Calls `maps_word`.
 
 // Part of a layer: `2^level` texels a side, at most.
 struct MapItem { level: u32, i: u32, j: u32 }
@@ -12,8 +12,6 @@ struct MapNode { low: f32, high: f32, deviation: f32 }
 // All texels with a surface have a larger q; empty ones have less.
 const MAP_EMPTY = -1.0;
 const MAP_NO_CORNERS = 0xffffffffu;
-// Words of a face.
-const MAP_FACE = 20u;
 
 fn map_f32(k: u32) -> f32 { return bitcast<f32>(maps_word(k)); }
 

@@ -1,4 +1,4 @@
-// Coverage of a light by a receiver's own face, and the flags of its object. Needs layer.wgsl and facet.wgsl of visibility-mask.
+// Coverage of a light by a receiver's own face, and the flags of its object.
 
 // The place of the light's map, or 0.
 fn map_of_light() -> u32 {

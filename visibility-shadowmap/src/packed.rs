@@ -23,13 +23,13 @@ use crate::map::ShadowMap;
 use crate::wgsl;
 use core::sync::atomic::{AtomicU64, Ordering};
 use lobe_core::Sphere;
+use lobe_core::wgsl::Piece;
 use shading::LightId;
 use shading::gpu::{GpuBlockers, GpuBuffer, GpuContents};
 use std::sync::{Arc, Weak};
-use visibility_mask::wgsl::SQUARE;
 
 /// Words of a face.
-const FACE: usize = 20;
+pub(crate) const FACE: usize = 20;
 /// The q of a texel without a surface; others are above −1.
 const EMPTY: f32 = -1e20;
 /// The deviation of a node that has empty texels.
@@ -157,20 +157,12 @@ impl GpuBlockers for PackedMaps {
         "maps"
     }
 
-    fn shared(&self) -> String {
-        wgsl::COMMON.to_owned()
+    fn coverage(&self) -> &'static Piece {
+        &wgsl::COVERAGE
     }
 
-    fn coverage(&self) -> String {
-        wgsl::COVERAGE.to_owned()
-    }
-
-    fn coverage_needs(&self) -> Vec<&'static str> {
-        vec![SQUARE]
-    }
-
-    fn splat(&self) -> String {
-        wgsl::SPLAT.to_owned()
+    fn splat(&self) -> &'static Piece {
+        &wgsl::SPLAT
     }
 
     fn buffers(&self) -> Vec<GpuBuffer<'_>> {

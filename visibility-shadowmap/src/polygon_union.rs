@@ -4,8 +4,8 @@ use glam::Vec2;
 use visibility_mask::{MAX_DEPTH, Mask, Raster};
 
 /// Samples in a cell: columns in a line, and lines.
-const ACROSS: usize = 16;
-const LINES: usize = 4;
+pub(crate) const ACROSS: usize = 16;
+pub(crate) const LINES: usize = 4;
 const SIDE: usize = 1 << MAX_DEPTH;
 /// Cells in a word.
 const CELLS: usize = 64 / ACROSS;

@@ -1,10 +1,7 @@
-// The thread's own row of the union of convex polygons, before they are drawn into the mask. Needs `visibility_mask::wgsl::MASK`.
+// The thread's own row of the union of convex polygons, before they are drawn into the mask.
 //
 // Stores only the emitting part of the row: columns of cells from `union_columns.x` up to `union_columns.y`.
 
-// Samples in a cell: columns in a line, and lines.
-const UNION_ACROSS = 16u;
-const UNION_LINES = 4u;
 // Words in a line: two cells each.
 const UNION_WORDS = SIDE / 2u;
 

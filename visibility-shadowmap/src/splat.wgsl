@@ -1,5 +1,5 @@
 // Draws the texels that block into the mask: `splat` of blockers.rs for the thread's own row, from the pyramids' roots. No
-// barriers. Needs face_view.wgsl, own_face.wgsl, polygon_union.wgsl and `frame`.
+// barriers. Reads `frame`.
 
 // Clears bits of the row `lit`. All threads of the workgroup call it.
 fn maps_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {

@@ -6,9 +6,9 @@ use lobe_core::vec3x8::Vec3x8;
 use lobe_core::{Outline, orthonormal_basis};
 
 /// Edges count as far beside an outline as this part of its size, a sample and a half of 64 from its middle: [`Outline::BEYOND`] holds them.
-const MARGIN: f32 = 0.046_875;
+pub(crate) const MARGIN: f32 = 0.046_875;
 /// Outlines of more corners stand in a polygon of so many.
-const MOST: usize = 8;
+pub(crate) const MOST: usize = 8;
 
 /// The outline of a light, or a polygon around it, with a margin.
 pub(crate) struct Beside {

@@ -28,7 +28,7 @@ const AROUND: f32 = 1.001;
 const ALONG: f64 = 0.999_9;
 
 /// The widest disc, `1 − cos θ`, in front of which edges are summed.
-const WIDEST_DISC: f32 = 0.9;
+pub(crate) const WIDEST_DISC: f32 = 0.9;
 
 /// Traces the rays that outlines leave open: whether a ray meets any triangle.
 ///

@@ -70,7 +70,7 @@ pub(crate) struct Fewest {
 }
 
 /// If fewer than one in this many counted samples has the fewest surfaces, a ray is also traced for the next number.
-const FEW: u32 = 128;
+pub(crate) const FEW: u32 = 128;
 
 impl Counter {
     /// Counts the surfaces in front of the lit samples of a mask.

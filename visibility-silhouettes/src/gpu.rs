@@ -1,12 +1,13 @@
 //! The strategy on a GPU.
 
-use crate::SilhouetteMesh;
 use crate::tree::{Node, Tree, WIDE};
+use crate::{SilhouetteMesh, wgsl};
 use glam::Vec3;
+use lobe_core::wgsl::{Piece, constant};
 use shading::gpu::{GpuBlockers, GpuBuffer};
 
-/// No triangle on a side of an edge, or no child in a place of a node: `SILHOUETTES_NONE`.
-const NONE: u32 = u32::MAX;
+/// No triangle on a side of an edge, or no child in a place of a node.
+pub(crate) const NONE: u32 = u32::MAX;
 /// Rows of a node's child.
 const CHILD: usize = 3;
 
@@ -194,16 +195,16 @@ impl GpuBlockers for GpuSilhouettes {
         "silhouettes"
     }
 
-    fn shared(&self) -> String {
-        format!("const SILHOUETTES_DEPTH = {}u;\n{}", self.depth, include_str!("silhouettes.wgsl"))
+    fn constants(&self) -> String {
+        constant("SILHOUETTES_DEPTH", &self.depth)
     }
 
-    fn coverage(&self) -> String {
-        include_str!("silhouettes_coverage.wgsl").to_owned()
+    fn coverage(&self) -> &'static Piece {
+        &wgsl::COVERAGE
     }
 
-    fn splat(&self) -> String {
-        include_str!("silhouettes_splat.wgsl").to_owned()
+    fn splat(&self) -> &'static Piece {
+        &wgsl::SPLAT
     }
 
     fn has_edges(&self) -> bool {

@@ -74,6 +74,7 @@ mod select;
 mod sky;
 mod topology;
 mod tree;
+mod wgsl;
 
 pub use crate::blockers::{AnyHit, SilhouetteBlockers, SilhouetteScratch};
 pub use crate::gpu::GpuSilhouettes;

@@ -9,9 +9,9 @@ use shading::VisibilityQuery;
 use visibility_mask::{Raster, UnitSquare};
 
 /// Ends nearer than this fraction of the light's distance are clipped: they are far outside the window.
-const NEAR: f32 = 1e-7;
+pub(crate) const NEAR: f32 = 1e-7;
 /// The largest position outside.
-const FAR_OUTSIDE: f32 = 1e7;
+pub(crate) const FAR_OUTSIDE: f32 = 1e7;
 
 /// The window, its rows and samples, and the depths between which surfaces block.
 #[derive(Clone, Copy, Debug)]

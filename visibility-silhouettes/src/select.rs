@@ -17,8 +17,8 @@ pub(crate) const STEP: usize = 6;
 pub(crate) type Silhouettes = Columns<NUMBERS>;
 
 /// A margin around the light's disc, for the rounding of its edge.
-const AROUND: f32 = 1.000_01;
-const AROUND_SQ: f32 = 1.000_2;
+pub(crate) const AROUND: f32 = 1.000_01;
+pub(crate) const AROUND_SQ: f32 = 1.000_2;
 
 /// Lists those edges of a list that are silhouettes and may lie in front of the light.
 ///
@@ -163,7 +163,7 @@ pub(crate) fn side<S: Simd>(
 }
 
 /// Depths below this fraction of an edge's size are rounding errors.
-const BESIDE: f32 = 1e-5;
+pub(crate) const BESIDE: f32 = 1e-5;
 
 /// Adds the parts of silhouettes in front of a part of a light to the directions that a mask is turned by. Only silhouettes in
 /// front of the light count, since the list has only some of the others.

@@ -1,20 +1,8 @@
-// Edges of meshes, and which of them are silhouettes before a receiver's light: `select.rs` and `hull.rs`. Needs geometry.wgsl of
-// lobe-core and what it has for outlines, frame.wgsl of render-gpu, the functions `any_hit…` of `GpuBlockers`, and SILHOUETTES_DEPTH, the depth of
-// the hierarchy.
+// Edges of meshes, and which of them are silhouettes before a receiver's light: `select.rs` and `hull.rs`. Reads `frame`, calls
+// the functions `any_hit…` of `GpuBlockers`. SILHOUETTES_DEPTH is the depth of the hierarchy.
 
-// Error of n·x + d in f32, relative to |d| + |x| + |y| + |z|: the sign of a smaller value is not known.
-const SILHOUETTES_UNSURE = 6e-7;
-// A margin around the light's disc, for the rounding of its edge.
-const SILHOUETTES_AROUND = 1.00001;
-const SILHOUETTES_AROUND_SQ = 1.0002;
 // Rounding of the distance of a box from a plane, relative to its numbers.
 const SILHOUETTES_ROUNDING = 2e-6;
-// No triangle on that side of an edge; no child of a node.
-const SILHOUETTES_NONE = 0xffffffffu;
-
-// Edges count as far beside a flat light's outline as this part of its size.
-const SILHOUETTES_MARGIN = 0.046875;
-const SILHOUETTES_CORNERS = 8u;
 
 // The outline of a flat light, or an octagon around it, as `Beside`: inward normals of planes through the receiver and its sides, and its
 // corners on the plane at distance 1.

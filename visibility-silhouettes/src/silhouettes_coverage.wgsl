@@ -1,4 +1,4 @@
-// Coverage of the light, as `SilhouetteBlockers::select`. Needs silhouettes.wgsl.
+// Coverage of the light, as `SilhouetteBlockers::select`.
 
 // The most waiting nodes: a node's siblings wait on each level.
 const SILHOUETTES_WAITING = 7u * SILHOUETTES_DEPTH + 8u;

@@ -1,20 +1,7 @@
-// Masks from silhouettes, by a workgroup: `project.rs`, `count.rs` and `SilhouetteBlockers::splat`. Needs silhouettes.wgsl, and of
-// visibility-mask mask.wgsl, edges.wgsl and total.wgsl.
+// Masks from silhouettes, by a workgroup: `project.rs`, `count.rs` and `SilhouetteBlockers::splat`.
 //
 // The threads search the hierarchy together, one thread for a child of a node, then the edges of the leaves. All sums are of
 // integers, so no order of the threads changes a mask.
-
-// Ends nearer than this fraction of the light's distance are clipped: they are far outside the window.
-const SILHOUETTES_NEAR = 1e-7;
-const SILHOUETTES_FAR_OUTSIDE = 1e7;
-// Depths below this fraction of an edge's size are rounding errors.
-const SILHOUETTES_BESIDE = 1e-5;
-// The widest disc, 1 − cos θ, in front of which edges are summed.
-const SILHOUETTES_WIDEST = 0.9;
-// If fewer than one in this many lit samples has the fewest surfaces, a ray is also traced for the next number.
-const SILHOUETTES_FEW = 128u;
-// Lengths are rounded to multiples of the disc's radius over this number.
-const SILHOUETTES_LENGTHS = 65536.0;
 
 // The most waiting nodes: on each level the children that a round finds, minus those that the next one takes.
 const SILHOUETTES_STACK = 7u * SILHOUETTES_DEPTH * SILHOUETTES_NODES + 8u;
@@ -232,7 +219,7 @@ fn silhouettes_add(eye: SilhouetteEye, a: vec3f, b: vec3f) {
     }
     let two = vec2f(d.x * d.x - d.y * d.y, 2.0 * d.x * d.y) / square;
     let four = vec2f(two.x * two.x - two.y * two.y, 2.0 * two.x * two.y);
-    let all = vec4i(vec4f(two, four) * (length * SILHOUETTES_LENGTHS));
+    let all = vec4i(vec4f(two, four) * (length * EDGES_STEPS));
     atomicAdd(&silhouettes_sums[0], all.x);
     atomicAdd(&silhouettes_sums[1], all.y);
     atomicAdd(&silhouettes_sums[2], all.z);
@@ -484,7 +471,7 @@ fn silhouettes_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Co
         atomicLoad(&silhouettes_sums[0]), atomicLoad(&silhouettes_sums[1]),
         atomicLoad(&silhouettes_sums[2]), atomicLoad(&silhouettes_sums[3])
     );
-    var edges = vec4f(sums) / SILHOUETTES_LENGTHS;
+    var edges = vec4f(sums) / EDGES_STEPS;
     if (silhouettes_facet(at, light) == PARTIAL) {
         edges += vec4f(edges_add_plane(edges_frame(window.axis), at.face, window), 0.0, 0.0);
     }

@@ -1,4 +1,4 @@
-// The directions that a sphere blocks, seen from a receiver: a cone about its centre. Needs LIT, PARTIAL, DARK.
+// The directions that a sphere blocks, seen from a receiver: a cone about its centre.
 struct BlockedCone {
     // From the receiver to the sphere's centre.
     to: vec3f,

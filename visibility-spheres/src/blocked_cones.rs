@@ -6,7 +6,7 @@ use glam::Vec3;
 use shading::VisibilityQuery;
 
 /// Relative to distances; f32 rounds the terms of the cheap question by some 1e-7.
-const SLACK: f32 = 4e-6;
+pub(crate) const SLACK: f32 = 4e-6;
 
 /// The light of a query as a sphere.
 pub(crate) struct LightSphere {

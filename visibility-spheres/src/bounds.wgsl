@@ -1,4 +1,4 @@
-// A sphere around each block of spheres, one block a thread, as `Block::bounds`. Needs packed.wgsl and the buffers of gpu.rs.
+// A sphere around each block of spheres, one block a thread, as `Block::bounds`. The buffers are those of gpu.rs.
 
 // Larger numbers are no floats.
 const BOUNDS_EVERYTHING = 3e38;

@@ -1,4 +1,4 @@
-// Which spheres may hide something of one receiver's light: the cheap question before the exact one. Needs `Cone`.
+// Which spheres may hide something of one receiver's light: the cheap question before the exact one.
 struct ConeTest {
     start: vec3f,
     axis: vec3f,
@@ -8,9 +8,6 @@ struct ConeTest {
     // The light is seen within less than a hemisphere.
     narrow: bool,
 }
-
-// Relative to distances; f32 rounds the terms of a test by some 1e-7.
-const CONE_SLACK = 4e-6;
 
 fn cone_test(x: vec3f, cone: Cone) -> ConeTest {
     let sin_sq = cone_sin_sq(cone);

@@ -1,7 +1,6 @@
-// The spheres that a tile of 64 points has to look at for one light: those that meet the shaft from the points to the
-// light. One workgroup a tile. Needs packed.wgsl, shaft.wgsl, lobe-core's geometry, `frame`, `points`, and the buffers of gpu.rs.
+// The spheres that a tile of 64 points has to look at for one light: those that meet the shaft from the points to the light. One
+// workgroup a tile. Reads `frame`, `points` and the buffers of gpu.rs.
 
-const NO_MATERIAL = 0xffffffffu;
 const TILE = 64u;
 
 var<workgroup> lows: array<vec3f, TILE>;

@@ -1,5 +1,5 @@
-// A sphere wholly in front of the plane through the receiver, on the mask: an ellipse, in its centre form, in rows and samples
-// of the mask. Needs visibility-mask's mask.wgsl.
+// A sphere wholly in front of the plane through the receiver, on the mask: an ellipse, in its centre form, in rows and samples of
+// the mask.
 struct Ellipse {
     x: f32,
     y: f32,
@@ -12,9 +12,6 @@ struct Ellipse {
     // Samples that an edge runs along within one row before it is taken by area.
     flat: f32,
 }
-
-// An edge that runs along more than so many cells within one row is taken by area.
-const FLAT = 4.0;
 
 // `c` is the centre in the frame of the mask's square, `c.z > r`.
 fn ellipse(c: vec3f, r: f32, mask: Mask) -> Ellipse {

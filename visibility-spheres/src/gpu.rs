@@ -2,6 +2,7 @@
 
 use crate::packed::{LIST_WORDS, SPHERE_BLOCK};
 use crate::{SphereBlockers, wgsl};
+use lobe_core::wgsl::Piece;
 use shading::gpu::{GpuBlockers, GpuBuffer, GpuContents, GpuPass, GpuRun};
 
 const SPHERES: &str = "spheres";
@@ -17,16 +18,12 @@ impl GpuBlockers for SphereBlockers {
         "spheres"
     }
 
-    fn shared(&self) -> String {
-        [wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, wgsl::SPHERES].join("\n")
+    fn coverage(&self) -> &'static Piece {
+        &wgsl::SPHERES
     }
 
-    fn coverage(&self) -> String {
-        String::new()
-    }
-
-    fn splat(&self) -> String {
-        [wgsl::ELLIPSE, wgsl::SPLAT, wgsl::SPHERES_SPLAT].join("\n")
+    fn splat(&self) -> &'static Piece {
+        &wgsl::SPHERES_SPLAT
     }
 
     fn has_edges(&self) -> bool {
@@ -54,16 +51,14 @@ impl GpuBlockers for SphereBlockers {
         vec![
             GpuPass {
                 entry: "bounds",
-                text: wgsl::BOUNDS.to_owned(),
-                needs: vec![wgsl::PACKED],
+                piece: &wgsl::BOUNDS,
                 reads: vec![SPHERES],
                 writes: vec![BOUNDS],
                 run: GpuRun::Changed(groups),
             },
             GpuPass {
                 entry: "cull",
-                text: wgsl::CULL.to_owned(),
-                needs: vec![wgsl::PACKED, wgsl::SHAFT_TEST],
+                piece: &wgsl::CULL,
                 reads: vec!["points", SPHERES, BOUNDS],
                 writes: vec![LISTS],
                 run: GpuRun::Tiles,

@@ -2,11 +2,14 @@ use crate::SphereBlockers;
 use bytemuck::{Pod, Zeroable};
 use lobe_core::NO_OBJECT;
 
-/// How many neighbours of [`SphereBlockers::pack`] share a bound on the GPU: `SPHERE_BLOCK` of `packed.wgsl`.
+/// How many neighbours of [`SphereBlockers::pack`] share a bound on the GPU.
 pub const SPHERE_BLOCK: usize = 32;
 
-/// Words of a tile's list: `LIST_WORDS` of `packed.wgsl`.
-pub const LIST_WORDS: usize = 514;
+/// Words of a tile's list: how many spheres, flags, their indices, ascending.
+pub const LIST_WORDS: usize = LIST_ROOM + 2;
+
+/// Spheres that a tile's list may have.
+pub(crate) const LIST_ROOM: usize = 512;
 
 /// A blocker as kernels read it: `BlockerSphere` of `packed.wgsl`, 48 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

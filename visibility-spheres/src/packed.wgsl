@@ -13,11 +13,6 @@ struct BlockerSphere {
     pad: u32,
 }
 
-const SPHERE_BLOCK = 32u;
-
-// The list of a tile of points: how many spheres, flags, their indices, ascending.
-const LIST_ROOM = 512u;
-const LIST_WORDS = LIST_ROOM + 2u;
 // More spheres than there is room for: the list says nothing.
 const LIST_FULL = 1u;
 // One sphere hides all of the light from all of the tile: the list may be short.

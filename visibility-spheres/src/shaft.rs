@@ -26,6 +26,8 @@ const SLACK: f32 = 4e-6;
 
 /// A box is narrow that is thinner than this part of the sphere.
 const NARROW: f32 = 0.6;
+/// A sphere smaller by this part must hide all of the light from a tile before the tile counts as dark.
+pub(crate) const MARGIN: f32 = 1e-3;
 
 impl ShaftTest {
     pub(crate) fn new(shaft: &Shaft) -> Self {
@@ -108,7 +110,6 @@ impl ShaftTest {
     /// Whether a sphere hides all of the light from all receivers, each at least `clear` away from it along the tangent.
     /// Not always when it does.
     pub(crate) fn darkens(&self, sphere: &Sphere, clear: f32) -> bool {
-        const MARGIN: f32 = 1e-3;
         let (from, to) = (self.shaft.receivers, self.shaft.light);
         let r = sphere.radius * (1.0 - MARGIN);
         if self.nested.is_some() || r <= from.radius.min(to.radius) {

@@ -79,8 +79,7 @@ fn shaft_meets(test: ShaftTest, center: vec3f, radius: f32) -> bool {
 // Whether a sphere hides all of the light from all receivers, each at least `clear` away from it along the tangent. Not
 // always when it does.
 fn shaft_darkens(test: ShaftTest, center: vec3f, radius: f32, clear: f32) -> bool {
-    const MARGIN = 1e-3;
-    let r = radius * (1.0 - MARGIN);
+    let r = radius * (1.0 - SHAFT_MARGIN);
     if (test.nested || r <= min(test.receivers.w, test.light.w)) {
         return false;
     }
@@ -91,12 +90,12 @@ fn shaft_darkens(test: ShaftTest, center: vec3f, radius: f32, clear: f32) -> boo
     let beside = w - test.axis * along;
     let aside = sqrt(dot(beside, beside));
     let near = sqrt(dot(w, w)) - test.receivers.w;
-    let outer = radius * (1.0 + MARGIN);
+    let outer = radius * (1.0 + SHAFT_MARGIN);
     let from_light = center - test.light.xyz;
     return aside + cut + SHAFT_SLACK * abs(along) < r
         && along > test.receivers.w
         && along < test.length - test.light.w
         && near > outer
         && (near - outer) * (near + outer) > clear * clear
-        && sqrt(dot(from_light, from_light)) > (outer + test.light.w) * (1.0 + MARGIN);
+        && sqrt(dot(from_light, from_light)) > (outer + test.light.w) * (1.0 + SHAFT_MARGIN);
 }

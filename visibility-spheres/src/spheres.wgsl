@@ -1,5 +1,5 @@
-// The part of one light that spheres hide: the list of a tile, the exact question to each sphere of it. Needs packed, cone_test,
-// blocked_cone, the buffers of gpu.rs, lobe-core's geometry and outline, and visibility-mask's facet.
+// The part of one light that spheres hide: the list of a tile, the exact question to each sphere of it. The buffers are those of
+// gpu.rs.
 
 // The light as a sphere, and the power of the receiver with respect to it.
 struct LightSphere {

@@ -1,4 +1,4 @@
-// The cells that spheres block on a mask, by a workgroup of LANES threads. Needs spheres, splat, ellipse, and visibility-mask's edges.wgsl.
+// The cells that spheres block on a mask, by a workgroup of LANES threads.
 
 // Kinds of splats.
 const ELLIPSE = 0u;

@@ -1,5 +1,4 @@
-// The cone that a sphere blocks, and what of it is in front of a light that the sphere meets. Needs blocked_cone and visibility-mask's
-// mask.wgsl.
+// The cone that a sphere blocks, and what of it is in front of a light that the sphere meets.
 
 // Adds its rim where that crosses the light's disc, as if the sphere were small and far.
 fn blocked_add_edge(blocked: BlockedCone, frame: EdgeFrame, axis: vec3f, tan: f32) -> vec2f {

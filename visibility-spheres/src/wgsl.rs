@@ -1,25 +1,43 @@
-//! The same in WGSL, to be joined as text with what each needs.
+//! The same in WGSL: pieces that a shader's module is [joined](lobe_core::wgsl::join) of.
 //!
-//! All of it wants lobe-core's geometry, [`PACKED`], and the buffers `spheres`, an `array<BlockerSphere>`, `spheres_bounds`, an
-//! `array<vec4f>`, and `spheres_lists`, an `array<u32>`, each bound with just what it holds.
+//! All of it reads the buffers `spheres`, an `array<BlockerSphere>`, `spheres_bounds`, an `array<vec4f>`, and `spheres_lists`, an
+//! `array<u32>`, each bound with just what it holds.
+
+use crate::packed::{LIST_ROOM, LIST_WORDS, SPHERE_BLOCK};
+use crate::{blocked_cones, ellipse, shaft, wide_cone};
+use lobe_core::wgsl::{GEOMETRY, Piece, SPECIAL};
+use lobe_core::wgsl_numbers;
+use visibility_mask::wgsl::{EDGES, FACET, MASK};
 
 /// The struct of a blocker, the layout of a tile's list.
-pub const PACKED: &str = include_str!("packed.wgsl");
+pub static PACKED: Piece = Piece::new(include_str!("packed.wgsl")).numbers(wgsl_numbers![
+    SPHERE_BLOCK = SPHERE_BLOCK,
+    LIST_ROOM = LIST_ROOM,
+    LIST_WORDS = LIST_WORDS
+]);
 /// The kernel of the bounds of blocks.
-pub const BOUNDS: &str = include_str!("bounds.wgsl");
-/// The kernel of the lists of tiles: with [`SHAFT_TEST`].
-pub const CULL: &str = include_str!("cull.wgsl");
-/// Which spheres meet a shaft: for culling.
-pub const SHAFT_TEST: &str = include_str!("shaft.wgsl");
+pub static BOUNDS: Piece = Piece::new(include_str!("bounds.wgsl")).needs(&[&PACKED]);
+/// Which spheres meet a shaft.
+static SHAFT_TEST: Piece =
+    Piece::new(include_str!("shaft.wgsl")).numbers(wgsl_numbers![SHAFT_MARGIN = shaft::MARGIN]).needs(&[&GEOMETRY]);
+/// The kernel of the lists of tiles.
+pub static CULL: Piece = Piece::new(include_str!("cull.wgsl")).needs(&[&PACKED, &SHAFT_TEST]);
 /// Which spheres a light's cone may meet.
-pub const CONE_TEST: &str = include_str!("cone_test.wgsl");
+static CONE_TEST: Piece = Piece::new(include_str!("cone_test.wgsl"))
+    .numbers(wgsl_numbers![CONE_SLACK = blocked_cones::SLACK])
+    .needs(&[&GEOMETRY]);
 /// The cone that a sphere blocks.
-pub const BLOCKED_CONE: &str = include_str!("blocked_cone.wgsl");
-/// `spheres_coverage`: with [`CONE_TEST`], [`BLOCKED_CONE`] and visibility-mask's facet.
-pub const SPHERES: &str = include_str!("spheres.wgsl");
-/// A sphere on a mask: with visibility-mask's mask.
-pub const ELLIPSE: &str = include_str!("ellipse.wgsl");
-/// Other cones on a mask: with [`BLOCKED_CONE`], [`ELLIPSE`] and visibility-mask's mask and edges.
-pub const SPLAT: &str = concat!(include_str!("splat.wgsl"), "\n", include_str!("wide_cone.wgsl"));
-/// `spheres_edges` and `spheres_splat`: with all of these but [`SHAFT_TEST`].
-pub const SPHERES_SPLAT: &str = include_str!("spheres_splat.wgsl");
+static BLOCKED_CONE: Piece = Piece::new(include_str!("blocked_cone.wgsl")).needs(&[&GEOMETRY]);
+/// `spheres_coverage`. Needs `OUTLINE` or `NO_OUTLINE` of `lobe-core`.
+pub static SPHERES: Piece =
+    Piece::new(include_str!("spheres.wgsl")).needs(&[&PACKED, &CONE_TEST, &BLOCKED_CONE, &FACET]);
+/// A sphere on a mask.
+static ELLIPSE: Piece =
+    Piece::new(include_str!("ellipse.wgsl")).numbers(wgsl_numbers![FLAT = ellipse::FLAT]).needs(&[&MASK]);
+static SPLAT: Piece = Piece::new(include_str!("splat.wgsl")).needs(&[&BLOCKED_CONE, &MASK, &EDGES]);
+/// Other cones on a mask.
+static WIDE_CONE: Piece = Piece::new(include_str!("wide_cone.wgsl"))
+    .numbers(wgsl_numbers![WIDE_LIMIT = wide_cone::LIMIT])
+    .needs(&[&SPLAT, &ELLIPSE, &SPECIAL]);
+/// `spheres_edges` and `spheres_splat`. Needs the header of `visibility-mask`, and its `ROUND` or `FLAT`.
+pub static SPHERES_SPLAT: Piece = Piece::new(include_str!("spheres_splat.wgsl")).needs(&[&SPHERES, &WIDE_CONE]);

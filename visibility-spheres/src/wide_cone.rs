@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use visibility_mask::{MAX_DEPTH, Mask, Raster};
 
 /// Farther than any window reaches.
-const LIMIT: f32 = 1e9;
+pub(crate) const LIMIT: f32 = 1e9;
 /// Rows of the finest mask, one more on either side, and room for eight at once.
 const ROWS: usize = (1 << MAX_DEPTH) + 2 * LANES;
 

@@ -1,8 +1,4 @@
-// Cones that reach the plane through the receiver across the light, on the mask: spheres beside the receiver, or about it. Needs
-// ellipse.wgsl and visibility-mask's mask.wgsl.
-
-// Farther than any window reaches.
-const WIDE_LIMIT = 1e9;
+// Cones that reach the plane through the receiver across the light, on the mask: spheres beside the receiver, or about it.
 
 // Blocks of the own row `j` the directions about the unit axis `to`, in the square's frame, of at least this cosine.
 fn splat_wide(to: vec3f, cos: f32, mask: Mask, j: u32) {

@@ -1,11 +1,13 @@
 //! Blockers: capsules, segments with a radius, exact.
 
 use cosine_lobes::glam::Vec3;
+use cosine_lobes::lobe_core::wgsl::{GEOMETRY, Piece};
 use cosine_lobes::lobe_core::{Cone, Sphere};
 use cosine_lobes::renderer::CustomStrategy;
 use cosine_lobes::scene::Scene;
 use cosine_lobes::shading::gpu::{GpuBlockers, GpuBuffer};
 use cosine_lobes::shading::{Coverage, VisibilityQuery};
+use cosine_lobes::visibility_mask::wgsl::MASK;
 use cosine_lobes::visibility_mask::{Blockers, DynBlockers, Mask};
 
 /// All points nearer than `radius` to the segment between two ends.
@@ -122,22 +124,22 @@ impl CustomStrategy for Capsules {
     }
 }
 
+static CAPSULE: Piece = Piece::new("struct Capsule { a: vec3f, radius: f32, b: vec3f, pad: f32 }");
+static COVERAGE: Piece = Piece::new(include_str!("capsules_coverage.wgsl")).needs(&[&CAPSULE, &GEOMETRY]);
+static SPLAT: Piece = Piece::new(include_str!("capsules_splat.wgsl")).needs(&[&CAPSULE, &MASK]);
+
 /// The same in WGSL.
 impl GpuBlockers for Capsules {
     fn name(&self) -> &'static str {
         "capsules"
     }
 
-    fn shared(&self) -> String {
-        "struct Capsule { a: vec3f, radius: f32, b: vec3f, pad: f32 }".to_owned()
+    fn coverage(&self) -> &'static Piece {
+        &COVERAGE
     }
 
-    fn coverage(&self) -> String {
-        include_str!("capsules_coverage.wgsl").to_owned()
-    }
-
-    fn splat(&self) -> String {
-        include_str!("capsules_splat.wgsl").to_owned()
+    fn splat(&self) -> &'static Piece {
+        &SPLAT
     }
 
     fn is_empty(&self) -> bool {

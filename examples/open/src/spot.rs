@@ -2,8 +2,10 @@
 
 use cosine_lobes::glam::{Mat4, Vec3};
 use cosine_lobes::lighting::{Area, Light, LightKind};
+use cosine_lobes::lobe_core::wgsl::{GEOMETRY, Piece};
 use cosine_lobes::lobe_core::{Cone, Receiver, SeenLight, Sphere};
 use cosine_lobes::shading::LightLobes;
+use cosine_lobes::shading::gpu::GpuText;
 use std::sync::Arc;
 
 /// Full radiance within an angle of `direction`, none beyond another, smooth between.
@@ -31,14 +33,17 @@ impl LightLobes for Spot {
     }
 }
 
-const WGSL: &str = "
+static WGSL: Piece = Piece::new(
+    "
     fn light_cone(at: Receiver) -> Cone { return cone_of_sphere(at.position, frame.light); }
 
     fn light_radiance(at: Receiver) -> vec3f {
         let cos = -dot(light_cone(at).axis, frame.shape[0].xyz);
         let x = clamp((cos - frame.shape[1].y) / (frame.shape[1].x - frame.shape[1].y), 0.0, 1.0);
         return frame.radiance * (x * x * (3.0 - 2.0 * x));
-    }";
+    }",
+)
+.needs(&[&GEOMETRY]);
 
 /// For renderers, the reference and GPUs.
 impl LightKind for Spot {
@@ -64,8 +69,8 @@ impl LightKind for Spot {
         Some(Area::sphere(self.sphere))
     }
 
-    fn wgsl(&self) -> Option<[&'static str; 2]> {
-        Some(["shaded spot", WGSL])
+    fn wgsl(&self) -> Option<GpuText> {
+        Some(("shaded spot", &WGSL))
     }
 
     fn gpu_shape(&self) -> Vec<[f32; 4]> {

@@ -1,9 +1,10 @@
 //! A material: diffuse, and bright back toward where the light comes from, as velvet and road signs are.
 
 use core::f32::consts::{PI, TAU};
-use cosine_lobes::brdf::wgsl::ModelWgsl;
+use cosine_lobes::brdf::wgsl::{MATERIAL, ModelWgsl};
 use cosine_lobes::brdf::{Brdf, BrdfSample, Factors, Material, Model, Packer};
 use cosine_lobes::glam::Vec3;
+use cosine_lobes::lobe_core::wgsl::Piece;
 use cosine_lobes::lobe_core::{BrdfLobe, Lobe, Receiver};
 use cosine_lobes::shading::BrdfLobes;
 use std::sync::Arc;
@@ -53,6 +54,8 @@ impl Brdf for Velvet {
     }
 }
 
+static WGSL: Piece = Piece::new(include_str!("velvet.wgsl")).needs(&[&MATERIAL]);
+
 /// For renderers: textures of colours, and seven words for a GPU.
 impl Model for Velvet {
     fn name(&self) -> &'static str {
@@ -68,7 +71,7 @@ impl Model for Velvet {
     }
 
     fn wgsl(&self) -> Option<ModelWgsl> {
-        Some(ModelWgsl::new("velvet", [include_str!("velvet.wgsl")]))
+        Some(ModelWgsl::new("velvet", &WGSL))
     }
 
     fn pack(&self, out: &mut Packer) -> u32 {

@@ -1,4 +1,4 @@
-// The directional albedo of microfacets, as in cap/albedo.rs. Needs microfacets.wgsl.
+// The directional albedo of microfacets, as in cap/albedo.rs.
 
 struct Facets {
     alpha_sq: f32,
@@ -16,29 +16,6 @@ struct FacetHalf {
     up: f32,
     seen: f32,
 }
-
-const ALBEDO_TURNS = array<vec2f, 8>(
-    vec2f(0.9807853, 0.19509032),
-    vec2f(0.8314696, 0.55557023),
-    vec2f(0.55557023, 0.8314696),
-    vec2f(0.19509032, 0.9807853),
-    vec2f(-0.19509032, 0.9807853),
-    vec2f(-0.55557023, 0.8314696),
-    vec2f(-0.8314696, 0.55557023),
-    vec2f(-0.9807853, 0.19509032)
-);
-// Places and weights.
-const ALBEDO_PLACES = array<vec2f, 8>(
-    vec2f(0.019855072, 0.050614268),
-    vec2f(0.10166676, 0.111190517),
-    vec2f(0.237233795, 0.156853323),
-    vec2f(0.408282679, 0.181341892),
-    vec2f(0.591717321, 0.181341892),
-    vec2f(0.762766205, 0.156853323),
-    vec2f(0.898333239, 0.111190517),
-    vec2f(0.980144928, 0.050614268)
-);
-const ALBEDO_HALVINGS = 10u;
 
 fn facets_of(at: Receiver, lobe: Lobe) -> Facets {
     let seen = seen_from(at.normal, lobe.axis);

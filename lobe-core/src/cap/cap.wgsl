@@ -1,7 +1,5 @@
 // `cap_integral` of cap/mod.rs: a lobe of flux 1 over a light's cone, above the horizon.
 
-const MIRROR = 1e9f;
-
 fn cap_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 {
     let light = seen_light(at, cone);
     if light.below {

@@ -1,48 +1,5 @@
 // The chords of chord.rs, at any position of the horizon, by one loop over the nodes.
 
-const FEW = 6u;
-const MANY = 10u;
-const PIECE = 14u;
-const EDGE = 32u;
-const KAPPA = 12.0f;
-// Lights from here on have chords that end as abruptly as pieces do.
-const ENDS = 0.6f;
-
-// The first halves of the four rules; the second have the opposite sign.
-const NODES = array<vec2f, 31>(
-    vec2f(0.90096885, 0.19472657),
-    vec2f(0.6234898, 0.35088515),
-    vec2f(0.22252093, 0.4375466),
-    vec2f(0.959493, 0.08046263),
-    vec2f(0.8412535, 0.15440665),
-    vec2f(0.65486073, 0.21584158),
-    vec2f(0.41541502, 0.2597903),
-    vec2f(0.14231484, 0.28269234),
-    vec2f(0.9781476, 0.051209413),
-    vec2f(0.9135454, 0.07741844),
-    vec2f(0.809017, 0.13013136),
-    vec2f(0.6691306, 0.14978535),
-    vec2f(0.5, 0.18577422),
-    vec2f(0.309017, 0.19646797),
-    vec2f(0.104528464, 0.20921326),
-    vec2f(0.9954719, 0.010663417),
-    vec2f(0.9819287, 0.01628798),
-    vec2f(0.959493, 0.028546548),
-    vec2f(0.9283679, 0.033698384),
-    vec2f(0.88883543, 0.0452418),
-    vec2f(0.8412535, 0.049933285),
-    vec2f(0.7860531, 0.06028545),
-    vec2f(0.723734, 0.06437123),
-    vec2f(0.65486073, 0.07314607),
-    vec2f(0.5800569, 0.07648506),
-    vec2f(0.5, 0.08336148),
-    vec2f(0.41541502, 0.08583551),
-    vec2f(0.32706797, 0.09056332),
-    vec2f(0.23575893, 0.092084095),
-    vec2f(0.14231484, 0.09449166),
-    vec2f(0.047581915, 0.09500472),
-);
-
 struct Chord {
     // Factor of the sum over the nodes; 0 where lobe and light do not meet.
     weight: f32,

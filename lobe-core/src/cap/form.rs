@@ -5,7 +5,7 @@ use crate::PackedLobe;
 use crate::seen::Seen;
 
 /// Lobes from this exponent on, infinity included, see the one direction of their axis.
-const MIRROR: f32 = 1e9;
+pub(super) const MIRROR: f32 = 1e9;
 
 /// It has been.
 pub(super) const DONE: f32 = 0.0;

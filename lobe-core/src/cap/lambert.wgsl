@@ -21,21 +21,6 @@ fn seen_light(at: Receiver, cone: Cone) -> Seen {
     return Seen(axis, one_minus_cos, cos_beta, sin_sq, cos_beta >= sine, below);
 }
 
-// Coefficients of g, `atan k = k − k³/3 + k⁵g(k²)`.
-const ARC = array<f32, 11>(
-    0.2,
-    -0.14285699,
-    0.11110505,
-    -0.09081883,
-    0.07621969,
-    -0.06337238,
-    0.04875977,
-    -0.031387113,
-    0.014962723,
-    -0.0045114476,
-    0.0006310197,
-);
-
 fn through_horizon(cos_beta: f32, sin_sq: f32) -> f32 {
     let s = sqrt(max(sin_sq, MIN_POSITIVE));
     let inverse = 1.0 / s;

@@ -8,18 +8,18 @@ use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 /// An end of a chord that reaches down to the plane of the surface.
-const FAR: f32 = 1e4;
+pub(super) const FAR: f32 = 1e4;
 
 /// `cos τ` and `weight·sin τ` of the Gauss–Legendre rule for τ in (0, π), which takes square-root edges and none alike: one half,
 /// the other mirrors it.
-const TEN: [(f32, f32); 5] = [
+pub(super) const TEN: [(f32, f32); 5] = [
     (0.999_160_1, 0.004_291_303),
     (0.977_620_9, 0.049_387_01),
     (0.875_859_5, 0.166_070_36),
     (0.629_396_15, 0.328_678_17),
     (0.231_725_67, 0.451_573_16),
 ];
-const THIRTY_TWO: [(f32, f32); 16] = [
+pub(super) const THIRTY_TWO: [(f32, f32); 16] = [
     (0.999_990_76, 4.7383545e-05),
     (0.999_744_6, 0.00057772718),
     (0.998_468_5, 0.002_206_602_4),

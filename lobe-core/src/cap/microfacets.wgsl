@@ -1,4 +1,4 @@
-// The ellipse of cap/microfacets.rs. Needs microfacets.wgsl.
+// The ellipse of cap/microfacets.rs.
 
 struct Ellipse {
     view: vec3f,
@@ -10,36 +10,6 @@ struct Ellipse {
     shadowing: f32,
     is_cut: bool,
 }
-
-// An end of a chord that reaches down to the plane of the surface.
-const ELLIPSE_FAR = 1e4;
-
-// `cos τ` and `weight·sin τ`: one half, the other mirrors it.
-const NODES_WHOLE = array<vec2f, 5>(
-    vec2f(0.9991601, 0.004291303),
-    vec2f(0.9776209, 0.04938701),
-    vec2f(0.8758595, 0.16607036),
-    vec2f(0.62939615, 0.32867817),
-    vec2f(0.23172567, 0.45157316)
-);
-const NODES_CUT = array<vec2f, 16>(
-    vec2f(0.99999076, 4.7383545e-05),
-    vec2f(0.9997446, 0.00057772718),
-    vec2f(0.9984685, 0.0022066024),
-    vec2f(0.9947771, 0.005495235),
-    vec2f(0.9867679, 0.010909787),
-    vec2f(0.9721376, 0.018778106),
-    vec2f(0.9483433, 0.02924398),
-    vec2f(0.9128085, 0.042224581),
-    vec2f(0.8631664, 0.05737932),
-    vec2f(0.79752516, 0.07409958),
-    vec2f(0.71472897, 0.091527925),
-    vec2f(0.61458284, 0.10861201),
-    vec2f(0.49800613, 0.12419277),
-    vec2f(0.36708352, 0.13711941),
-    vec2f(0.22499317, 0.14637713),
-    vec2f(0.075808704, 0.15120844)
-);
 
 // The integral over a light of the edge of microfacets, which has come with that of the lobe before it.
 struct KnownEdge {

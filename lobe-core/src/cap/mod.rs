@@ -10,6 +10,7 @@ mod lambert;
 mod microfacets;
 mod pair;
 mod slab;
+pub(crate) mod wgsl;
 
 pub use self::lambert::sphere_light_irradiance;
 

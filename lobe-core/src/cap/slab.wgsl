@@ -1,8 +1,5 @@
 // The slab form of slab.rs.
 
-const SLAB_EXPONENT = 400.0f;
-const SLAB_WIDTH = 5.0f;
-
 fn slab(pair: Pair) -> f32 {
     let y = one_minus_cos_delta(pair);
     let e = pair.exponent + pair.cosine;

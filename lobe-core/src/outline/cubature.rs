@@ -23,10 +23,10 @@ const TURNED_SIXTEEN: [(f32, f32); 8] = [
 ];
 
 /// A reflectance varies little over a light that is nearer to its peak than the root of this, in its widths.
-const SMALL_LIGHT: f32 = 0.6;
+pub(super) const SMALL_LIGHT: f32 = 0.6;
 
 /// Pieces of this part of all rows are taken together.
-const SMALL: f32 = 0.04;
+pub(super) const SMALL: f32 = 0.04;
 
 /// Gauss–Legendre rules on [−1, 1] of 2, 4, 8 and 16 nodes: node and weight, the other half mirrored.
 const TWO: [(f32, f32); 1] = [(0.577_350_26, 1.0)];
@@ -47,6 +47,11 @@ const SIXTEEN: [(f32, f32); 8] = [
     (0.944_575, 0.062_253_524),
     (0.989_400_9, 0.027_152_46),
 ];
+
+/// The rules in a row, for WGSL.
+pub(super) fn half_rules() -> Vec<(f32, f32)> {
+    [TWO.as_slice(), &FOUR, &EIGHT, &SIXTEEN, &TURNED_EIGHT, &TURNED_SIXTEEN].concat()
+}
 
 /// Where an integrand is largest on the light's plane, and how wide about there.
 #[derive(Clone, Copy)]

@@ -152,7 +152,7 @@ pub fn fingerprint(texels: impl Iterator<Item = Vec3>) -> u64 {
 }
 
 /// Places this part of a texel before the next one are in that: middles of a mask's cells lie on borders, and rounding shall not choose.
-const BORDER: f32 = 1e-3;
+pub(super) const BORDER: f32 = 1e-3;
 
 /// Which of so many parts of [−1, 1] a number is in.
 #[inline]

@@ -1,5 +1,5 @@
-// Lights that show an image: `LightImage` as `LightImage::pack` writes it, from the word `frame.image` of `light_images` on. Needs
-// outline.wgsl, special.wgsl, frame.wgsl of render-gpu and its buffer of images.
+// Lights that show an image: `LightImage` as `LightImage::pack` writes it, from the word `frame.image` of `light_images` on.
+// Reads `frame` and `light_images`.
 
 // Sizes and where the texels begin: of copy 0, the finest, and so on.
 fn image_copy(level: u32) -> vec3u {
@@ -13,9 +13,6 @@ fn image_texel(copy: vec3u, x: u32, y: u32) -> vec3f {
     let at = copy.z + 3u * (y * copy.x + x);
     return bitcast<vec3f>(vec3u(light_images[at], light_images[at + 1u], light_images[at + 2u]));
 }
-
-// Places this part of a texel before the next one are in that.
-const IMAGE_BORDER = 1e-3;
 
 // The texel that a place is in.
 fn image_nearest(copy: vec3u, place: vec2f) -> vec3f {

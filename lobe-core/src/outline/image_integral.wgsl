@@ -1,11 +1,9 @@
-// Integrals over lights that show an image, by channel, in place of plain.wgsl. Needs integral.wgsl and image.wgsl beside it.
+// Integrals over lights that show an image, by channel, in place of plain.wgsl.
 
 // By channel, and for a light that is as bright everywhere.
 alias OutlineSum = vec4f;
 
 const OUTLINE_SHOWS = true;
-// A reflectance varies little over a light that is nearer to its peak than the root of this, in its widths.
-const OUTLINE_SMALL_LIGHT = 0.6;
 
 // Of the reflectance times the image, and alone; of the image alone over the plane, and of one.
 var<private> outline_shown: vec4f;

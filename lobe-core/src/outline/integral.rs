@@ -8,13 +8,13 @@ use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Vec2, Vec3};
 
 /// Lobes below this exponent end at their horizon with a kink.
-const STEEP: f32 = 4.0;
+pub(super) const STEEP: f32 = 4.0;
 
 /// Discs that the horizon cuts have Lambert's formula where their sides' angles are more than this together.
-const WIDE: f32 = 0.6;
+pub(super) const WIDE: f32 = 0.6;
 
 /// A lobe that is nowhere on a light more than this part of its largest value adds nothing.
-const NOTHING: f32 = 1e-9;
+pub(super) const NOTHING: f32 = 1e-9;
 
 /// `∫ f(v) dv` over what of a polygon of light is above the receiver's horizon, for a reflectance lobe of flux 1, as
 /// [`cap_integral`](crate::cap_integral) over a cone.

@@ -1,18 +1,8 @@
-// `outline_integral` of outline/integral.rs, over what outline.wgsl holds. Needs outline.wgsl, special.wgsl, lobe.wgsl, one of
-// microfacets.wgsl and no_microfacets.wgsl, and one of plain.wgsl and image.wgsl.
+// `outline_integral` of outline/integral.rs, over what outline.wgsl holds.
 
 // Gauss–Legendre rules on [−1, 1] of 2, 4, 8 and 16 nodes: node and weight, one half; then those of 8 and 16 for what begins and ends
 // like a root.
-var<private> outline_rules: array<vec2f, 27> = array(
-    vec2f(0.57735026, 1.0),
-    vec2f(0.33998105, 0.65214515), vec2f(0.8611363, 0.34785485),
-    vec2f(0.18343464, 0.36268378), vec2f(0.5255324, 0.31370665), vec2f(0.7966665, 0.22238103), vec2f(0.96028984, 0.10122854),
-    vec2f(0.09501251, 0.1894506), vec2f(0.28160355, 0.1826034), vec2f(0.45801678, 0.16915652), vec2f(0.61787624, 0.14959599),
-    vec2f(0.7554044, 0.12462897), vec2f(0.8656312, 0.09515851), vec2f(0.944575, 0.062253524), vec2f(0.9894009, 0.027152460),
-    vec2f(0.28416792, 0.54621613), vec2f(0.7348899, 0.3341894), vec2f(0.9494254, 0.10968247), vec2f(0.9980552, 0.009912028),
-    vec2f(0.14869186, 0.2942802), vec2f(0.42805707, 0.2592256), vec2f(0.6589719, 0.19985877), vec2f(0.82520086, 0.13272868),
-    vec2f(0.9270949, 0.0733786), vec2f(0.9778081, 0.031315292), vec2f(0.99621254, 0.00850277), vec2f(0.9998614, 0.000710062),
-);
+var<private> outline_rules: array<vec2f, 27> = OUTLINE_RULES;
 
 // Where in the rules one begins, and half its nodes.
 const OUTLINE_TWO = vec2u(0u, 1u);
@@ -28,13 +18,6 @@ fn outline_node(rule: vec2u, k: u32) -> vec2f {
     let node = outline_rules[rule.x + place];
     return vec2f(select(node.x, -node.x, k < rule.y), node.y);
 }
-
-// Lobes below this exponent end at their horizon with a kink.
-const OUTLINE_STEEP = 4.0;
-const OUTLINE_EQUAL = 0.9971368;
-const OUTLINE_CUT = 1e-5;
-const OUTLINE_SMALL = 0.04;
-const OUTLINE_NOTHING = 1e-9;
 
 // Where an integrand is largest on the light's plane, and how wide about there.
 struct OutlinePeak {
@@ -99,9 +82,6 @@ fn outline_integral(at: Receiver, lobe: Lobe) -> OutlineSum {
     return term.factor * outline_cubature(right, term.peak, term.value);
 }
 
-// Squared sines below this have a series.
-const OUTLINE_SHORT = 0.1;
-
 // Lambert's formula in the form of lambert.rs, which does not cancel, and the angles of the edges together.
 fn outline_closed(normal: vec3f) -> vec2f {
     let axis = outline.axis;
@@ -152,9 +132,6 @@ fn outline_equal(normal: vec3f, p: vec3f) -> vec3f {
     let is_inside = outline.radius > 0.0 && dot(normal, p) > OUTLINE_CUT * sqrt(dot(p, p));
     return select(p, outline.center + (p - outline.center) * OUTLINE_EQUAL, is_inside);
 }
-
-// Discs that the horizon cuts have the formula where their sides' angles are more than this together.
-const OUTLINE_WIDE = 0.6;
 
 fn outline_lambert(right: vec3f, normal: vec3f) -> OutlineTerm {
     let point = outline_nearest(vec2f(0.0));

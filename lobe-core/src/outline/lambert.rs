@@ -6,13 +6,13 @@ use crate::special::atan2;
 use glam::Vec3;
 
 /// From the polygon around a disc to that of the disc's area.
-const EQUAL: f32 = 0.997_136_8;
+pub(super) const EQUAL: f32 = 0.997_136_8;
 
 /// Corners below this part of their distance above a horizon are where it has cut.
-const CUT: f32 = 1e-5;
+pub(super) const CUT: f32 = 1e-5;
 
 /// Squared sines below this have a series.
-const SHORT: f32 = 0.1;
+pub(super) const SHORT: f32 = 0.1;
 
 /// A receiver farther than this part of a light's distance and size before its plane needs no care.
 const WELL_BEFORE: f32 = 1e-3;

@@ -1,4 +1,4 @@
-// Lobes of microfacets over an outline. Needs integral.wgsl beside it, and microfacets.wgsl.
+// Lobes of microfacets over an outline.
 
 // Those of the lobe, in the frame of the light's plane.
 var<private> outline_surface: MicrofacetsAt;

@@ -8,6 +8,7 @@ mod lambert;
 mod near_part;
 #[cfg(test)]
 mod tests;
+pub(crate) mod wgsl;
 
 pub use self::flat_shape::FlatShape;
 pub use self::image::{LightImage, fingerprint};

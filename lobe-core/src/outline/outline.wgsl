@@ -1,9 +1,5 @@
-// The polygon or disc of light that a point sees: outline/mod.rs. A light's text makes it by `outline_new` or `outline_disc`; with
-// no corners the light is its cone. Needs geometry.wgsl.
-
-// Each of two horizons adds a corner.
-const OUTLINE_ROOM = 26u;
-const OUTLINE_MOST = 24u;
+// The polygon or disc of light that a point sees: outline/mod.rs. A light's text makes it by `outline_new` or `outline_disc`;
+// with no corners the light is its cone.
 
 struct Outline {
     // Corners.
@@ -26,17 +22,6 @@ var<private> outline_points: array<vec2f, OUTLINE_ROOM>;
 var<private> outline_point_count: u32;
 // A step along a half side times its own of these is one, times the other's zero; 0 for lights without places on them.
 var<private> outline_sides: array<vec3f, 2>;
-
-// Outlines end so near before the light's plane.
-const OUTLINE_DEPTH = 0.9999;
-const OUTLINE_WIDEST = 0.9;
-// From a circle to the corners of the polygon around it.
-const OUTLINE_AROUND = 1.008629;
-// Cosine and sine of the first multiples of 15°.
-const OUTLINE_TURNS = array<vec2f, 6>(
-    vec2f(1.0, 0.0), vec2f(0.9659258, 0.25881904), vec2f(0.8660254, 0.5),
-    vec2f(0.70710677, 0.70710677), vec2f(0.5, 0.8660254), vec2f(0.25881904, 0.9659258),
-);
 
 // Those of the `k`-th.
 fn outline_turn(k: u32) -> vec2f {

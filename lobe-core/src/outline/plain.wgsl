@@ -1,4 +1,4 @@
-// Lights that are as bright everywhere. Needs integral.wgsl beside it, and `cap_integral`.
+// Lights that are as bright everywhere. Calls `cap_integral`.
 
 alias OutlineSum = f32;
 

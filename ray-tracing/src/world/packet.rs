@@ -3,21 +3,19 @@
 use super::World;
 use super::camera_rays::{Rays, Row, SIDE};
 use super::instance_tree::{Boxes, Walk};
-use super::primitive::{EDGE, SceneSphere};
+use super::primitive::SceneSphere;
 use super::tree::Tree;
 use super::triangle_packet::{FAR_LARGER, TrianglePacket, inside};
 use fearless_simd::dispatch;
 use glam::{Vec2, Vec3};
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::node::CwBvhNode;
+use scene::rounding::{EDGE, WIDEST};
 
 /// No primitive.
 pub(crate) const NOTHING: u32 = u32::MAX;
 /// Set in the number of a sphere.
 pub(crate) const SPHERE: u32 = 1 << 31;
-
-/// The most by which rounding makes a triangle larger, in barycentric units: edge-on ones would have no end.
-const WIDEST: f32 = 0.05;
 
 type Rows = [Row; SIDE];
 

@@ -6,6 +6,7 @@ use lobe_core::Sphere;
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::ray::Ray;
+use scene::rounding::{CLOSE, CLOSE_TO_SPHERE, EDGE};
 
 #[derive(Clone, Copy)]
 pub(crate) struct Corners {
@@ -17,14 +18,6 @@ pub(crate) struct Corners {
     pub(super) visible: bool,
 }
 
-/// The distance outside a triangle, in barycentric units, at which a ray still hits: this closes the cracks that rounding leaves
-/// along common edges.
-pub(super) const EDGE: f32 = 1e-6;
-
-/// Relative error of a distance to a triangle in f32: over the start's distance from the corner and the slant, which is
-/// `|e1||e2|/det`. A few times what rounding loses; a start this near may be on either side of the plane.
-pub(super) const CLOSE: f32 = 2e-6;
-
 /// A triangle with an edge of so many times the distance to it is met in f64. Rounding moves the edges of others by less than
 /// 0.004 of the distance.
 pub(super) const GIANT: f32 = 4096.0;
@@ -34,9 +27,6 @@ pub(super) const GIANT_EDGE: f32 = 1e-4;
 
 /// As [`EDGE`], in f64.
 const EXACT_EDGE: f64 = 1e-12;
-
-/// The same for spheres, as a part of the squared radius.
-const CLOSE_TO_SPHERE: f32 = 1e-5;
 
 impl Corners {
     /// Distance along the ray or infinity, both sides. A ray that starts on it does not meet it: obvhs enters no box that

@@ -7,6 +7,7 @@ use glam::{Vec3, Vec3A};
 use lobe_core::Cone;
 use obvhs::aabb::Aabb;
 use obvhs::ray::Ray;
+use scene::rounding::BLUR;
 use shading::Shaft;
 
 /// One triangle or sphere of a [`World`]; valid for that world only.
@@ -17,10 +18,6 @@ pub enum Primitive {
     /// By its place in the hierarchy.
     Sphere(u32),
 }
-
-/// The height above the plane of a receiver's face that rounding may give a shape, over its distance: a large triangle
-/// must not shade the points on it. A shape that rises less hides a sliver of 3e-7 radians.
-const BLUR: f32 = 3e-7;
 
 /// All rays from a point into a cone, up to a light there.
 #[derive(Clone, Copy, Debug)]

@@ -1,11 +1,12 @@
 //! A few triangles against single rays, eight at a time.
 
 use super::World;
-use super::primitive::{CLOSE, Corners, EDGE, Exact, GIANT, GIANT_EDGE};
+use super::primitive::{Corners, Exact, GIANT, GIANT_EDGE};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{Vec3, Vec3A};
 use lobe_core::vec3x8::{LANES, Vec3x8};
 use obvhs::ray::Ray;
+use scene::rounding::{CLOSE, EDGE};
 use shading::Shaft;
 
 /// x, y and z of eight vectors.

@@ -1,8 +1,5 @@
-// Ray queries of strategies against the scene's triangles and spheres, in units of the scene: `World` of ray-tracing. Needs
-// bvh.wgsl, geometry.wgsl and STACK, at least the depth of the hierarchy.
-
-// The most by which rounding lifts a shape above the plane of a receiver's face, relative to its distance.
-const BLUR = 3e-7;
+// Ray queries of strategies against the scene's triangles and spheres, in units of the scene: `World` of ray-tracing. STACK is at
+// least the depth of the hierarchy.
 
 // All rays from a point into a cone, up to a light there: `Region` of ray-tracing. In units of the hierarchy.
 struct Region {

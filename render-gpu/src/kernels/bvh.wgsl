@@ -27,25 +27,8 @@ struct Primitive {
 
 const ROOT = 1u;
 
-const SPHERE = 0x80000000u;
-const VISIBLE = 0x40000000u;
-const BLOCKS = 0x20000000u;
-const BLOCKS_ALIKE = 0x10000000u;
-const OBJECT = 0x0fffffffu;
-const NO_CORNERS = 0xffffffffu;
-
 // Larger than every distance.
 const NEVER = 3e38;
-
-// Distance outside a triangle, in barycentric units, at which a ray still hits it.
-const BVH_EDGE = 1e-6;
-// The most by which rounding makes a triangle larger, in barycentric units.
-const WIDEST = 0.05;
-
-// Relative errors. That of a distance to a triangle counts times the start's distance from the corner and times the slant
-// |e1||e2|/det; that of a distance to a sphere is relative to the squared radius. Nearer starts are decided with `Fine` numbers.
-const CLOSE = 2e-6;
-const CLOSE_TO_SPHERE = 1e-5;
 
 // A ray prepared for tests against boxes.
 struct Slabs {

@@ -1,6 +1,6 @@
 // Classifies each point for one light: a lit point gets the light's radiance, a dark one nothing, and one in penumbra is queued
-// with its integrals. As `Integrator::by_moments`. 64 threads, one tile. Needs frame.wgsl, the light's text, queue.wgsl, brdf's
-// lobes, `light_integral`, points.wgsl, tiles.wgsl and `blockers_coverage(tile, at, cone)`.
+// with its integrals. As `Integrator::by_moments`. 64 threads, one tile. Calls the light's functions, brdf's, `light_integral`
+// and `blockers_coverage(tile, at, cone)`.
 
 // `MaskVisibility::coverage`, before any mask is made.
 fn coverage_of(tile: u32, at: Receiver, cone: Cone) -> u32 {

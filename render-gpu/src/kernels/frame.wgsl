@@ -14,8 +14,9 @@ struct Frame {
     image: u32,
     // The light's number in the frame.
     number: u32,
-    pad0: u32,
-    pad1: u32,
+    // Cells a side of a mask.
+    cells: f32,
+    pad: u32,
     // Parameters of the kind of light.
     shape: array<vec4f, 26>,
 }

@@ -1,4 +1,4 @@
-// Integrals in the queue, for lights with the same radiance everywhere. Needs queue.wgsl.
+// Integrals in the queue, for lights with the same radiance everywhere.
 
 alias Integral = f32;
 

@@ -1,4 +1,4 @@
-// Integrals in the queue, for lights that show an image: one a colour channel. Needs queue.wgsl.
+// Integrals in the queue, for lights that show an image: one a colour channel.
 
 alias Integral = vec3f;
 

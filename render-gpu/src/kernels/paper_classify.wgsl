@@ -1,6 +1,6 @@
 // `classify` by the paper's method, as `Integrator::by_paper`: the product of reflectance and light comes from the table. A point
-// is queued if any blocker may shade it, in the umbra too. Needs frame.wgsl, the light's text, queue.wgsl, points.wgsl, tiles.wgsl,
-// brdf's lobes, paper.wgsl of lobe-core and `blockers_coverage(tile, at, cone)`.
+// is queued if any blocker may shade it, in the umbra too. Calls the light's functions, brdf's and `blockers_coverage(tile, at,
+// cone)`.
 
 fn classify_point(tile: u32, point: u32) {
     let at = points[point];

@@ -1,6 +1,6 @@
 // Shades one queued point with one workgroup, by the paper's method: shadow nodes of the light's square, one lobe each. As
-// `Integrator::by_paper` with `PaperVisibility`. Needs frame.wgsl, the light's text, queue.wgsl, points.wgsl, visibility-mask's
-// pieces and paper.wgsl, lobe-core's paper.wgsl, brdf's lobes and `blockers_splat(lane, tile, at, light, mask)`.
+// `Integrator::by_paper` with `PaperVisibility`. Calls the light's functions, brdf's and `blockers_splat(lane, tile, at, light,
+// mask)`.
 
 @compute @workgroup_size(LANES)
 fn penumbra(

@@ -1,6 +1,5 @@
-// Shades one queued point with one workgroup: draws its mask of one light, and sums the visible fraction of each of its reflectance
-// lobes. As `Integrator::by_moments`. Needs frame.wgsl, the light's text, queue.wgsl, points.wgsl, visibility-mask's pieces, brdf's
-// lobes and the strategies.
+// Shades one queued point with one workgroup: draws its mask of one light, and sums the visible fraction of each of its
+// reflectance lobes. As `Integrator::by_moments`. Calls the light's functions and brdf's.
 
 @compute @workgroup_size(LANES)
 fn penumbra(

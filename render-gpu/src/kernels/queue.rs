@@ -15,25 +15,3 @@ pub(crate) const INTEGRALS: usize = 3;
 pub(crate) const PRUNED: usize = 4;
 /// Threads whose loops the driver ended early.
 pub(crate) const CUT: usize = 5;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn counters_are_those_of_the_kernels() {
-        let all = [
-            ("LIT_POINTS", LIT_POINTS),
-            ("DARK_POINTS", DARK_POINTS),
-            ("PENUMBRA_POINTS", PENUMBRA_POINTS),
-            ("INTEGRALS", INTEGRALS),
-            ("PRUNED", PRUNED),
-            ("CUT", CUT),
-        ];
-        for (name, number) in all {
-            assert!(crate::kernels::QUEUE.contains(&format!("const {name} = {number}u;")), "{name}");
-        }
-        let counters = QUEUE_HEADER - 1;
-        assert!(crate::kernels::QUEUE.contains(&format!("counters: array<atomic<u32>, {counters}>")));
-    }
-}

@@ -1,24 +1,13 @@
-// The queue from `classify` to the penumbra kernel, and the counters of a frame. Needs frame.wgsl.
+// The queue from `classify` to the penumbra kernel, and the counters of a frame.
 
 // `count` items of `frame.queue_stride` words: the point (as an index into `points`), then for each reflectance lobe its integral
 // over the whole light, in one word or one a colour channel. Items of one light are in no order; each point occurs at most once.
 struct Queue {
     count: atomic<u32>,
-    counters: array<atomic<u32>, 15>,
+    counters: array<atomic<u32>, QUEUE_COUNTERS>,
     items: array<u32>,
 }
 @group(0) @binding(4) var<storage, read_write> queue: Queue;
-
-// Point–light pairs by class. `classify` counts queued points as penumbra; the penumbra kernel moves those that are wholly lit or
-// dark to the other counters.
-const LIT_POINTS = 0u;
-const DARK_POINTS = 1u;
-const PENUMBRA_POINTS = 2u;
-// Integrals of reflectance lobes, and lobes dropped below the threshold.
-const INTEGRALS = 3u;
-const PRUNED = 4u;
-// Threads whose loops the driver ended early.
-const CUT = 5u;
 
 // By the paper's method: marks a queued point for which one blocker hides the whole light.
 const HIDDEN = 0x80000000u;

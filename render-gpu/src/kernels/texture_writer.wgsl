@@ -1,9 +1,7 @@
-// Writes radiance to a texture, one pixel a thread; points are listed by tiles of 8 × 8 pixels. Needs lobe-core's geometry, and
-// `target_texture`, a storage texture of binding 10.
+// Writes radiance to a texture, one pixel a thread; points are listed by tiles of 8 × 8 pixels. `target_texture` is a storage
+// texture of binding 10.
 @group(0) @binding(1) var<storage, read> points: array<Receiver>;
 @group(0) @binding(3) var<storage, read> radiance: array<vec4f>;
-
-const NO_MATERIAL = 0xffffffffu;
 
 // The first row of tiles in the binding.
 struct Band {

@@ -1,6 +1,6 @@
-// The parts that both `classify` kernels share: 64 threads, one tile, and its counters. Needs frame.wgsl, queue.wgsl, points.wgsl
-// and `classify_point(tile, point)`, which ends with `told`.
-const NO_MATERIAL = 0xffffffffu;
+// The parts that both `classify` kernels share: 64 threads, one tile, and its counters. Calls `classify_point(tile, point)`,
+// which ends with `told`.
+
 // Coverage not computed yet.
 const UNKNOWN = 3u;
 

@@ -1,5 +1,4 @@
-// The visible points of a window of the image: one ray through each pixel's centre. Needs bvh.wgsl and geometry.wgsl, and
-// STACK, at least the depth of the hierarchy.
+// The visible points of a window of the image: one ray through each pixel's centre. STACK is at least the depth of the hierarchy.
 
 // The same struct as `gbuffer::GpuView`. Lengths are in the hierarchy's units.
 struct View {
@@ -25,7 +24,6 @@ struct View {
 // Three normals of three numbers for each triangle that has them.
 @group(0) @binding(15) var<storage, read> normals: array<f32>;
 
-const NO_MATERIAL = 0xffffffffu;
 const NOTHING = 0xffffffffu;
 
 // A workgroup is a tile of 8 × 8 pixels.

@@ -39,16 +39,16 @@ pub(crate) fn report_kernels() {
     }
 }
 
-/// Evaluates WGSL statements for rows of `inputs` numbers each. `pieces` are joined before `body`, which reads `x(0), x(1) …` and
+/// Evaluates WGSL statements for rows of `inputs` numbers each. `text` is before `body`, which reads `x(0), x(1) …` and
 /// calls `y(0, value)`, … up to `outputs`.
-pub(crate) fn call(gpu: &Gpu, pieces: &[&str], body: &str, rows: &[f32], inputs: usize, outputs: usize) -> Vec<f32> {
-    call_with(gpu, pieces, body, rows, [inputs, outputs], &[])
+pub(crate) fn call(gpu: &Gpu, text: &str, body: &str, rows: &[f32], inputs: usize, outputs: usize) -> Vec<f32> {
+    call_with(gpu, text, body, rows, [inputs, outputs], &[])
 }
 
-/// [`call`] with further buffers for the pieces: bindings from 2 on, and the words of each.
+/// [`call`] with further buffers for the text: bindings from 2 on, and the words of each.
 pub(crate) fn call_with(
     gpu: &Gpu,
-    pieces: &[&str],
+    text: &str,
     body: &str,
     rows: &[f32],
     [inputs, outputs]: [usize; 2],
@@ -66,17 +66,11 @@ pub(crate) fn call_with(
             if (row < {count}u) {{ {body} }}
         }}"
     );
-    run(gpu, pieces, &main, rows, count * outputs, words, count.div_ceil(64))
+    run(gpu, text, &main, rows, count * outputs, words, count.div_ceil(64))
 }
 
 /// [`call`] with a workgroup of LANES threads for each row of `inputs`: all threads run `body`, each with its `lane`.
-pub(crate) fn call_groups(
-    gpu: &Gpu,
-    pieces: &[&str],
-    body: &str,
-    rows: &[f32],
-    [inputs, outputs]: [usize; 2],
-) -> Vec<f32> {
+pub(crate) fn call_groups(gpu: &Gpu, text: &str, body: &str, rows: &[f32], [inputs, outputs]: [usize; 2]) -> Vec<f32> {
     let count = rows.len() / inputs;
     let main = format!(
         "@group(0) @binding(0) var<storage, read> in: array<f32>;
@@ -92,20 +86,20 @@ pub(crate) fn call_groups(
             {body}
         }}"
     );
-    run(gpu, pieces, &main, rows, count * outputs, &[], count)
+    run(gpu, text, &main, rows, count * outputs, &[], count)
 }
 
 /// Dispatches `groups` workgroups of a module that reads `rows` and writes `size` numbers.
 fn run(
     gpu: &Gpu,
-    pieces: &[&str],
+    text: &str,
     main: &str,
     rows: &[f32],
     size: usize,
     words: &[(u32, &[u32])],
     groups: usize,
 ) -> Vec<f32> {
-    let text = pieces.iter().chain([&main]).copied().collect::<Vec<_>>().join("\n");
+    let text = format!("{text}\n{main}");
     let device = gpu.device();
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,

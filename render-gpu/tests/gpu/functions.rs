@@ -3,8 +3,9 @@
 use crate::call::{call, trial};
 use libtest_mimic::Trial;
 use lobe_core::oracle::{self, Random};
+use lobe_core::wgsl::{self, Piece};
 use lobe_core::{Cone, Lobe, Microfacets, PackedLobe, Receiver, Sphere, cap_integral, orthonormal_basis};
-use lobe_core::{is_lambert, power, special, sphere_light_irradiance, wgsl};
+use lobe_core::{is_lambert, power, special, sphere_light_irradiance};
 use render_gpu::Gpu;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
@@ -33,7 +34,7 @@ fn difference(
     rust: impl Fn(f32, f32) -> f32,
     scale: impl Fn(f64) -> f64,
 ) -> f64 {
-    let got = call(gpu, &[wgsl::SPECIAL], body, rows.as_flattened(), 2, 1);
+    let got = call(gpu, &wgsl::join(&[&wgsl::SPECIAL]), body, rows.as_flattened(), 2, 1);
     let differences: Vec<f64> = (rows.iter().zip(got))
         .map(|(row, got)| {
             let want = f64::from(rust(row[0], row[1]));
@@ -116,7 +117,7 @@ fn cones_and_bases(gpu: &Gpu) {
         y(7, power(a, vec3f(x(11), x(12), x(13)), x(7)));
         let u = orthonormal_basis_u(a); let v = orthonormal_basis_v(a);
         y(8, u.x); y(9, u.y); y(10, u.z); y(11, v.x); y(12, v.y); y(13, v.z);";
-    let got = call(gpu, &[wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE], body, &rows, 14, 14);
+    let got = call(gpu, &wgsl::join(&[&wgsl::LOBE]), body, &rows, 14, 14);
     let mut worst = [0.0_f64; 3];
     for (got, (cone, [sin_sq, solid, power], [u, v], drop)) in got.chunks(14).zip(&want) {
         let one_minus_cos = cone.one_minus_cos;
@@ -215,7 +216,7 @@ const BODY: &str = "var at: Receiver;
     y(0, cap_integral(at, lobe, Cone(vec3f(x(8), x(9), x(10)), x(11), 1.0)));";
 
 /// Differences of [`cap_integral`] from Rust's, relative to the value of the same lobe with the light on its axis.
-fn differences(gpu: &Gpu, pieces: &[&str], cases: &[(Receiver, Lobe, Cone)]) -> Vec<f64> {
+fn differences(gpu: &Gpu, piece: &'static Piece, cases: &[(Receiver, Lobe, Cone)]) -> Vec<f64> {
     let rows: Vec<f32> = (cases.iter())
         .flat_map(|(at, lobe, cone)| {
             let PackedLobe { axis: a, exponent, kind, .. } = (*lobe).into();
@@ -223,7 +224,7 @@ fn differences(gpu: &Gpu, pieces: &[&str], cases: &[(Receiver, Lobe, Cone)]) -> 
             [n.x, n.y, n.z, a.x, a.y, a.z, exponent, kind, l.x, l.y, l.z, cone.one_minus_cos]
         })
         .collect();
-    let got = call(gpu, pieces, BODY, &rows, 12, 1);
+    let got = call(gpu, &wgsl::join(&[piece]), BODY, &rows, 12, 1);
     let one = |((at, lobe, cone), got): (&(Receiver, Lobe, Cone), f32)| {
         let want = cap_integral(at, lobe, cone);
         let on_axis = -((f64::from(lobe.exponent) + 1.0) * (-f64::from(cone.one_minus_cos.min(1.0))).ln_1p()).exp_m1();
@@ -240,8 +241,7 @@ fn cap_integrals(gpu: &Gpu) {
     let mut random = Random::new(3);
     for kind in &KINDS {
         let cases: Vec<_> = (0..COUNT / 4).map(|_| case(&mut random, kind)).collect();
-        let pieces = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE, wgsl::CAP, wgsl::MICROFACETS, wgsl::CAP_MICROFACETS];
-        let differences = differences(gpu, &pieces, &cases);
+        let differences = differences(gpu, &wgsl::CAP_MICROFACETS, &cases);
         let (mean, worst) = spread(&differences);
         println!("{}: mean {mean:.1e}, worst {worst:.1e}", kind.name);
         assert!(mean <= 2e-6 && worst <= 2e-4, "{}", kind.name);
@@ -252,7 +252,6 @@ fn cap_integrals(gpu: &Gpu) {
 /// horizon.
 fn microfacet_integrals(gpu: &Gpu) {
     let mut random = Random::new(6);
-    let pieces = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE, wgsl::CAP, wgsl::MICROFACETS, wgsl::CAP_MICROFACETS];
     let mut rows: Vec<f32> = Vec::new();
     let mut wants = Vec::new();
     for case in 0..COUNT / 4 {
@@ -277,7 +276,7 @@ fn microfacet_integrals(gpu: &Gpu) {
             rows.extend([n.x, n.y, n.z, a.x, a.y, a.z, exponent, kind, l.x, l.y, l.z, one_minus_cos]);
         }
     }
-    let got = call(gpu, &pieces, BODY, &rows, 12, 1);
+    let got = call(gpu, &wgsl::join(&[&wgsl::CAP_MICROFACETS]), BODY, &rows, 12, 1);
     let differences: Vec<f64> = got.iter().zip(&wants).map(|(got, want)| f64::from((got - want).abs())).collect();
     let (mean, worst) = spread(&differences);
     println!("microfacets: mean {mean:.1e}, worst {worst:.1e}");
@@ -291,8 +290,7 @@ fn lambert_integrals(gpu: &Gpu) {
         assert!(cases.iter().all(|(at, lobe, _)| is_lambert(at, lobe)));
         let (at, _, cone) = cases[0];
         assert!(sphere_light_irradiance(at.normal.dot(cone.axis), cone.sin_sq()) >= 0.0);
-        let pieces = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE, wgsl::CAP_LAMBERT];
-        let (mean, worst) = spread(&differences(gpu, &pieces, &cases));
+        let (mean, worst) = spread(&differences(gpu, &wgsl::CAP_LAMBERT, &cases));
         println!("{} alone: mean {mean:.1e}, worst {worst:.1e}", kind.name);
         assert!(mean <= 2e-6 && worst <= 2e-4, "{}", kind.name);
     }
@@ -309,8 +307,8 @@ fn small_lights_at_the_horizon(gpu: &Gpu, random: &mut Random) {
             [(f64::from(sin_sq).sqrt() * height) as f32, sin_sq]
         })
         .collect();
-    let pieces = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE, wgsl::CAP_LAMBERT];
-    let got = call(gpu, &pieces, "y(0, through_horizon(x(0), x(1)));", rows.as_flattened(), 2, 1);
+    let text = wgsl::join(&[&wgsl::CAP_LAMBERT]);
+    let got = call(gpu, &text, "y(0, through_horizon(x(0), x(1)));", rows.as_flattened(), 2, 1);
     let mut worst = (0.0_f64, [0.0; 2]);
     for ([cos_beta, sin_sq], got) in rows.iter().zip(got) {
         let s = f64::from(*sin_sq).sqrt();

@@ -8,11 +8,12 @@ use crate::call::{call_with, trial};
 use glam::{Vec2, Vec3};
 use libtest_mimic::Trial;
 use lobe_core::oracle::Random;
-use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
+use lobe_core::wgsl::join;
 use lobe_core::{Cone, Receiver, Sphere};
 use render_gpu::Gpu;
 use shading::gpu::GpuPages;
 use shading::{Accuracy, Coverage, LightId, VisibilityQuery};
+use visibility_mask::wgsl::{ROUND, header};
 use visibility_mask::{Blockers as _, Fineness, MAX_DEPTH, Mask, UnitSquare};
 use visibility_shadowmap::{PackedMaps, ShadowMapBlockers, wgsl};
 
@@ -93,7 +94,7 @@ fn questions(random: &mut Random, receivers: &[Receiver], light: Sphere, depth: 
 /// Numbers of a query for WGSL.
 const INPUTS: usize = 23;
 
-const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, number: u32 }
+const FRAME: &str = "struct Frame { light: vec4f, cells: f32, number: u32 }
     var<private> frame: Frame;
     fn v(k: u32) -> vec3f { return vec3f(x(k), x(k + 1u), x(k + 2u)); }
     fn receiver() -> Receiver {
@@ -105,7 +106,7 @@ fn numbers(question: &Question) -> [f32; INPUTS] {
     let Question { at, light, id, tolerance, across, window } = question;
     let mut out = [0.0; INPUTS];
     let object = [at.object as f32];
-    let rest = [light.radius, *tolerance, id.0 as f32];
+    let rest = [light.radius, (1_u32 << Accuracy::new(*tolerance).depth) as f32, id.0 as f32];
     let parts: [&[f32]; 8] = [
         &at.position.to_array(),
         &object,
@@ -135,22 +136,10 @@ fn gpu_coverage(gpu: &Gpu, packed: &PackedMaps, questions: &[Question]) -> Vec<C
 fn gpu_coverage_in(pages: GpuPages, gpu: &Gpu, packed: &PackedMaps, questions: &[Question]) -> Vec<Coverage> {
     let words = pages.wgsl("maps", 8);
     let rows: Vec<f32> = questions.iter().flat_map(numbers).collect();
-    let pieces = [
-        FRAME,
-        &words,
-        wgsl::COMMON,
-        wgsl::COVERAGE,
-        GEOMETRY,
-        LOBE,
-        SPECIAL,
-        visibility_mask::wgsl::SQUARE,
-        visibility_mask::wgsl::ROUND,
-        NO_OUTLINE,
-        visibility_mask::wgsl::FACET,
-    ];
+    let text = join(&[&wgsl::COVERAGE, &ROUND]) + FRAME + &words;
     let body = "let at = receiver();
         y(0u, f32(maps_coverage(0u, at, cone_of_sphere(at.position, frame.light))));";
-    let got = call_with(gpu, &pieces, body, &rows, [INPUTS, 1], &bound(packed, pages));
+    let got = call_with(gpu, &text, body, &rows, [INPUTS, 1], &bound(packed, pages));
     got.into_iter().map(|c| [Coverage::Lit, Coverage::Partial, Coverage::Dark][c as usize]).collect()
 }
 
@@ -180,12 +169,8 @@ fn gpu_masks(gpu: &Gpu, packed: &PackedMaps, questions: &[Question], depth: u32)
             rows.push(lane as f32);
         }
     }
-    let header = visibility_mask::wgsl::header(depth, Fineness::FINE);
-    let masks =
-        [&header, visibility_mask::wgsl::MASK, visibility_mask::wgsl::SQUARE, visibility_mask::wgsl::ROUND, NO_OUTLINE];
-    let words = GpuPages::ONE.wgsl("maps", 8);
-    let pieces = [FRAME, &words, wgsl::COMMON, wgsl::SPLAT, GEOMETRY, LOBE, SPECIAL, visibility_mask::wgsl::FACET];
-    let pieces = [pieces.as_slice(), &masks].concat();
+    let (header, words) = (header(depth, Fineness::FINE), GpuPages::ONE.wgsl("maps", 8));
+    let text = join(&[&wgsl::SPLAT, &ROUND]) + FRAME + &words + &header;
     let body = "let at = receiver();
         let cone = cone_of_sphere(at.position, frame.light);
         var square = square_facing(cone, v(16u));
@@ -205,7 +190,7 @@ fn gpu_masks(gpu: &Gpu, packed: &PackedMaps, questions: &[Question], depth: u32)
             }
             y(2u + k, f32(cells));
         }";
-    let got = call_with(gpu, &pieces, body, &rows, [INPUTS + 1, 6], &bound(packed, GpuPages::ONE));
+    let got = call_with(gpu, &text, body, &rows, [INPUTS + 1, 6], &bound(packed, GpuPages::ONE));
     let cell = (256 >> depth) as f32;
     let seen = |rows: &[f32]| {
         let mut seen = Seen { emitting: 0.0, lit: 0.0, cells: [0; 1 << MAX_DEPTH] };

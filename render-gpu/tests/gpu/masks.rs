@@ -4,7 +4,7 @@ use crate::call::{call, call_groups, trial};
 use glam::Vec3;
 use libtest_mimic::Trial;
 use lobe_core::oracle::Random;
-use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
+use lobe_core::wgsl::{SPECIAL, join};
 use lobe_core::{Cone, Lobe, PackedLobe, Receiver};
 use render_gpu::Gpu;
 use shading::{Accuracy, Coverage, LightCoverage, LightId, LightVisibility, Visibility, VisibilityQuery};
@@ -119,7 +119,7 @@ fn squares(gpu: &Gpu) {
         y(8u, window.half.x);
         y(12u, window.half.y);"
     );
-    let got = call(gpu, &[wgsl::SQUARE, wgsl::ROUND, NO_OUTLINE, GEOMETRY, LOBE, SPECIAL], &body, &rows, 16, 13);
+    let got = call(gpu, &join(&[&wgsl::ROUND, &SPECIAL]), &body, &rows, 16, 13);
     let (mut turns, mut windows) = (Spread::default(), Spread::default());
     for ((case, across), got) in cases.iter().zip(&across).zip(got.chunks(13)) {
         let square = UnitSquare::facing(&case.light, *across);
@@ -163,7 +163,7 @@ fn edges(gpu: &Gpu) {
         y(0u, across.x);
         y(1u, across.y);
         y(2u, across.z);";
-    let got = call(gpu, &[wgsl::EDGES, GEOMETRY], body, rows.as_flattened(), 17, 3);
+    let got = call(gpu, &join(&[&wgsl::EDGES]), body, rows.as_flattened(), 17, 3);
     let mut spread = Spread::default();
     for (row, got) in rows.iter().zip(got.chunks(3)) {
         let axis = Vec3::from_slice(row);
@@ -180,20 +180,8 @@ fn edges(gpu: &Gpu) {
 }
 
 /// All pieces of masks, without the kernel.
-fn pieces(header: &str) -> Vec<&str> {
-    let masks = [
-        wgsl::SQUARE,
-        wgsl::ROUND,
-        NO_OUTLINE,
-        wgsl::MASK,
-        wgsl::TOTAL,
-        wgsl::FRACTION,
-        wgsl::EDGES,
-        wgsl::VISIBILITY,
-        wgsl::LOBES,
-        wgsl::ALIKE,
-    ];
-    [header, GEOMETRY, LOBE, SPECIAL].into_iter().chain(masks).collect()
+fn text(header: &str) -> String {
+    join(&[&wgsl::ROUND, &wgsl::ALIKE]) + header
 }
 
 /// Bits of a mask with spans along rows and shapes along heights, then the visible fraction. Positions of samples are rounded to
@@ -266,7 +254,7 @@ fn masks(gpu: &Gpu, coarse: bool) {
         let header = wgsl::header(depth, fineness) + HOOKS + wgsl::NO_MICROFACETS;
         let body = format!("{CASE}{BODY}");
         let side = 1 << depth;
-        let got = call_groups(gpu, &pieces(&header), &body, &rows, [30, words * side + 1]);
+        let got = call_groups(gpu, &text(&header), &body, &rows, [30, words * side + 1]);
         for ((case, mask), got) in wants.iter().zip(got.chunks(words * side + 1)) {
             let before = differing;
             for j in 0..side {
@@ -364,7 +352,7 @@ fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: 
         .flat_map(|(case, edge)| case.row().into_iter().chain(edge.to_array()).chain([tolerance]))
         .collect();
     let header = wgsl::header_of_lobes(depth, Fineness::broad(tolerance), Fineness::narrow(tolerance), false) + HOOKS;
-    let got = call_groups(gpu, &pieces(&header), &body, &rows, [17, 3]);
+    let got = call_groups(gpu, &text(&header), &body, &rows, [17, 3]);
     let (mut spread, mut classes) = (Spread::default(), [0; 3]);
     for ((case, edge), got) in cases.iter().zip(got.chunks(3)) {
         let strategy = MaskVisibility::new(Curtain(*edge)).look_again(LookAgain::Never);

@@ -7,7 +7,7 @@ use brdf::{
 };
 use glam::{DMat3, Mat3, Quat, Vec3};
 use libtest_mimic::Trial;
-use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
+use lobe_core::wgsl::join;
 use lobe_core::{BrdfLobe, PackedLobe, Receiver, orthonormal_basis};
 use render_gpu::Gpu;
 use shading::BrdfLobes;
@@ -177,7 +177,7 @@ fn lobes(gpu: &Gpu, packed: &PackedMaterials, materials: usize, receivers: &[Rec
             rows.extend([material as f32, k as f32]);
         }
     }
-    let text = brdf::wgsl::compose(&packed.models);
+    let (pieces, text) = brdf::wgsl::compose(&packed.models);
     let binding = "@group(0) @binding(2) var<storage, read> materials: array<u32>;";
     let body = "
         let n = vec3f(x(0), x(1), x(2));
@@ -186,8 +186,8 @@ fn lobes(gpu: &Gpu, packed: &PackedMaterials, materials: usize, receivers: &[Rec
         if u32(x(7)) < brdf_lobe_count(at.material) { lobe = brdf_lobe(at.material, at, u32(x(7))); }
         y(0, lobe.axis.x); y(1, lobe.axis.y); y(2, lobe.axis.z); y(3, lobe.exponent);
         y(4, lobe.flux.x); y(5, lobe.flux.y); y(6, lobe.flux.z); y(7, lobe.kind);";
-    let pieces = [text.as_str(), binding, SPECIAL, GEOMETRY, LOBE];
-    let got = call_with(gpu, &pieces, body, &rows, [8, 8], &[(2, &packed.words)]);
+    let text = join(&pieces) + &text + binding;
+    let got = call_with(gpu, &text, body, &rows, [8, 8], &[(2, &packed.words)]);
     assert!(got.iter().all(|value| value.is_finite()));
     let lobes: Vec<PackedLobe> = bytemuck::cast_slice(&got).to_vec();
     lobes.chunks(packed.max_lobes as usize).map(<[PackedLobe]>::to_vec).collect()

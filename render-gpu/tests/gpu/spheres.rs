@@ -4,16 +4,15 @@ use crate::call::trial;
 use glam::{Vec2, Vec3};
 use libtest_mimic::Trial;
 use lobe_core::oracle::Random;
-use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
+use lobe_core::wgsl::{NO_OUTLINE, Piece, join};
 use lobe_core::{Cone, NO_OBJECT, Receiver, SelfShadow, Sphere};
+use render_gpu::wgsl::FRAME;
 use render_gpu::{Gpu, GpuReceiver};
 use shading::gpu::GPU_SHAPE;
 use shading::{Accuracy, Coverage, LightId, Shaft, VisibilityQuery};
 use visibility_mask::{Blockers, Edges, Fineness, UnitSquare, hooks, wgsl as masks};
 use visibility_spheres::{BlockerSphere, LIST_WORDS, SphereBlockers, wgsl};
 use wgpu::util::DeviceExt;
-
-const FRAME: &str = include_str!("../../src/kernels/frame.wgsl");
 
 const TILE: usize = 64;
 /// `LIST_FULL` of `packed.wgsl`.
@@ -31,12 +30,12 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
 }
 
 /// Runs a kernel with storage buffers of these words and a uniform as binding 0; returns the contents of `out`.
-fn dispatch(gpu: &Gpu, pieces: &[&str], buffers: &[(u32, &[u32])], out: u32, groups: usize) -> Vec<u32> {
+fn dispatch(gpu: &Gpu, text: &str, buffers: &[(u32, &[u32])], out: u32, groups: usize) -> Vec<u32> {
     use wgpu::BufferUsages as Usage;
     let device = gpu.device();
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
-        source: wgpu::ShaderSource::Wgsl(pieces.join("\n").into()),
+        source: wgpu::ShaderSource::Wgsl(text.into()),
     });
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: None,
@@ -236,14 +235,14 @@ impl Words {
         let empty = vec![0; 4 * blocks];
         let buffers: [(u32, &[u32]); 2] = [(6, &spheres), (11, &empty)];
         let declared = BUFFERS.replace("read> spheres_bounds", "read_write> spheres_bounds");
-        let bounds = dispatch(gpu, &[&declared, wgsl::PACKED, wgsl::BOUNDS], &buffers, 11, blocks.div_ceil(64));
+        let bounds = dispatch(gpu, &(join(&[&wgsl::BOUNDS]) + &declared), &buffers, 11, blocks.div_ceil(64));
         let tiles = setup.receivers.len().div_ceil(TILE);
         let empty = vec![7; tiles * LIST_WORDS];
         let declared = BUFFERS.replace("read> spheres_lists", "read_write> spheres_lists");
         let of_points = "@group(0) @binding(1) var<storage, read> points: array<Receiver>;";
-        let pieces = [FRAME, &declared, of_points, wgsl::PACKED, wgsl::SHAFT_TEST, GEOMETRY, wgsl::CULL];
+        let text = join(&[&FRAME, &wgsl::CULL]) + &declared + of_points;
         let buffers: [(u32, &[u32]); 5] = [(0, &frame), (1, &points), (6, &spheres), (7, &empty), (11, &bounds)];
-        let lists = dispatch(gpu, &pieces, &buffers, 7, tiles);
+        let lists = dispatch(gpu, &text, &buffers, 7, tiles);
         Self { frame, points, spheres, bounds, lists }
     }
 
@@ -266,12 +265,11 @@ impl Words {
                     out[id.x] = spheres_coverage(id.x / 64u, points[id.x], cone);
                 }
             }";
-        let spheres = [BUFFERS, NO_OUTLINE, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, wgsl::SPHERES];
-        let pieces = [&[FRAME, GEOMETRY, masks::FACET, MAIN][..], &spheres].concat();
+        let text = join(&[&FRAME, &NO_OUTLINE, &wgsl::SPHERES]) + BUFFERS + MAIN;
         let out = vec![9; self.points.len() / 16];
         let buffers: [(u32, &[u32]); 6] =
             [(0, &self.frame), (1, &self.points), (2, &out), (6, &self.spheres), (7, &self.lists), (11, &self.bounds)];
-        dispatch(gpu, &pieces, &buffers, 2, out.len().div_ceil(64))
+        dispatch(gpu, &text, &buffers, 2, out.len().div_ceil(64))
     }
 
     /// Rows of the masks of some points through some windows, and the sums of edges.
@@ -308,29 +306,8 @@ impl Words {
                 }
             }";
         let header = masks::header(depth, Fineness { coarse, ..Fineness::FINE });
-        let pieces = [
-            &header,
-            FRAME,
-            GEOMETRY,
-            LOBE,
-            SPECIAL,
-            masks::SQUARE,
-            masks::ROUND,
-            NO_OUTLINE,
-            masks::MASK,
-            masks::EDGES,
-            masks::FACET,
-            masks::TOTAL,
-            BUFFERS,
-            wgsl::PACKED,
-            wgsl::CONE_TEST,
-            wgsl::BLOCKED_CONE,
-            wgsl::SPHERES,
-            wgsl::ELLIPSE,
-            wgsl::SPLAT,
-            wgsl::SPHERES_SPLAT,
-            MAIN,
-        ];
+        let pieces: [&'static Piece; 4] = [&FRAME, &masks::ROUND, &masks::TOTAL, &wgsl::SPHERES_SPLAT];
+        let text = join(&pieces) + &header + BUFFERS + MAIN;
         let squares: Vec<u32> = (cases.iter())
             .flat_map(|(point, square)| {
                 let (right, up) = (square.right.to_array(), square.up.to_array());
@@ -349,7 +326,7 @@ impl Words {
             (7, &self.lists),
             (11, &self.bounds),
         ];
-        dispatch(gpu, &pieces, &buffers, 3, cases.len())
+        dispatch(gpu, &text, &buffers, 3, cases.len())
     }
 }
 

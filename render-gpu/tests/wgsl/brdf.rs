@@ -3,7 +3,7 @@
 use crate::validated::with_info;
 use brdf::wgsl::{ModelWgsl, compose};
 use brdf::{Material, MetallicRoughness};
-use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
+use lobe_core::wgsl::join;
 use naga::valid::Capabilities;
 
 /// The built-in models, one of them with a clear coat, by cosine lobes and, where that is another text, by microfacets.
@@ -28,6 +28,11 @@ fn choices() -> Vec<Vec<ModelWgsl>> {
     choices
 }
 
+fn text_of(models: &[ModelWgsl]) -> String {
+    let (pieces, text) = compose(models);
+    join(&pieces) + &text
+}
+
 fn names(models: &[ModelWgsl]) -> Vec<&str> {
     models.iter().map(|model| model.name).collect()
 }
@@ -36,7 +41,7 @@ fn names(models: &[ModelWgsl]) -> Vec<&str> {
 fn every_choice_of_models_validates() {
     let binding = "@group(0) @binding(2) var<storage, read> materials: array<u32>;";
     for models in choices() {
-        let text = [&compose(&models), binding, SPECIAL, GEOMETRY, LOBE].join("\n");
+        let text = text_of(&models) + binding;
         with_info(&names(&models).join(" + "), &text, Capabilities::default());
     }
 }
@@ -46,7 +51,7 @@ fn there_is_no_code_of_absent_models() {
     let all = models();
     assert_eq!(all.len(), 11);
     for models in choices() {
-        let (text, there) = (compose(&models), names(&models));
+        let (text, there) = (text_of(&models), names(&models));
         for name in names(&all) {
             let function = format!("fn {}_lobe(", name.replace('-', "_"));
             // A clear coat has the material below with it.

@@ -1,8 +1,9 @@
-//! The WGSL without a GPU: pieces validate, layouts and constants are the same as in Rust.
+//! The WGSL without a GPU: pieces validate, layouts are the same as in Rust.
 
 use crate::validated::module;
 use lighting::SphereLight;
-use lobe_core::wgsl;
+use lobe_core::wgsl::{self, join};
+use render_gpu::wgsl::{PAPER_CLASSIFY, PAPER_PENUMBRA};
 use shading::gpu::GpuLight as _;
 
 /// Size and member offsets of a struct.
@@ -20,16 +21,16 @@ fn layout(module: &naga::Module, name: &str) -> (u32, Vec<(String, u32)>) {
 
 #[test]
 fn lobe_core_pieces_validate() {
-    module(&[wgsl::SPECIAL]);
-    module(&[wgsl::GEOMETRY]);
-    module(&[wgsl::LOBE, wgsl::SPECIAL, wgsl::GEOMETRY]);
+    for piece in [&wgsl::SPECIAL, &wgsl::GEOMETRY, &wgsl::LOBE, &wgsl::MICROFACETS, &wgsl::OUTLINE] {
+        module(&join(&[piece]));
+    }
 }
 
 #[test]
 fn a_lobe_has_rusts_layout() {
     use lobe_core::PackedLobe;
     use std::mem::{offset_of, size_of};
-    let (size, members) = layout(&module(&[wgsl::LOBE, wgsl::SPECIAL, wgsl::GEOMETRY]), "Lobe");
+    let (size, members) = layout(&module(&join(&[&wgsl::LOBE])), "Lobe");
     assert_eq!(size as usize, size_of::<PackedLobe>());
     let want = [
         ("axis", offset_of!(PackedLobe, axis)),
@@ -42,9 +43,11 @@ fn a_lobe_has_rusts_layout() {
 
 #[test]
 fn integrals_validate() {
-    let microfacets = [wgsl::CAP, wgsl::MICROFACETS, wgsl::CAP_MICROFACETS];
-    for cap in [[wgsl::CAP_LAMBERT].as_slice(), &[wgsl::CAP, wgsl::CAP_NO_MICROFACETS], &microfacets] {
-        module(&[&[wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE], cap].concat());
+    for cap in [&wgsl::CAP_LAMBERT, &wgsl::CAP_NO_MICROFACETS, &wgsl::CAP_MICROFACETS] {
+        module(&join(&[cap]));
+        for outline in [&wgsl::OUTLINE_MICROFACETS, &wgsl::OUTLINE_NO_MICROFACETS] {
+            module(&join(&[cap, outline, &wgsl::OUTLINE_PLAIN]));
+        }
     }
 }
 
@@ -57,31 +60,13 @@ const HOOKS: &str = "
 #[test]
 fn kernels_of_the_paper_validate() {
     use visibility_mask::wgsl as masks;
-    let frame = [include_str!("../../src/kernels/frame.wgsl"), include_str!("../../src/kernels/queue.wgsl"), HOOKS];
-    let core = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::NO_OUTLINE, wgsl::LOBE, paper::wgsl::TABLES];
-    module(
-        &[
-            frame.as_slice(),
-            &core,
-            &[
-                SphereLight::WGSL,
-                include_str!("../../src/kernels/points.wgsl"),
-                include_str!("../../src/kernels/tiles.wgsl"),
-                include_str!("../../src/kernels/paper_classify.wgsl"),
-            ],
-        ]
-        .concat(),
-    );
+    module(&(join(&[&PAPER_CLASSIFY, SphereLight::WGSL, &wgsl::NO_OUTLINE]) + HOOKS));
     let splat = "fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
         mask_block_span(mask, lane, 0.0, 1.0);
     }";
-    let masks = [masks::SQUARE, masks::ROUND, masks::MASK, masks::TOTAL, paper::wgsl::VISIBILITY];
     for depth in 1..=visibility_mask::MAX_DEPTH {
         let header = paper::wgsl::header(depth);
-        let points = include_str!("../../src/kernels/points.wgsl");
-        let kernel =
-            [SphereLight::WGSL, points, include_str!("../../src/kernels/paper_penumbra.wgsl"), splat, header.as_str()];
-        let module = module(&[frame.as_slice(), &core, &masks, &kernel].concat());
+        let module = module(&(join(&[&PAPER_PENUMBRA, SphereLight::WGSL, &masks::ROUND]) + HOOKS + splat + &header));
         let entry = &module.entry_points[0];
         assert_eq!(entry.workgroup_size, [if depth < 5 { 32 } else { 64 }, 1, 1]);
     }
@@ -91,7 +76,8 @@ fn kernels_of_the_paper_validate() {
 fn a_receiver_has_rusts_layout() {
     use render_gpu::GpuReceiver;
     use std::mem::{offset_of, size_of};
-    let module = module(&[wgsl::GEOMETRY, "@group(0) @binding(0) var<storage, read> points: array<Receiver>;"]);
+    let module =
+        module(&(join(&[&wgsl::GEOMETRY]) + "@group(0) @binding(0) var<storage, read> points: array<Receiver>;"));
     let (size, members) = layout(&module, "Receiver");
     assert_eq!(size as usize, size_of::<GpuReceiver>());
     let want = [
@@ -105,10 +91,4 @@ fn a_receiver_has_rusts_layout() {
         ("pad1", offset_of!(GpuReceiver, pad1)),
     ];
     assert_eq!(members, want.map(|(name, offset)| (name.to_owned(), offset as u32)));
-}
-
-#[test]
-fn constants_are_rusts() {
-    assert_eq!(lobe_core::NO_OBJECT, u32::MAX);
-    assert!(wgsl::GEOMETRY.contains("const NO_OBJECT = 0xffffffffu;"));
 }

@@ -4,6 +4,7 @@ mod brdf;
 mod lobes;
 mod maps;
 mod masks;
+mod numbers;
 mod pose;
 mod rays;
 mod spheres;

@@ -2,7 +2,8 @@
 
 use crate::validated::module;
 use lighting::SphereLight;
-use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, OUTLINE, SPECIAL};
+use lobe_core::wgsl::join;
+use render_gpu::wgsl::{INTEGRALS, PENUMBRA};
 use shading::gpu::GpuLight as _;
 use visibility_mask::{Fineness, wgsl};
 
@@ -22,37 +23,25 @@ fn variants() -> impl Iterator<Item = (u32, f32)> {
 
 #[test]
 fn pieces_validate_alone() {
-    for shown in [[wgsl::ROUND, NO_OUTLINE], [wgsl::FLAT, OUTLINE]] {
-        module(&[[wgsl::SQUARE, GEOMETRY, LOBE, SPECIAL], [shown[0], shown[1], "", ""]].concat());
+    for piece in [&wgsl::ROUND, &wgsl::FLAT, &wgsl::EDGES, &wgsl::FACET] {
+        module(&join(&[piece]));
     }
-    module(&[wgsl::EDGES, GEOMETRY]);
     for (depth, tolerance) in variants() {
         let header = wgsl::header(depth, Fineness::broad(tolerance));
-        module(&[&header, wgsl::MASK, wgsl::SQUARE, wgsl::ROUND, NO_OUTLINE, GEOMETRY, LOBE, SPECIAL]);
-        module(&[&header, wgsl::TOTAL]);
+        module(&(join(&[&wgsl::MASK, &wgsl::ROUND]) + &header));
+        module(&(join(&[&wgsl::TOTAL]) + &header));
     }
 }
 
 /// Among other things: no barrier in non-uniform control flow.
 #[test]
 fn penumbrae_validate() {
-    let kernel = [
-        include_str!("../../src/kernels/frame.wgsl"),
-        include_str!("../../src/kernels/queue.wgsl"),
-        include_str!("../../src/kernels/integrals.wgsl"),
-        include_str!("../../src/kernels/points.wgsl"),
-        SphereLight::WGSL,
-        include_str!("../../src/kernels/penumbra.wgsl"),
-    ];
-    let common =
-        [wgsl::MASK, wgsl::SQUARE, wgsl::ROUND, NO_OUTLINE, wgsl::EDGES, wgsl::TOTAL, wgsl::FRACTION, wgsl::VISIBILITY];
-    let core = [GEOMETRY, LOBE, SPECIAL, HOOKS];
     for (depth, tolerance) in variants() {
         let (broad, narrow) = (Fineness::broad(tolerance), Fineness::narrow(tolerance));
         let headers = [wgsl::header(depth, broad), wgsl::header_of_lobes(depth, broad, narrow, false)];
-        let forms = [[wgsl::LAMBERT, ""], [wgsl::LOBES, wgsl::ALIKE]];
-        for (form, header) in forms.iter().zip(&headers) {
-            let module = module(&[[header.as_str()].as_slice(), &kernel, &common, &core, form].concat());
+        for (form, header) in [&wgsl::LAMBERT, &wgsl::ALIKE].into_iter().zip(&headers) {
+            let text = join(&[&PENUMBRA, &INTEGRALS, SphereLight::WGSL, &wgsl::ROUND, form]) + HOOKS + header;
+            let module = module(&text);
             let entry = &module.entry_points[0];
             let lanes = (1 << depth).max(32);
             assert_eq!((entry.name.as_str(), entry.workgroup_size), ("penumbra", [lanes, 1, 1]));
@@ -62,5 +51,5 @@ fn penumbrae_validate() {
 
 #[test]
 fn lambert_alone_has_no_code_for_other_lobes() {
-    assert!(!wgsl::LAMBERT.contains("glossy") && wgsl::LOBES.contains("glossy"));
+    assert!(!join(&[&wgsl::LAMBERT]).contains("glossy") && join(&[&wgsl::LOBES]).contains("glossy"));
 }

@@ -1,22 +1,12 @@
-//! The WGSL of sphere blockers without a GPU: every composed variant validates, layouts and constants are the same as in Rust.
+//! The WGSL of sphere blockers without a GPU: every composed variant validates, layouts are the same as in Rust.
 
-use crate::constant;
 use crate::validated::module;
 use lighting::SphereLight;
-use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
+use lobe_core::wgsl::{NO_OUTLINE, join};
+use render_gpu::wgsl::{ARGS, CLASSIFY, FRAME, INTEGRALS};
 use shading::gpu::GpuLight as _;
 use visibility_mask::{Fineness, wgsl as masks};
-use visibility_spheres::{BlockerSphere, LIST_WORDS, SPHERE_BLOCK, wgsl};
-
-const FRAME: &str = include_str!("../../src/kernels/frame.wgsl");
-const QUEUE: &str = include_str!("../../src/kernels/queue.wgsl");
-const CLASSIFY: &str = concat!(
-    include_str!("../../src/kernels/points.wgsl"),
-    include_str!("../../src/kernels/integrals.wgsl"),
-    include_str!("../../src/kernels/tiles.wgsl"),
-    include_str!("../../src/kernels/classify.wgsl")
-);
-const ARGS: &str = include_str!("../../src/kernels/args.wgsl");
+use visibility_spheres::{BlockerSphere, wgsl};
 
 /// The buffers as in kernels that shade.
 const BUFFERS: &str = "@group(0) @binding(16) var<storage, read> spheres: array<BlockerSphere>;
@@ -33,10 +23,9 @@ fn culling_validates() {
     let points = "@group(0) @binding(1) var<storage, read> points: array<Receiver>;";
     let of_bounds = BUFFERS.replace("read> spheres_bounds", "read_write> spheres_bounds");
     let of_lists = BUFFERS.replace("read> spheres_lists", "read_write> spheres_lists");
-    let bounds = module(&[wgsl::BOUNDS, &of_bounds, wgsl::PACKED]);
-    let cull = module(&[wgsl::CULL, &of_lists, points, FRAME, wgsl::PACKED, wgsl::SHAFT_TEST, GEOMETRY]);
-    assert_eq!(constant(&cull, "NO_MATERIAL"), render_gpu::NO_MATERIAL);
-    let args = module(&[ARGS, QUEUE, FRAME]);
+    let bounds = module(&(join(&[&wgsl::BOUNDS]) + &of_bounds));
+    let cull = module(&(join(&[&wgsl::CULL, &FRAME]) + &of_lists + points));
+    let args = module(&join(&[&ARGS]));
     let groups = [(&bounds, "bounds", 64), (&cull, "cull", 64), (&args, "args_of_queue", 1)];
     for (module, name, threads) in groups {
         assert_eq!((module.entry_points[0].name.as_str(), module.entry_points[0].workgroup_size[0]), (name, threads));
@@ -47,14 +36,10 @@ fn culling_validates() {
 fn classification_validates() {
     let stub = "fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cone.one_minus_cos; }";
     let lambert = brdf::Material::lambert(glam::Vec3::ONE).model().wgsl().expect("lambert");
-    let reflectance = brdf::wgsl::compose(&[lambert]);
-    let parts = [BUFFERS, wgsl::SPHERES, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, masks::FACET];
-    let mut pieces =
-        vec![CLASSIFY, QUEUE, FRAME, SphereLight::WGSL, HOOK, stub, &reflectance, GEOMETRY, NO_OUTLINE, LOBE, SPECIAL];
-    pieces.extend(parts);
-    let classify = module(&pieces);
-    assert_eq!(classify.entry_points[0].workgroup_size, [64, 1, 1]);
-    assert_eq!(constant(&classify, "NO_MATERIAL"), render_gpu::NO_MATERIAL);
+    let (materials, reflectance) = brdf::wgsl::compose(&[lambert]);
+    let pieces = [&CLASSIFY, &INTEGRALS, SphereLight::WGSL, &NO_OUTLINE, &wgsl::SPHERES];
+    let text = join(&[pieces.as_slice(), &materials].concat()) + BUFFERS + HOOK + stub + &reflectance;
+    assert_eq!(module(&text).entry_points[0].workgroup_size, [64, 1, 1]);
 }
 
 #[test]
@@ -62,27 +47,7 @@ fn splats_validate_at_all_depths() {
     for depth in 1..=visibility_mask::MAX_DEPTH {
         for coarse in [false, true] {
             let header = masks::header(depth, Fineness { coarse, ..Fineness::FINE });
-            module(&[
-                &header,
-                BUFFERS,
-                wgsl::SPHERES_SPLAT,
-                wgsl::SPHERES,
-                masks::FACET,
-                wgsl::ELLIPSE,
-                wgsl::SPLAT,
-                wgsl::BLOCKED_CONE,
-                wgsl::CONE_TEST,
-                wgsl::PACKED,
-                masks::MASK,
-                masks::EDGES,
-                masks::SQUARE,
-                masks::ROUND,
-                NO_OUTLINE,
-                FRAME,
-                GEOMETRY,
-                LOBE,
-                SPECIAL,
-            ]);
+            module(&(join(&[&wgsl::SPHERES_SPLAT, &masks::ROUND, &FRAME]) + &header + BUFFERS));
         }
     }
 }
@@ -90,7 +55,7 @@ fn splats_validate_at_all_depths() {
 #[test]
 fn a_blocker_has_rusts_layout() {
     use std::mem::{offset_of, size_of};
-    let module = module(&[wgsl::PACKED]);
+    let module = module(&join(&[&wgsl::PACKED]));
     let found = module.types.iter().find_map(|(_, ty)| match &ty.inner {
         naga::TypeInner::Struct { members, span } if ty.name.as_deref() == Some("BlockerSphere") => {
             Some((*span, members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect::<Vec<_>>()))
@@ -109,6 +74,4 @@ fn a_blocker_has_rusts_layout() {
     ];
     let want = want.map(|(name, offset)| (name.to_owned(), offset as u32)).to_vec();
     assert_eq!(found, Some((size_of::<BlockerSphere>() as u32, want)));
-    assert_eq!(constant(&module, "SPHERE_BLOCK") as usize, SPHERE_BLOCK);
-    assert_eq!(constant(&module, "LIST_WORDS") as usize, LIST_WORDS);
 }

@@ -1,0 +1,54 @@
+//! The WGSL of integrals over cones.
+
+use super::{albedo, chord, form, lambert, microfacets, slab};
+use crate::wgsl::{LOBE, MICROFACETS, Piece};
+use crate::wgsl_numbers;
+
+static LAMBERT: Piece =
+    Piece::new(include_str!("lambert.wgsl")).numbers(wgsl_numbers![ARC = lambert::G]).needs(&[&LOBE]);
+
+/// `cap_integral(at, lobe, cone)` where every lobe is Lambert's.
+pub static CAP_LAMBERT: Piece = Piece::new(include_str!("lambert_only.wgsl")).needs(&[&LAMBERT]);
+
+static PAIR: Piece = Piece::new(include_str!("pair.wgsl")).needs(&[&LOBE]);
+
+static SLAB: Piece = Piece::new(include_str!("slab.wgsl"))
+    .numbers(wgsl_numbers![SLAB_EXPONENT = slab::EXPONENT, SLAB_WIDTH = slab::WIDTH])
+    .needs(&[&PAIR]);
+
+static CHORD: Piece = Piece::new(include_str!("chord.wgsl"))
+    .numbers(wgsl_numbers![
+        FEW = chord::FEW,
+        MANY = chord::MANY,
+        PIECE = chord::PIECE,
+        EDGE = chord::EDGE,
+        KAPPA = chord::KAPPA,
+        ENDS = chord::ENDS,
+        NODES = chord::half_rules(),
+    ])
+    .needs(&[&PAIR]);
+
+/// `cap_integral(at, lobe, cone)` for all lobes, instead of [`CAP_LAMBERT`]. Needs one of [`CAP_MICROFACETS`] and [`CAP_NO_MICROFACETS`].
+pub static CAP: Piece = Piece::new(include_str!("cap.wgsl"))
+    .numbers(wgsl_numbers![MIRROR = form::MIRROR])
+    .needs(&[&LAMBERT, &SLAB, &CHORD]);
+
+static ALBEDO: Piece = Piece::new(include_str!("albedo.wgsl"))
+    .numbers(wgsl_numbers![
+        ALBEDO_TURNS = albedo::TURNS,
+        ALBEDO_PLACES = albedo::PLACES,
+        ALBEDO_HALVINGS = albedo::HALVINGS,
+    ])
+    .needs(&[&MICROFACETS]);
+
+/// [`CAP`] with the integral of lobes of microfacets.
+pub static CAP_MICROFACETS: Piece = Piece::new(include_str!("microfacets.wgsl"))
+    .numbers(wgsl_numbers![
+        ELLIPSE_FAR = microfacets::FAR,
+        NODES_WHOLE = microfacets::TEN,
+        NODES_CUT = microfacets::THIRTY_TWO,
+    ])
+    .needs(&[&CAP, &ALBEDO]);
+
+/// [`CAP`] without microfacets.
+pub static CAP_NO_MICROFACETS: Piece = Piece::new(include_str!("microfacets_none.wgsl")).needs(&[&CAP]);

@@ -1,0 +1,56 @@
+//! The WGSL of outlines, and of integrals over them.
+
+use super::{AROUND, DEPTH, Outline, TURNS, WIDEST, cubature, image, integral, lambert};
+use crate::wgsl::{GEOMETRY, LOBE, MICROFACETS, Piece, SPECIAL};
+use crate::wgsl_numbers;
+
+/// The polygon or disc of light that a point sees: `outline_new`, `outline_disc`, `light_is_flat`.
+pub static OUTLINE: Piece = Piece::new(include_str!("outline.wgsl"))
+    .numbers(wgsl_numbers![
+        OUTLINE_ROOM = Outline::ROOM,
+        OUTLINE_MOST = Outline::MOST,
+        OUTLINE_DEPTH = DEPTH,
+        OUTLINE_WIDEST = WIDEST,
+        OUTLINE_AROUND = AROUND,
+        OUTLINE_TURNS = TURNS[..6].iter().map(|[cos, sin]| (*cos, *sin)).collect::<Vec<_>>(),
+    ])
+    .needs(&[&GEOMETRY]);
+
+/// In place of [`OUTLINE`] where all lights are seen as cones.
+pub static NO_OUTLINE: Piece = Piece::new(include_str!("none.wgsl"));
+
+/// Integrals over outlines. Needs one of [`OUTLINE_MICROFACETS`] and [`OUTLINE_NO_MICROFACETS`], and one of [`OUTLINE_PLAIN`] and
+/// [`OUTLINE_IMAGE`].
+pub static OUTLINE_INTEGRAL: Piece = Piece::new(include_str!("integral.wgsl"))
+    .numbers(wgsl_numbers![
+        OUTLINE_RULES = cubature::half_rules(),
+        OUTLINE_STEEP = integral::STEEP,
+        OUTLINE_WIDE = integral::WIDE,
+        OUTLINE_NOTHING = integral::NOTHING,
+        OUTLINE_EQUAL = lambert::EQUAL,
+        OUTLINE_SHORT = lambert::SHORT,
+        OUTLINE_CUT = lambert::CUT,
+        OUTLINE_SMALL = cubature::SMALL,
+    ])
+    .needs(&[&OUTLINE, &LOBE]);
+
+/// `light_integral(at, lobe, cone) -> f32` for lights with or without outlines. Needs `cap_integral`: [`CAP`](crate::wgsl::CAP) or
+/// [`CAP_LAMBERT`](crate::wgsl::CAP_LAMBERT).
+pub static OUTLINE_PLAIN: Piece = Piece::new(include_str!("plain.wgsl")).needs(&[&OUTLINE_INTEGRAL]);
+
+/// The image of a light: `image_at`, from `frame.image` on in `light_images`.
+pub static IMAGE: Piece = Piece::new(include_str!("image.wgsl"))
+    .numbers(wgsl_numbers![IMAGE_BORDER = image::BORDER])
+    .needs(&[&OUTLINE, &SPECIAL]);
+
+/// `light_integral` by channel for lights that show an image, in place of [`OUTLINE_PLAIN`].
+pub static OUTLINE_IMAGE: Piece = Piece::new(include_str!("image_integral.wgsl"))
+    .numbers(wgsl_numbers![OUTLINE_SMALL_LIGHT = cubature::SMALL_LIGHT])
+    .needs(&[&OUTLINE_INTEGRAL, &IMAGE]);
+
+/// [`OUTLINE_INTEGRAL`] with the integral of lobes of microfacets.
+pub static OUTLINE_MICROFACETS: Piece =
+    Piece::new(include_str!("microfacets.wgsl")).needs(&[&OUTLINE_INTEGRAL, &MICROFACETS]);
+
+/// [`OUTLINE_INTEGRAL`] without microfacets.
+pub static OUTLINE_NO_MICROFACETS: Piece = Piece::new(include_str!("no_microfacets.wgsl")).needs(&[&OUTLINE_INTEGRAL]);

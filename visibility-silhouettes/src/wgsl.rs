@@ -1,0 +1,33 @@
+//! The same in WGSL: pieces that a shader's module is [joined](lobe_core::wgsl::join) of. They need `SILHOUETTES_DEPTH`, the functions
+//! `any_hit…` of [`GpuBlockers`](shading::gpu::GpuBlockers), and one of `ROUND` and `FLAT` of `visibility-mask`.
+
+use crate::{beside, blockers, count, gpu, hull, project, select};
+use lobe_core::wgsl::{GEOMETRY, Piece};
+use lobe_core::wgsl_numbers;
+use visibility_mask::wgsl::{EDGES, FACET, MASK, TOTAL};
+
+/// Edges of meshes, and which of them are silhouettes before a receiver's light.
+static SILHOUETTES: Piece = Piece::new(include_str!("silhouettes.wgsl"))
+    .numbers(wgsl_numbers![
+        SILHOUETTES_UNSURE = hull::UNSURE,
+        SILHOUETTES_AROUND = select::AROUND,
+        SILHOUETTES_AROUND_SQ = select::AROUND_SQ,
+        SILHOUETTES_NONE = gpu::NONE,
+        SILHOUETTES_MARGIN = beside::MARGIN,
+        SILHOUETTES_CORNERS = beside::MOST,
+    ])
+    .needs(&[&GEOMETRY, &FACET]);
+
+/// `silhouettes_coverage`.
+pub(crate) static COVERAGE: Piece = Piece::new(include_str!("silhouettes_coverage.wgsl")).needs(&[&SILHOUETTES]);
+
+/// `silhouettes_splat` and `silhouettes_edges`.
+pub(crate) static SPLAT: Piece = Piece::new(include_str!("silhouettes_splat.wgsl"))
+    .numbers(wgsl_numbers![
+        SILHOUETTES_NEAR = project::NEAR,
+        SILHOUETTES_FAR_OUTSIDE = project::FAR_OUTSIDE,
+        SILHOUETTES_BESIDE = select::BESIDE,
+        SILHOUETTES_WIDEST = blockers::WIDEST_DISC,
+        SILHOUETTES_FEW = count::FEW,
+    ])
+    .needs(&[&SILHOUETTES, &MASK, &EDGES, &TOTAL]);
