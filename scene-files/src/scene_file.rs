@@ -47,53 +47,55 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<(S
     parse_from(path, text, origin, context)
 }
 
+/// Width and height of `[image]`.
+fn read_size(value: Value<'_>) -> Result<(u32, u32), SceneError> {
+    let mut t = value.table()?;
+    let edge = |v: Option<Value<'_>>, default| v.map_or(Ok(default), |v| v.whole(1, Scene::MAX_SIDE));
+    let size = (edge(t.get("width"), DEFAULT_SIZE.0)?, edge(t.get("height"), DEFAULT_SIZE.1)?);
+    t.finish()?;
+    Ok(size)
+}
+
+/// All `[materials]`.
+fn read_materials(value: Value<'_>, path: &Path, context: &mut Context) -> Result<Materials, SceneError> {
+    let mut materials = Materials::default();
+    let mut images = ImageFiles::new(&context.files);
+    for entry in value.table()?.entries() {
+        let look = read_material(entry.table()?, path, &mut images, context)?;
+        look.material.validate().map_err(|e| entry.error(e))?;
+        materials.names.insert(entry.name().to_owned(), materials.all.len());
+        materials.all.push(look);
+    }
+    Ok(materials)
+}
+
+/// Duration and frames a second of `[animation]`.
+fn read_pace(value: Value<'_>) -> Result<(Option<f32>, f32), SceneError> {
+    let mut t = value.table()?;
+    let seconds = |v: Value<'_>| match v.positive()? {
+        s if s <= MAX_SECONDS => Ok(s),
+        s => Err(v.error(format!("{s} is more than {MAX_SECONDS} seconds"))),
+    };
+    let duration = t.get("duration").map(seconds).transpose()?;
+    let fps = t.get("fps").map_or(Ok(Animation::DEFAULT_FPS), |v| match v.positive()? {
+        fps if (1e-3..=1e4).contains(&fps) => Ok(fps),
+        fps => Err(v.error(format!("{fps} must lie between 0.001 and 10000"))),
+    })?;
+    t.finish()?;
+    Ok((duration, fps))
+}
+
 fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
     let source = Source { path, text };
     let root = DeTable::parse(text)
         .map_err(|e| source.error(e.span().map_or(text.len(), |s| s.start), e.message().to_owned()))?;
     let mut root = Table::new(source, 0, "scene", root.get_ref());
 
-    let (width, height) = match root.get("image") {
-        None => DEFAULT_SIZE,
-        Some(value) => {
-            let mut t = value.table()?;
-            let edge = |v: Option<Value<'_>>, default| v.map_or(Ok(default), |v| v.whole(1, Scene::MAX_SIDE));
-            let size = (edge(t.get("width"), DEFAULT_SIZE.0)?, edge(t.get("height"), DEFAULT_SIZE.1)?);
-            t.finish()?;
-            size
-        }
-    };
+    let (width, height) = root.get("image").map_or(Ok(DEFAULT_SIZE), read_size)?;
     let background = root.get("background").map_or(Ok(Vec3::ZERO), |v| v.color())?;
 
-    let mut materials = Materials::default();
-    let mut images = ImageFiles::new(&context.files);
-    if let Some(value) = root.get("materials") {
-        for entry in value.table()?.entries() {
-            let look = read_material(entry.table()?, path, &mut images, context)?;
-            look.material.validate().map_err(|e| entry.error(e))?;
-            materials.names.insert(entry.name().to_owned(), materials.all.len());
-            materials.all.push(look);
-        }
-    }
-
-    let (duration, fps) = match root.get("animation") {
-        None => (None, Animation::DEFAULT_FPS),
-        Some(value) => {
-            let mut t = value.table()?;
-            let seconds = |v: Value<'_>| match v.positive()? {
-                s if s <= MAX_SECONDS => Ok(s),
-                s => Err(v.error(format!("{s} is more than {MAX_SECONDS} seconds"))),
-            };
-            let duration = t.get("duration").map(seconds).transpose()?;
-            let fps = t.get("fps").map_or(Ok(Animation::DEFAULT_FPS), |v| match v.positive()? {
-                fps if (1e-3..=1e4).contains(&fps) => Ok(fps),
-                fps => Err(v.error(format!("{fps} must lie between 0.001 and 10000"))),
-            })?;
-            t.finish()?;
-            (duration, fps)
-        }
-    };
-
+    let mut materials = root.get("materials").map_or(Ok(Materials::default()), |v| read_materials(v, path, context))?;
+    let (duration, fps) = root.get("animation").map_or(Ok((None, Animation::DEFAULT_FPS)), read_pace)?;
     let (mut objects, mut movers) = (Vec::new(), Vec::new());
     let mut emitters = Vec::new();
     if let Some(value) = root.get("objects") {

@@ -56,6 +56,12 @@ impl Materials {
         self.all.len() - 1
     }
 
+    /// The number of the material that a key names.
+    pub(crate) fn named(&self, key: Value<'_>) -> Result<usize, SceneError> {
+        let name = key.string()?;
+        self.names.get(name).copied().ok_or_else(|| key.error(format!("there is no [materials.{name}]")))
+    }
+
     /// The alpha mask of a material's surfaces; `None` if they are opaque.
     pub(crate) fn cut_out(&self, material: usize) -> Option<&CutOut> {
         self.all[material].cut_out.as_ref()
@@ -77,95 +83,25 @@ impl Materials {
 
 /// Reads one of `[materials]`; `path` is the scene file, which images are looked for beside.
 pub(crate) fn read_material(
-    mut t: Table<'_>,
+    t: Table<'_>,
     path: &Path,
     images: &mut ImageFiles,
     context: &mut Context,
 ) -> Result<Look, SceneError> {
-    let mut surface = Surface::default();
-    let mut maps = Maps { path, images };
-    surface.color = maps.read(t.get("color_map"), Encoding::Srgb)?;
-    surface.normal = t.get("normal_map").map(|v| maps.normal(v)).transpose()?;
-    surface.emission_map = maps.read(t.get("emission_map"), Encoding::Srgb)?;
-    let emission = t.get("emission").map(|v| v.color()).transpose()?;
-    // Without an `emission`, the map alone gives the radiance.
-    let alone = if surface.emission_map.is_some() { Vec3::ONE } else { Vec3::ZERO };
-    surface.emission = emission.unwrap_or(alone);
-
-    // A map alone is the colour.
-    let is_mapped = surface.color.is_some();
-    let base_color = |t: &mut Table<'_>, key: &'static str, is_required: bool| match t.get(key) {
-        Some(v) => v.color(),
-        None if is_mapped => Ok(Vec3::ONE),
-        None if is_required => t.require(key)?.color(),
-        None => Ok(Vec3::ZERO),
-    };
-    let model = t.require("model")?;
+    let mut reader = Reader { t, surface: Surface::default(), maps: Maps { path, images } };
+    reader.common()?;
+    let model = reader.t.require("model")?;
     let material: Material = match model.string()? {
-        "lambert" => Lambert { albedo: base_color(&mut t, "albedo", true)? }.into(),
-        name @ ("phong" | "modified-phong" | "neumann") => {
-            let kd = base_color(&mut t, "kd", false)?;
-            let ks = maps.specular(&mut t, &mut surface, "ks")?;
-            let exponent = t.require("exponent")?.number()?;
-            match name {
-                "phong" => Phong { kd, ks, exponent }.into(),
-                "neumann" => Neumann { kd, ks, exponent }.into(),
-                _ => ModifiedPhong { kd, ks, exponent }.into(),
-            }
-        }
-        "lafortune" => {
-            let diffuse = base_color(&mut t, "diffuse", false)?;
-            let elements = t.get("lobes").map_or(Ok(Vec::new()), |v| v.elements("an array of lobes"))?;
-            let lobes: Result<Vec<_>, _> = elements.into_iter().map(lafortune_lobe).collect();
-            maps.exponents(&mut t, &mut surface)?;
-            if let Some(v) = t.get("frame") {
-                surface.follows_u = match v.string()? {
-                    "normal" => false,
-                    "texture" => true,
-                    _ => return Err(v.error("expected \"normal\" or \"texture\"")),
-                };
-            }
-            Lafortune { diffuse, lobes: lobes? }.into()
-        }
-        "half-vector" => {
-            let diffuse = base_color(&mut t, "diffuse", false)?;
-            let elements = t.get("lobes").map_or(Ok(Vec::new()), |v| v.elements("an array of lobes"))?;
-            let lobes: Result<Vec<_>, _> = elements.into_iter().map(half_vector_lobe).collect();
-            surface.specular = maps.read(t.get("specular_map"), Encoding::Srgb)?;
-            surface.roughness = t.get("roughness_map").map(|v| maps.channel(v)).transpose()?;
-            HalfVector { diffuse, lobes: lobes? }.into()
-        }
+        "lambert" => Lambert { albedo: reader.base("albedo", true)? }.into(),
+        name @ ("phong" | "modified-phong" | "neumann") => reader.phong(name)?,
+        "lafortune" => reader.lafortune()?.into(),
+        "half-vector" => reader.half_vector()?.into(),
         "merl" => {
-            let file = t.require("file")?;
-            let lobes = t.get("lobes").map_or(Ok(2), |v| v.whole(1, MAX_FITTED as u32))?;
+            let file = reader.t.require("file")?;
+            let lobes = reader.t.get("lobes").map_or(Ok(2), |v| v.whole(1, MAX_FITTED as u32))?;
             measured(file, lobes as usize, path, context)?
         }
-        "metallic-roughness" => {
-            let base = base_color(&mut t, "base", true)?;
-            let number = |v: Option<Value<'_>>| v.map_or(Ok(1.0), |v| v.number());
-            let (metallic, roughness) = (number(t.get("metallic"))?, number(t.get("roughness"))?);
-            surface.metallic = t.get("metallic_map").map(|v| maps.channel(v)).transpose()?;
-            surface.roughness = t.get("roughness_map").map(|v| maps.channel(v)).transpose()?;
-            surface.specular = maps.read(t.get("specular_map"), Encoding::Srgb)?;
-            surface.coat = t.get("coat_map").map(|v| maps.channel(v)).transpose()?;
-            let mut metal = MetallicRoughness::new(base, metallic, roughness).map_err(|e| model.error(e))?;
-            if let Some(ior) = t.get("ior") {
-                let n = ior.number()?;
-                if n.is_nan() || n < 1.0 {
-                    return Err(ior.error(format!("{n} must be at least 1")));
-                }
-                let f0 = ((n - 1.0) / (n + 1.0)).powi(2);
-                metal = metal.with_coat(Vec3::splat(f0), 1.0).map_err(|e| ior.error(e))?;
-            }
-            if let Some(strength) = t.get("anisotropy") {
-                metal = metal.with_anisotropy(strength.number()?).map_err(|e| strength.error(e))?;
-                let degrees = t.get("anisotropy_rotation").map_or(Ok(0.0), |v| v.number())?;
-                surface.anisotropy_turn = degrees.to_radians();
-                surface.anisotropy = maps.read(t.get("anisotropy_map"), Encoding::Linear)?;
-                surface.follows_u = metal.anisotropy() > 0.0;
-            }
-            maps.clearcoat(&mut t, &mut surface, metal)?.into()
-        }
+        "metallic-roughness" => reader.metallic_roughness(model)?.into(),
         other => {
             return Err(model.error(format!(
                 "unknown model \"{other}\": expected \"lambert\", \"phong\", \"modified-phong\", \"neumann\", \
@@ -173,9 +109,139 @@ pub(crate) fn read_material(
             )));
         }
     };
+    let Reader { mut t, surface, .. } = reader;
     let cut_out = t.get("alpha_cutoff").map(|v| cut_out(v, surface.color.as_ref())).transpose()?;
     t.finish()?;
     Ok(Look { material, surface, cut_out })
+}
+
+/// The table of a material, and the surface that it describes so far.
+struct Reader<'a, 's> {
+    t: Table<'s>,
+    surface: Surface,
+    maps: Maps<'a>,
+}
+
+impl<'s> Reader<'_, 's> {
+    /// The maps that all models have, and emission.
+    fn common(&mut self) -> Result<(), SceneError> {
+        self.surface.color = self.map("color_map", Encoding::Srgb)?;
+        self.surface.normal = self.normal("normal_map")?;
+        self.surface.emission_map = self.map("emission_map", Encoding::Srgb)?;
+        let emission = self.t.get("emission").map(|v| v.color()).transpose()?;
+        // Without an `emission`, the map alone gives the radiance.
+        let alone = if self.surface.emission_map.is_some() { Vec3::ONE } else { Vec3::ZERO };
+        self.surface.emission = emission.unwrap_or(alone);
+        Ok(())
+    }
+
+    fn map(&mut self, key: &'static str, encoding: Encoding) -> Result<Option<TextureMap>, SceneError> {
+        self.t.get(key).map(|v| self.maps.map(v, encoding, |_| Ok(()))).transpose()
+    }
+
+    fn channel(&mut self, key: &'static str) -> Result<Option<Channel>, SceneError> {
+        self.t.get(key).map(|v| self.maps.channel(v)).transpose()
+    }
+
+    fn normal(&mut self, key: &'static str) -> Result<Option<(TextureMap, f32)>, SceneError> {
+        self.t.get(key).map(|v| self.maps.normal(v)).transpose()
+    }
+
+    fn number(&mut self, key: &'static str, default: f32) -> Result<f32, SceneError> {
+        self.t.get(key).map_or(Ok(default), |v| v.number())
+    }
+
+    /// The colour that the map of colours multiplies: a map alone is the colour.
+    fn base(&mut self, key: &'static str, is_required: bool) -> Result<Vec3, SceneError> {
+        match self.t.get(key) {
+            Some(v) => v.color(),
+            None if self.surface.color.is_some() => Ok(Vec3::ONE),
+            None if is_required => self.t.require(key)?.color(),
+            None => Ok(Vec3::ZERO),
+        }
+    }
+
+    fn lobes<T>(&mut self, read: impl Fn(Value<'s>) -> Result<T, SceneError>) -> Result<Vec<T>, SceneError> {
+        let elements = self.t.get("lobes").map_or(Ok(Vec::new()), |v| v.elements("an array of lobes"))?;
+        elements.into_iter().map(read).collect()
+    }
+
+    /// The maps of highlights that have an exponent.
+    fn exponents(&mut self) -> Result<(), SceneError> {
+        self.surface.specular = self.map("specular_map", Encoding::Srgb)?;
+        self.surface.exponent = self.channel("exponent_map")?;
+        Ok(())
+    }
+
+    fn phong(&mut self, name: &str) -> Result<Material, SceneError> {
+        let kd = self.base("kd", false)?;
+        let scale = self.t.get("ks").map(|v| v.color()).transpose()?;
+        self.exponents()?;
+        let ks = scale.unwrap_or(if self.surface.specular.is_some() { Vec3::ONE } else { Vec3::ZERO });
+        let exponent = self.t.require("exponent")?.number()?;
+        Ok(match name {
+            "phong" => Phong { kd, ks, exponent }.into(),
+            "neumann" => Neumann { kd, ks, exponent }.into(),
+            _ => ModifiedPhong { kd, ks, exponent }.into(),
+        })
+    }
+
+    fn lafortune(&mut self) -> Result<Lafortune, SceneError> {
+        let diffuse = self.base("diffuse", false)?;
+        let lobes = self.lobes(lafortune_lobe)?;
+        self.exponents()?;
+        if let Some(v) = self.t.get("frame") {
+            self.surface.follows_u = match v.string()? {
+                "normal" => false,
+                "texture" => true,
+                _ => return Err(v.error("expected \"normal\" or \"texture\"")),
+            };
+        }
+        Ok(Lafortune { diffuse, lobes })
+    }
+
+    fn half_vector(&mut self) -> Result<HalfVector, SceneError> {
+        let diffuse = self.base("diffuse", false)?;
+        let lobes = self.lobes(half_vector_lobe)?;
+        self.surface.specular = self.map("specular_map", Encoding::Srgb)?;
+        self.surface.roughness = self.channel("roughness_map")?;
+        Ok(HalfVector { diffuse, lobes })
+    }
+
+    fn metallic_roughness(&mut self, model: Value<'_>) -> Result<MetallicRoughness, SceneError> {
+        let base = self.base("base", true)?;
+        let (metallic, roughness) = (self.number("metallic", 1.0)?, self.number("roughness", 1.0)?);
+        self.surface.metallic = self.channel("metallic_map")?;
+        self.surface.roughness = self.channel("roughness_map")?;
+        self.surface.specular = self.map("specular_map", Encoding::Srgb)?;
+        self.surface.coat = self.channel("coat_map")?;
+        let mut metal = MetallicRoughness::new(base, metallic, roughness).map_err(|e| model.error(e))?;
+        if let Some(ior) = self.t.get("ior") {
+            let n = ior.number()?;
+            if n.is_nan() || n < 1.0 {
+                return Err(ior.error(format!("{n} must be at least 1")));
+            }
+            let f0 = ((n - 1.0) / (n + 1.0)).powi(2);
+            metal = metal.with_coat(Vec3::splat(f0), 1.0).map_err(|e| ior.error(e))?;
+        }
+        if let Some(strength) = self.t.get("anisotropy") {
+            metal = metal.with_anisotropy(strength.number()?).map_err(|e| strength.error(e))?;
+            self.surface.anisotropy_turn = self.number("anisotropy_rotation", 0.0)?.to_radians();
+            self.surface.anisotropy = self.map("anisotropy_map", Encoding::Linear)?;
+            self.surface.follows_u = metal.anisotropy() > 0.0;
+        }
+        self.clearcoat(metal)
+    }
+
+    /// A clear coat above a material, if there is one.
+    fn clearcoat(&mut self, metal: MetallicRoughness) -> Result<MetallicRoughness, SceneError> {
+        let Some(weight) = self.t.get("clearcoat") else { return Ok(metal) };
+        let roughness = self.number("clearcoat_roughness", 0.0)?;
+        self.surface.clearcoat = self.channel("clearcoat_map")?;
+        self.surface.clearcoat_roughness = self.channel("clearcoat_roughness_map")?;
+        self.surface.clearcoat_normal = self.normal("clearcoat_normal_map")?;
+        metal.with_clearcoat(weight.number()?, roughness).map_err(|e| weight.error(e))
+    }
 }
 
 /// Fits lobes to a table of measurements beside the scene file; a warning states their kind and their error.
@@ -237,39 +303,6 @@ struct Maps<'a> {
 }
 
 impl Maps<'_> {
-    fn read(&mut self, value: Option<Value<'_>>, encoding: Encoding) -> Result<Option<TextureMap>, SceneError> {
-        value.map(|value| self.map(value, encoding, |_| Ok(()))).transpose()
-    }
-
-    /// A highlight's colour and exponent, which has one.
-    fn specular(&mut self, t: &mut Table<'_>, surface: &mut Surface, key: &'static str) -> Result<Vec3, SceneError> {
-        let scale = t.get(key).map(|v| v.color()).transpose()?;
-        self.exponents(t, surface)?;
-        Ok(scale.unwrap_or(if surface.specular.is_some() { Vec3::ONE } else { Vec3::ZERO }))
-    }
-
-    /// The maps of highlights.
-    fn exponents(&mut self, t: &mut Table<'_>, surface: &mut Surface) -> Result<(), SceneError> {
-        surface.specular = self.read(t.get("specular_map"), Encoding::Srgb)?;
-        surface.exponent = t.get("exponent_map").map(|v| self.channel(v)).transpose()?;
-        Ok(())
-    }
-
-    /// A clear coat above a material, if there is one.
-    fn clearcoat(
-        &mut self,
-        t: &mut Table<'_>,
-        surface: &mut Surface,
-        metal: MetallicRoughness,
-    ) -> Result<MetallicRoughness, SceneError> {
-        let Some(weight) = t.get("clearcoat") else { return Ok(metal) };
-        let roughness = t.get("clearcoat_roughness").map_or(Ok(0.0), |v| v.number())?;
-        surface.clearcoat = t.get("clearcoat_map").map(|v| self.channel(v)).transpose()?;
-        surface.clearcoat_roughness = t.get("clearcoat_roughness_map").map(|v| self.channel(v)).transpose()?;
-        surface.clearcoat_normal = t.get("clearcoat_normal_map").map(|v| self.normal(v)).transpose()?;
-        metal.with_clearcoat(weight.number()?, roughness).map_err(|e| weight.error(e))
-    }
-
     fn channel(&mut self, value: Value<'_>) -> Result<Channel, SceneError> {
         let mut index = 0;
         let map = self.map(value, Encoding::Linear, |t| {

@@ -27,8 +27,30 @@ const UNEVEN: &str = "spheres can only be scaled uniformly";
 
 /// Objects of a scene file, their motion, and the key that says whether their emission is light.
 pub(crate) struct Read<'s> {
-    pub(crate) objects: Vec<(Object, Option<Mover>)>,
+    pub(crate) objects: Placed,
     pub(crate) light: Option<(Value<'s>, bool)>,
+}
+
+type Placed = Vec<(Object, Option<Mover>)>;
+
+/// An object but for its geometry: the keys that all its parts have in common, and how it stands.
+struct Common<'s> {
+    name: String,
+    material: Option<usize>,
+    visible: bool,
+    strategy: Option<Strategy>,
+    terminator: Terminator,
+    /// Normals of meshes, and whether the object asks for them.
+    normals: (Normals, bool),
+    proxy: Option<Proxy>,
+    /// The key of the shape and its name, that of the proxy, and the one that a sphere may not follow.
+    shape: &'static str,
+    value: Value<'s>,
+    proxy_key: Option<Value<'s>>,
+    place: Option<Value<'s>>,
+    placement: Placement,
+    /// The placement at the beginning.
+    matrix: Mat4,
 }
 
 /// Reads one of `[[objects]]`: several objects where a glTF file has several parts.
@@ -41,21 +63,8 @@ pub(crate) fn read_object<'s>(
     context: &mut Context,
 ) -> Result<Read<'s>, SceneError> {
     let light = t.get("light").map(|key| key.boolean().map(|is_light| (key, is_light))).transpose()?;
-    let objects = objects(t, index, path, origin, materials, context)?;
-    Ok(Read { objects, light })
-}
-
-fn objects(
-    mut t: Table<'_>,
-    index: usize,
-    path: &Path,
-    origin: DVec3,
-    materials: &mut Materials,
-    context: &mut Context,
-) -> Result<Vec<(Object, Option<Mover>)>, SceneError> {
     let name = t.get("name").map_or(Ok(format!("object {index}")), |v| v.string().map(str::to_owned))?;
     let wish = read_normals(&mut t)?;
-    let normals = wish.unwrap_or(context.normals);
     let terminator = t.get("terminator").map_or(Ok(context.terminator), read_terminator)?;
     let (shape, value) = t.one_of(&["quad", "plane", "box", "sphere", "spheres", "mesh"])?;
     let clip = t.get("clip").map(|v| read_clip(v).map(|name| (v, name))).transpose()?;
@@ -64,168 +73,208 @@ fn objects(
     for clip in &mut context.clips[first_clip..] {
         *clip = format!("{name}/{clip}");
     }
-    let material = match t.get("material") {
-        None => None,
-        Some(v) => {
-            let wanted = v.string()?;
-            Some(*materials.names.get(wanted).ok_or_else(|| v.error(format!("there is no [materials.{wanted}]")))?)
-        }
-    };
+    let material = t.get("material").map(|v| materials.named(v)).transpose()?;
     let visible = t.get("visible").map_or(Ok(true), |v| v.boolean())?;
-    let mut strategy = t.get("visibility").map(read_strategy).transpose()?;
+    let strategy = t.get("visibility").map(read_strategy).transpose()?;
     let (stand, place) = transform(&mut t, &origins)?;
     let proxy_key = t.get("proxy");
     let proxy = proxy_key.map(|v| read_proxy(v, path, origins.own)).transpose()?;
-    if proxy == Some(Proxy::None) {
-        // Who says that nothing stands for it says that it blocks nothing.
-        strategy = strategy.or(Some(Strategy::None));
-    }
+    // Who says that nothing stands for it says that it blocks nothing.
+    let strategy = strategy.or((proxy == Some(Proxy::None)).then_some(Strategy::None));
     let keys = Keys::read(&mut t)?;
     t.finish()?;
 
     let round = matches!(geometry, Geometry::Spheres(_)) || matches!(proxy, Some(Proxy::Spheres(_)));
-    let placement = match (keys, stand) {
-        (None, stand) => Placement::Fixed(stand.matrix(&origins)),
-        (Some(keys), Stood::Matrix(..)) => {
-            return Err(keys.error("an object with a matrix takes no keys: give scale, rotate and translate"));
-        }
-        (Some(keys), Stood::Parts(own)) => keys.placement(own, origins, |v, s| {
-            let even = (s - s.x).abs().max_element() <= 1e-4 * s.x.abs();
-            if round && !even { Err(v.error(UNEVEN)) } else { Ok(()) }
-        })?,
-    };
+    let placement = stand.placement(keys, origins, round)?;
     let matrix = placement.at(0.0);
-    let moves = !placement.is_fixed();
+    let normals = match (wish, shape) {
+        (Some(wish), _) => (wish, true),
+        (None, "box") => (Normals::default(), false),
+        (None, _) => (context.normals, false),
+    };
+    let mut common = Common {
+        name,
+        material,
+        visible,
+        strategy,
+        terminator,
+        normals,
+        proxy,
+        shape,
+        value,
+        proxy_key,
+        place,
+        placement,
+        matrix,
+    };
+    common.place_proxy(&origins)?;
+    let objects = match geometry {
+        Geometry::Spheres(own) => common.spheres(own, materials)?,
+        Geometry::Flat(mesh) => common.flat(mesh, path, materials, context)?,
+        Geometry::Solid(parts) => common.solid(parts, path, materials, context)?,
+    };
+    Ok(Read { objects, light })
+}
 
-    // A uniform scale: all that spheres can follow.
-    let scale = || -> Result<f32, SceneError> {
+impl Common<'_> {
+    /// A uniform scale: all that spheres can follow.
+    fn scale(&self) -> Result<f32, SceneError> {
+        let matrix = &self.matrix;
         let scales = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|a| a.truncate().length());
         let skew = [(0, 1), (1, 2), (2, 0)]
             .iter()
             .any(|&(i, j)| matrix.col(i).truncate().dot(matrix.col(j).truncate()).abs() > 1e-4 * scales[i] * scales[j]);
         let uneven = scales.iter().any(|s| (s - scales[0]).abs() > 1e-4 * scales[0]);
-        match place.or(proxy_key) {
+        match self.place.or(self.proxy_key) {
             Some(place) if skew || uneven => Err(place.error(UNEVEN)),
             _ => Ok(scales[0]),
         }
-    };
-    let move_spheres = |spheres: &[Sphere]| -> Result<Vec<Sphere>, SceneError> {
-        let scale = scale()?;
-        let moved = |b: &Sphere| Sphere { center: matrix.transform_point3(b.center), radius: b.radius * scale };
-        Ok(spheres.iter().map(moved).collect())
-    };
-    let proxy = match proxy {
-        Some(Proxy::Spheres(spheres)) => {
-            let spheres = move_spheres(&spheres)?;
-            Scene::check_spheres(&spheres).map_err(|e| proxy_key.unwrap_or(value).error(e))?;
-            Some(Proxy::Spheres(spheres))
-        }
-        Some(Proxy::File { path, .. }) => {
-            // Sets in files are in the coordinates that the mesh's file means.
-            let own = relative(-origins.own, DVec3::ZERO);
-            let placement = if own == Vec3::ZERO { matrix } else { matrix * Mat4::from_translation(own) };
-            scale().map(|_| Some(Proxy::File { path, placement }))?
-        }
-        other => other,
-    };
+    }
 
-    match geometry {
-        Geometry::Spheres(own) => {
-            let spheres = move_spheres(&own)?;
-            Scene::check_spheres(&spheres).map_err(|e| value.error(e))?;
-            let proxy = match proxy {
-                Some(Proxy::Count(_)) => return Err(value.error("exact spheres need no built proxy")),
-                Some(Proxy::File { .. }) if moves => {
-                    return Err(value.error("a set in a file does not follow them: spheres that move need no proxy"));
-                }
-                other => other.unwrap_or_else(|| Proxy::Spheres(spheres.clone())),
+    fn moved(&self, spheres: &[Sphere]) -> Result<Vec<Sphere>, SceneError> {
+        let scale = self.scale()?;
+        let moved = |b: &Sphere| Sphere { center: self.matrix.transform_point3(b.center), radius: b.radius * scale };
+        Ok(spheres.iter().map(moved).collect())
+    }
+
+    /// The proxy where the object stands.
+    fn place_proxy(&mut self, origins: &Origins) -> Result<(), SceneError> {
+        self.proxy = match self.proxy.take() {
+            Some(Proxy::Spheres(spheres)) => {
+                let spheres = self.moved(&spheres)?;
+                Scene::check_spheres(&spheres).map_err(|e| self.proxy_key.unwrap_or(self.value).error(e))?;
+                Some(Proxy::Spheres(spheres))
+            }
+            Some(Proxy::File { path, .. }) => {
+                // Sets in files are in the coordinates that the mesh's file means.
+                let own = relative(-origins.own, DVec3::ZERO);
+                let placement = if own == Vec3::ZERO { self.matrix } else { self.matrix * Mat4::from_translation(own) };
+                self.scale().map(|_| Some(Proxy::File { path, placement }))?
+            }
+            other => other,
+        };
+        Ok(())
+    }
+
+    fn object(&self, name: String, shape: Shape, material: usize, proxy: Proxy) -> Object {
+        let &Self { visible, strategy, terminator, .. } = self;
+        Object { name, shape, material, proxy, visible, strategy, terminator }
+    }
+
+    fn spheres(self, own: Vec<Sphere>, materials: &mut Materials) -> Result<Placed, SceneError> {
+        let spheres = self.moved(&own)?;
+        let moves = !self.placement.is_fixed();
+        Scene::check_spheres(&spheres).map_err(|e| self.value.error(e))?;
+        let proxy = match &self.proxy {
+            Some(Proxy::Count(_)) => return Err(self.value.error("exact spheres need no built proxy")),
+            Some(Proxy::File { .. }) if moves => {
+                return Err(self.value.error("a set in a file does not follow them: spheres that move need no proxy"));
+            }
+            other => other.clone().unwrap_or_else(|| Proxy::Spheres(spheres.clone())),
+        };
+        let material = self.material.unwrap_or_else(|| materials.fallback());
+        let bound = bind(&proxy, &self.matrix);
+        let object = self.object(self.name.clone(), Shape::Spheres(spheres), material, proxy);
+        let mover = moves.then_some(Mover { placement: self.placement, body: Body::Spheres(own), proxy: bound });
+        Ok(vec![(object, mover)])
+    }
+
+    fn flat(
+        self,
+        mesh: Mesh,
+        path: &Path,
+        materials: &mut Materials,
+        context: &mut Context,
+    ) -> Result<Placed, SceneError> {
+        let mut part = Part::fixed(self.name.clone(), mesh, None);
+        let mover = part.place(Normals::Face, &self.placement);
+        part.mesh.validate().map_err(|e| self.value.error(e))?;
+        let material = self.material.unwrap_or_else(|| materials.fallback());
+        if let Some(cut_out) = materials.cut_out(material) {
+            context.cut_out(path, &part.name, cut_out, (&mut part.mesh, &[]), mover.is_some());
+        }
+        if part.mesh.triangles.is_empty() {
+            return Err(self.value.error(context.cut_away()));
+        }
+        let proxy = self.proxy.clone().unwrap_or(Proxy::None);
+        let mover = mover.map(|m| Mover { proxy: bind(&proxy, &self.matrix), ..m });
+        Ok(vec![(self.object(part.name, Shape::Mesh(part.mesh), material, proxy), mover)])
+    }
+
+    /// The parts that are left where their material is not cut out, and their motion.
+    fn placed(
+        &self,
+        parts: Vec<Part>,
+        path: &Path,
+        materials: &Materials,
+        context: &mut Context,
+    ) -> Result<(Vec<Part>, Vec<Option<Mover>>), SceneError> {
+        let (normals, is_wish) = self.normals;
+        let (mut placed, mut movers) = (Vec::new(), Vec::new());
+        for mut part in parts {
+            let mover = part.place(normals, &self.placement);
+            if let Some(cut_out) = self.material.and_then(|material| materials.cut_out(material)) {
+                let name = part.name.clone();
+                context.cut_out(path, &name, cut_out, (part.own(), &[]), mover.is_some());
+            }
+            if !part.is_empty() {
+                part.validate().map_err(|e| self.value.error(e))?;
+                placed.push(part);
+                movers.push(mover);
+            }
+        }
+        if self.shape == "mesh" {
+            context.tell_smoothed(&path.with_file_name("").join(self.value.string()?), &placed, normals, is_wish);
+        }
+        let cut_away = context.cut_away();
+        if placed.is_empty() {
+            let why = if cut_away.is_empty() { "mesh has no triangles once it is placed" } else { &cut_away };
+            return Err(self.value.error(why));
+        }
+        if !cut_away.is_empty() {
+            context.warn(path, cut_away);
+        }
+        Ok((placed, movers))
+    }
+
+    fn solid(
+        self,
+        parts: Vec<Part>,
+        path: &Path,
+        materials: &mut Materials,
+        context: &mut Context,
+    ) -> Result<Placed, SceneError> {
+        let (placed, movers) = self.placed(parts, path, materials, context)?;
+        let single = placed.len() == 1;
+        if !single && matches!(self.proxy, Some(Proxy::Spheres(_) | Proxy::File { .. })) {
+            return Err(self.value.error(format!(
+                "a mesh of {} parts takes no single sphere set: expected \"none\" or a number of spheres",
+                placed.len()
+            )));
+        }
+        let proxies = match &self.proxy {
+            Some(Proxy::Count(_)) | None => {
+                let count = if let Some(Proxy::Count(count)) = self.proxy { count } else { DEFAULT_SPHERES };
+                share_out(count, &placed).into_iter().map(Proxy::Count).collect()
+            }
+            Some(other) => vec![other.clone(); placed.len()],
+        };
+        let mut own: HashMap<usize, usize> = HashMap::new();
+        let mut out = Vec::new();
+        for ((mut part, mover), proxy) in placed.into_iter().zip(movers).zip(proxies) {
+            let material = match (self.material, part.material.take()) {
+                (Some(index), _) => index,
+                (None, Some((key, m))) => *own.entry(key).or_insert_with(|| materials.push(m)),
+                (None, None) => materials.fallback(),
             };
-            let material = material.unwrap_or_else(|| materials.fallback());
-            let mover = moves.then(|| Mover { placement, body: Body::Spheres(own), proxy: bind(&proxy, &matrix) });
-            Ok(vec![(
-                Object { name, shape: Shape::Spheres(spheres), material, proxy, visible, strategy, terminator },
-                mover,
-            )])
+            let name = if single { self.name.clone() } else { format!("{}/{}", self.name, part.name) };
+            let mover = mover.map(|mover| {
+                let proxy = context.bind_proxy(&mover, &part.mesh, &proxy);
+                Mover { proxy, ..mover }
+            });
+            out.push((self.object(name, part.into_shape(), material, proxy), mover));
         }
-        Geometry::Flat(mesh) => {
-            let mut part = Part::fixed(name, mesh, None);
-            let mover = part.place(Normals::Face, &placement);
-            part.mesh.validate().map_err(|e| value.error(e))?;
-            let material = material.unwrap_or_else(|| materials.fallback());
-            if let Some(cut_out) = materials.cut_out(material) {
-                context.cut_out(path, &part.name, cut_out, (&mut part.mesh, &[]), mover.is_some());
-            }
-            if part.mesh.triangles.is_empty() {
-                return Err(value.error(context.cut_away()));
-            }
-            let proxy = proxy.unwrap_or(Proxy::None);
-            let mover = mover.map(|m| Mover { proxy: bind(&proxy, &matrix), ..m });
-            let shape = Shape::Mesh(part.mesh);
-            Ok(vec![(Object { name: part.name, shape, material, proxy, visible, strategy, terminator }, mover)])
-        }
-        Geometry::Solid(parts) => {
-            let normals = if shape == "box" { wish.unwrap_or_default() } else { normals };
-            let mut placed = Vec::new();
-            let mut movers = Vec::new();
-            for mut part in parts {
-                let mover = part.place(normals, &placement);
-                if let Some(cut_out) = material.and_then(|material| materials.cut_out(material)) {
-                    let name = part.name.clone();
-                    context.cut_out(path, &name, cut_out, (part.own(), &[]), mover.is_some());
-                }
-                if !part.is_empty() {
-                    part.validate().map_err(|e| value.error(e))?;
-                    placed.push(part);
-                    movers.push(mover);
-                }
-            }
-            if shape == "mesh" {
-                context.tell_smoothed(&path.with_file_name("").join(value.string()?), &placed, normals, wish.is_some());
-            }
-            let cut_away = context.cut_away();
-            if placed.is_empty() {
-                let why = if cut_away.is_empty() { "mesh has no triangles once it is placed" } else { &cut_away };
-                return Err(value.error(why));
-            }
-            if !cut_away.is_empty() {
-                context.warn(path, cut_away);
-            }
-            let single = placed.len() == 1;
-            let counts = match &proxy {
-                Some(Proxy::Count(n)) => share_out(*n, &placed),
-                None => share_out(DEFAULT_SPHERES, &placed),
-                Some(_) => vec![0; placed.len()],
-            };
-            if !single && matches!(proxy, Some(Proxy::Spheres(_) | Proxy::File { .. })) {
-                return Err(value.error(format!(
-                    "a mesh of {} parts takes no single sphere set: expected \"none\" or a number of spheres",
-                    placed.len()
-                )));
-            }
-            let mut own: HashMap<usize, usize> = HashMap::new();
-            let mut out = Vec::new();
-            for ((mut part, mover), count) in placed.into_iter().zip(movers).zip(counts) {
-                let material = match (material, part.material.take()) {
-                    (Some(index), _) => index,
-                    (None, Some((key, m))) => *own.entry(key).or_insert_with(|| materials.push(m)),
-                    (None, None) => materials.fallback(),
-                };
-                let proxy = match &proxy {
-                    Some(Proxy::Count(_)) | None => Proxy::Count(count),
-                    Some(other) => other.clone(),
-                };
-                let name = if single { name.clone() } else { format!("{name}/{}", part.name) };
-                let mover = mover.map(|mover| {
-                    let proxy = context.bind_proxy(&mover, &part.mesh, &proxy);
-                    Mover { proxy, ..mover }
-                });
-                out.push((
-                    Object { name, shape: part.into_shape(), material, proxy, visible, strategy, terminator },
-                    mover,
-                ));
-            }
-            Ok(out)
-        }
+        Ok(out)
     }
 }
 
@@ -332,10 +381,20 @@ enum Stood {
 }
 
 impl Stood {
-    fn matrix(&self, origins: &Origins) -> Mat4 {
-        match self {
-            Self::Matrix(matrix, translation) => origins.place_matrix(*matrix, *translation),
-            Self::Parts(stand) => stand.matrix(origins),
+    /// The placement over time, which scales a `round` object evenly.
+    fn placement(self, keys: Option<Keys<'_>>, origins: Origins, round: bool) -> Result<Placement, SceneError> {
+        match (keys, self) {
+            (None, Self::Matrix(matrix, translation)) => {
+                Ok(Placement::Fixed(origins.place_matrix(matrix, translation)))
+            }
+            (None, Self::Parts(stand)) => Ok(Placement::Fixed(stand.matrix(&origins))),
+            (Some(keys), Self::Matrix(..)) => {
+                Err(keys.error("an object with a matrix takes no keys: give scale, rotate and translate"))
+            }
+            (Some(keys), Self::Parts(own)) => keys.placement(own, origins, |v, s| {
+                let even = (s - s.x).abs().max_element() <= 1e-4 * s.x.abs();
+                if round && !even { Err(v.error(UNEVEN)) } else { Ok(()) }
+            }),
         }
     }
 }
