@@ -5,71 +5,18 @@ use glam::{DVec3, Vec3};
 use lighting::{FlatLight, Light, SphereLight};
 use lobe_core::{Receiver, Sphere};
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
-use scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade};
+use scene::{Frame, Shade};
 use shading::Accuracy;
+use test_scenes::{Opening, ROOM, room};
 use visibility_mask::MaskVisibility;
 use visibility_silhouettes::SilhouetteBlockers;
 
-/// Half the room's sides.
-const HALF: Vec3 = Vec3::new(2.0, 1.5, 2.5);
 const LIGHT: DVec3 = DVec3::new(0.0, 0.3, -12.5);
 /// Half a side of squares of light, and the radius of the sphere.
 const SQUARES: [f64; 2] = [11.0, 15.0];
 const SPHERE: f64 = 6.0;
 /// Points of the opening, upward and across, that the integral is over.
 const STEPS: [usize; 2] = [192, 192];
-
-/// An opening in the wall at −z: x from, to, y from, to.
-type Opening = [f32; 4];
-
-/// The wall around an opening: its corners and those of the opening, whose sides are the only edges that a ray may pass.
-fn wall([left, right, low, high]: Opening) -> Mesh {
-    let at = |x: f32, y: f32| Vec3::new(x, y, -HALF.z);
-    let (x, y) = (HALF.x, HALF.y);
-    let positions = vec![
-        at(-x, -y),
-        at(x, -y),
-        at(x, y),
-        at(-x, y),
-        at(left, low),
-        at(right, low),
-        at(right, high),
-        at(left, high),
-    ];
-    let ring = (0..4_u32).flat_map(|k| {
-        let next = (k + 1) % 4;
-        [[k, next, next + 4], [k, next + 4, k + 4]]
-    });
-    Mesh { positions, triangles: ring.collect(), ..Mesh::default() }
-}
-
-fn room(opening: Opening, light: Light) -> Scene {
-    let Vec3 { x, y, z } = HALF;
-    let sides = [
-        Mesh::quad(Vec3::new(0.0, -y, 0.0), Vec3::X * x, Vec3::NEG_Z * z),
-        Mesh::quad(Vec3::new(0.0, y, 0.0), Vec3::X * x, Vec3::Z * z),
-        Mesh::quad(Vec3::new(0.0, 0.0, z), Vec3::NEG_X * x, Vec3::Y * y),
-        Mesh::quad(Vec3::new(-x, 0.0, 0.0), Vec3::NEG_Z * z, Vec3::Y * y),
-        Mesh::quad(Vec3::new(x, 0.0, 0.0), Vec3::Z * z, Vec3::Y * y),
-        wall(opening),
-    ];
-    Scene {
-        surfaces: Vec::new(),
-        camera: Camera {
-            eye: Vec3::new(0.0, 0.2, -2.2),
-            target: Vec3::new(0.0, -0.4, 2.0),
-            up: Vec3::Y,
-            vertical_fov: 1.3,
-        },
-        width: 36,
-        height: 24,
-        background: Vec3::ZERO,
-        environment: None,
-        materials: vec![brdf::Material::lambert(Vec3::ONE)],
-        objects: sides.into_iter().map(|mesh| Object::mesh("side", mesh, 0, Proxy::None)).collect(),
-        lights: vec![light],
-    }
-}
 
 /// The radiance of a white diffuse point: an integral over the opening, in f64.
 fn oracle(at: &Receiver, [left, right, low, high]: Opening, is_light: impl Fn(DVec3, DVec3) -> bool) -> f64 {
@@ -82,7 +29,7 @@ fn oracle(at: &Receiver, [left, right, low, high]: Opening, is_light: impl Fn(DV
             let shift = ((j as f64 + 0.5) * 0.618_033_988_75).fract();
             let u = left + (right - left) * (i as f64 + shift) / STEPS[1] as f64;
             let v = low + (high - low) * (j as f64 + 0.5) / STEPS[0] as f64;
-            let to = DVec3::new(u, v, f64::from(-HALF.z)) - x;
+            let to = DVec3::new(u, v, f64::from(-ROOM.z)) - x;
             let direction = to.normalize();
             if is_light(x, direction) {
                 sum += n.dot(direction).max(0.0) * -direction.z / to.length_squared();

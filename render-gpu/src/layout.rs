@@ -61,7 +61,8 @@ pub(crate) struct GpuFrame {
     pub(crate) number: u32,
     /// Cells a side of a mask.
     pub(crate) cells: f32,
-    pub(crate) pad: u32,
+    /// `LookAgain`, as a number.
+    pub(crate) look_again: u32,
     /// Parameters of the kind of light.
     pub(crate) shape: [[f32; 4]; GPU_SHAPE],
 }

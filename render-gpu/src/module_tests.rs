@@ -235,7 +235,19 @@ fn the_frame_is_laid_out_as_in_rust() {
     macro_rules! rust {
         ($($field:ident),*) => { [$((stringify!($field), core::mem::offset_of!(GpuFrame, $field) as u32)),*] };
     }
-    let rust =
-        rust!(light, radiance, tolerance, threshold, point_count, queue_stride, rounds, image, number, cells, shape);
+    let rust = rust!(
+        light,
+        radiance,
+        tolerance,
+        threshold,
+        point_count,
+        queue_stride,
+        rounds,
+        image,
+        number,
+        cells,
+        look_again,
+        shape
+    );
     assert_eq!(offsets, rust);
 }

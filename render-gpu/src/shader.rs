@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use scene::{Cancel, Frame, Shade, ShadeStats, ShadingPoints, Stopwatch};
 use shading::gpu::{GPU_SHAPE, GpuLight, GpuMaterialSet, GpuMaterials, GpuText};
 use shading::{Accuracy, LightLobes};
-use visibility_mask::{Fineness, MAX_DEPTH};
+use visibility_mask::{Fineness, LookAgain, MAX_DEPTH};
 use wgpu::BufferUsages;
 
 /// Points that are culled together, as in `render-cpu`.
@@ -73,6 +73,7 @@ pub struct GpuShader {
     kernels: Vec<(Variant, Kernels)>,
     /// The paper's method, if requested.
     paper: Option<Paper>,
+    look_again: LookAgain,
     materials: Memory,
     images: Images,
     /// The most lobes that a material has.
@@ -109,6 +110,7 @@ impl GpuShader {
             blockers: Blockers::default(),
             kernels: Vec::new(),
             paper: None,
+            look_again: LookAgain::Never,
             materials: Memory::new("materials", storage),
             images: Images::default(),
             max_lobes: 0,
@@ -161,6 +163,12 @@ impl GpuShader {
         let known = self.paper.take();
         self.paper =
             tables.map(|tables| known.filter(|known| known.is_of(tables)).unwrap_or_else(|| Paper::new(tables)));
+    }
+
+    /// Where masks are drawn again around a small lit part of a light, as [`MaskVisibility::look_again`](visibility_mask::MaskVisibility::look_again)
+    /// says, in one window, for lobes that are no narrower than the light. A new shader does so nowhere.
+    pub fn set_look_again(&mut self, again: LookAgain) {
+        self.look_again = again;
     }
 
     /// Shades at most this many points in one submission (made a multiple of 64): for tests and small memories.
@@ -340,7 +348,7 @@ impl GpuShader {
                 image: self.images.start(number),
                 number,
                 cells: (1_u32 << frame.accuracy.depth.clamp(1, MAX_DEPTH)) as f32,
-                pad: 0,
+                look_again: self.look_again as u32,
                 rounds: 2,
             };
             bytes[..size_of::<GpuFrame>()].copy_from_slice(bytemuck::bytes_of(&uniform));

@@ -8,7 +8,6 @@ use visibility_shadowmap::MapError;
 pub(crate) const LAYERS: &str = "layers are made by the CPU only";
 #[cfg(feature = "gpu")]
 pub(crate) const NO_WGSL: &str = "it has no blockers for a GPU";
-pub(crate) const OWN: &str = "a tolerance of each pixel's own radiance is met by the CPU only";
 pub(crate) const BETWEEN: &str = "visible fractions are interpolated by the CPU only";
 pub(crate) const LOBES: &str = "visibility as lobes is summed by the CPU only";
 

@@ -216,7 +216,9 @@ impl<'a> FrameBlockers<'a> {
                 blockers.push(own.gpu_blockers().ok_or_else(fault)?);
             }
             let parts = GpuParts { spheres: self.spheres, maps: self.maps.as_ref(), silhouettes: silhouettes.as_ref() };
-            return work.with(gpu.occluded(tables, &parts, traced, &blockers)?);
+            let shader = gpu.occluded(tables, &parts, traced, &blockers)?;
+            shader.set_look_again(look_again(self.of_own));
+            return work.with(shader);
         }
         #[cfg(not(feature = "gpu"))]
         let Backend::Cpu = backend;
@@ -259,6 +261,11 @@ pub trait ShaderTask {
     fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, RenderError>;
 }
 
+/// Where masks are drawn again, with the tolerance relative to [own radiance](Settings::own_radiance) or not.
+const fn look_again(of_own: bool) -> LookAgain {
+    if of_own { LookAgain::Everywhere } else { LookAgain::Openings }
+}
+
 /// Shades with masks, by a method, with the tolerance relative to [own radiance](Settings::own_radiance) or not, with
 /// [interpolation](Settings::interpolate) or without.
 fn masked<B: Blockers, W: ShaderTask>(
@@ -268,8 +275,7 @@ fn masked<B: Blockers, W: ShaderTask>(
     tables: Option<&Tables>,
     work: W,
 ) -> Result<W::Output, RenderError> {
-    let again = if of_own { LookAgain::Everywhere } else { LookAgain::Openings };
-    let visibility = MaskVisibility::new(blockers).look_again(again);
+    let visibility = MaskVisibility::new(blockers).look_again(look_again(of_own));
     match (method, tables) {
         (Method::Lobes, _) => work.with(&mut CpuShader::with_integrator(visibility.with_lobes(), LobeIntegrator)),
         (Method::Paper, Some(tables)) => {

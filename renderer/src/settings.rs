@@ -1,4 +1,4 @@
-use crate::error::{BETWEEN, LAYERS, LOBES, OWN};
+use crate::error::{BETWEEN, LAYERS, LOBES};
 use crate::{LayerSet, RenderError};
 use render_cpu::PixelSamples;
 use scene::Strategy;
@@ -49,8 +49,8 @@ pub struct Settings {
     /// Replaces `accuracy` by the best one whose frame takes at most so many milliseconds, measured before the first frame.
     pub time_budget: Option<f32>,
     /// Whether the tolerance is relative to each pixel's own radiance instead of the unshadowed radiance. Where little of a light is
-    /// visible through an opening, as in a room behind a window, a CPU always draws masks again around that part; this does so in the dark
-    /// ends of penumbrae as well. On the CPU; up to 23 % slower.
+    /// visible through an opening, as in a room behind a window, masks are always drawn again around that part; this does so in the dark
+    /// ends of penumbrae as well. Up to 23 % slower.
     pub own_radiance: bool,
     /// Whether visible fractions are interpolated between the pixels of a tile, under eight lights and more that silhouettes hide, where no penumbra is
     /// narrower than the distance of these pixels. The tolerance is the picture's, over all lights together. On the CPU. Parts of a picture are those
@@ -116,7 +116,6 @@ impl Settings {
     pub fn check_device(&self, device: Device) -> Result<(), RenderError> {
         match device {
             Device::Gpu if self.layers.is_of_cpu() => Err(RenderError::NotOnGpu(LAYERS)),
-            Device::Gpu if self.own_radiance => Err(RenderError::NotOnGpu(OWN)),
             Device::Gpu if self.interpolate => Err(RenderError::NotOnGpu(BETWEEN)),
             Device::Gpu if self.method == Method::Lobes => Err(RenderError::NotOnGpu(LOBES)),
             _ => Ok(()),

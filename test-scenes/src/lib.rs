@@ -1,5 +1,9 @@
 //! Small scenes and meshes for the tests of the workspace.
 
+mod opening;
+
+pub use opening::{Opening, ROOM, room};
+
 use brdf::Material;
 use core::f32::consts::PI;
 use glam::Vec3;

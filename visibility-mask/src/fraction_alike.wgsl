@@ -14,11 +14,15 @@ fn masks_of_lobe(at: Receiver, light: Cone, tolerance: f32, lobe: Lobe, is_narro
 }
 
 // Requires uniform control flow.
-fn masks_add(lane: u32, mask: Mask, window: UnitSquare, masks: Masks, is_own: bool, at: Receiver, lobe: Lobe) {
+fn masks_add(
+    lane: u32, mask: Mask, window: UnitSquare, masks: Masks, is_own: bool, is_near: bool, at: Receiver, lobe: Lobe
+) {
     if (HAS_MICROFACETS && decide(lane, is_microfacets(lobe))) {
-        lobe_sums += microfacet_sums(lane, mask, at, lobe, masks, is_own);
+        let sums = microfacet_sums(lane, mask, at, lobe, masks, is_own);
+        lobe_sums += select(sums, vec4f(sums.xy, 0.0, 0.0), is_near);
     } else {
-        lobe_sums += fraction_sums(lane, mask, window, at, lobe);
+        let sums = fraction_sums(lane, mask, window, at, lobe);
+        lobe_sums += select(sums, near_scale * vec4f(sums.x, 0.0, sums.z, 0.0), is_near);
     }
 }
 

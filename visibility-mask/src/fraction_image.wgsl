@@ -25,7 +25,9 @@ fn masks_fraction(lobe: Lobe) -> vec3f {
 
 // Adds all rows, in steradians of samples: the lit part, and the emitting part. Of the whole light's masks the samples in the
 // window of the lobe's own masks do not count. Requires uniform control flow.
-fn masks_add(lane: u32, mask: Mask, window: UnitSquare, masks: Masks, is_own: bool, at: Receiver, lobe: Lobe) {
+fn masks_add(
+    lane: u32, mask: Mask, window: UnitSquare, masks: Masks, is_own: bool, is_near: bool, at: Receiver, lobe: Lobe
+) {
     let square = mask.square;
     let axis = square_local(square, lobe.axis);
     let normal = square_local(square, at.normal);
@@ -75,7 +77,7 @@ fn masks_add(lane: u32, mask: Mask, window: UnitSquare, masks: Masks, is_own: bo
         }
         let sample = cell.x * cell.y * f32(SIDE) / f32(row_width);
         sums[0] *= sample;
-        sums[1] *= sample;
+        sums[1] *= select(sample, 0.0, is_near);
     }
     image_sums[0] += total(lane, vec4f(sums[0], 0.0)).xyz;
     image_sums[1] += total(lane, vec4f(sums[1], 0.0)).xyz;

@@ -6,21 +6,21 @@ use core::ops::Range;
 use glam::Vec2;
 
 /// Masks may be drawn again if less than 1/LITTLE of their emitting samples is lit,
-const LITTLE: u32 = 3;
+pub(crate) const LITTLE: u32 = 3;
 /// and if either less than 1/LEAST of these is lit,
-const LEAST: u32 = 40;
+pub(crate) const LEAST: u32 = 40;
 /// or fewer than FEW of OF rows have a lit sample: with few rows the ends of the lit part matter.
-const FEW: u32 = 3;
-const OF: u32 = 8;
+pub(crate) const FEW: u32 = 3;
+pub(crate) const OF: u32 = 8;
 /// A mask is fine enough if 1/FILLED of its samples is lit.
-const FILLED: u32 = 4;
+pub(crate) const FILLED: u32 = 4;
 /// The lit part is an opening's if less than 1/ENDS of its rows, or of its columns, end where the light does.
-const ENDS: u32 = 4;
+pub(crate) const ENDS: u32 = 4;
 /// The most masks for a window.
 const MOST: usize = 16;
 /// The lit part ends between two samples, of which one is dark: a window around it has this much room, in samples and in rows.
-const ROOM_SAMPLES: f32 = 2.0;
-const ROOM_ROWS: f32 = 1.0;
+pub(crate) const ROOM_SAMPLES: f32 = 2.0;
+pub(crate) const ROOM_ROWS: f32 = 1.0;
 
 /// Numbers of lit and of emitting samples of masks; numbers of rows with any lit sample, and of all rows.
 #[derive(Clone, Copy, Debug, Default)]

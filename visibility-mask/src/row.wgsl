@@ -71,6 +71,29 @@ fn row_count(row: Row) -> u32 {
     return (counts.x + counts.y) + (counts.z + counts.w);
 }
 
+const ROW_WORDS = 8u;
+
+// A word of its bits.
+fn row_word(row: Row, k: u32) -> u32 {
+    if (k < 4u) {
+        return row.a[k];
+    }
+    return row.b[k - 4u];
+}
+
+// The first sample, and the one after the last; of a row that has any.
+fn row_bounds(row: Row) -> vec2u {
+    let none_a = row.a == vec4u(0u);
+    let none_b = row.b == vec4u(0u);
+    let first_a = select(8u * firstTrailingBit(row.a) + PLANES_A, vec4u(row_width), none_a);
+    let first_b = select(8u * firstTrailingBit(row.b) + PLANES_B, vec4u(row_width), none_b);
+    let end_a = select(8u * firstLeadingBit(row.a) + PLANES_A + 1u, vec4u(0u), none_a);
+    let end_b = select(8u * firstLeadingBit(row.b) + PLANES_B + 1u, vec4u(0u), none_b);
+    let first = min(first_a, first_b);
+    let end = max(end_a, end_b);
+    return vec2u(min(min(first.x, first.y), min(first.z, first.w)), max(max(end.x, end.y), max(end.z, end.w)));
+}
+
 // Samples 32k … 32k + 31 as bits.
 fn row_samples(row: Row, k: u32) -> u32 {
     return plane_spread(row.a.x, k) | plane_spread(row.a.y, k) << 1u

@@ -50,6 +50,26 @@ fn row_is_none(row: Row) -> bool { return (row.a.x | row.a.y) == 0u; }
 
 fn row_count(row: Row) -> u32 { return countOneBits(row.a.x) + countOneBits(row.a.y); }
 
+const ROW_WORDS = 2u;
+
+// A word of its bits.
+fn row_word(row: Row, k: u32) -> u32 { return row.a[k]; }
+
+// The first sample, and the one after the last; of a row that has any.
+fn row_bounds(row: Row) -> vec2u {
+    var bounds = vec2u(row_width, 0u);
+    for (var plane = 0u; plane < 8u; plane++) {
+        let samples = (select(row.a.x, row.a.y, plane > 3u) >> (8u * (plane & 3u))) & 0xffu;
+        if (samples != 0u) {
+            bounds = vec2u(
+                min(bounds.x, 8u * firstTrailingBit(samples) + plane),
+                max(bounds.y, 8u * firstLeadingBit(samples) + plane + 1u)
+            );
+        }
+    }
+    return bounds;
+}
+
 // Samples 32k … 32k + 31 as bits.
 fn row_samples(row: Row, k: u32) -> u32 {
     var samples = 0u;

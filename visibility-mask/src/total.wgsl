@@ -22,6 +22,20 @@ fn total(lane: u32, value: vec4f) -> vec4f {
     return workgroupUniformLoad(&whole_total);
 }
 
+// The largest of each component. Requires uniform control flow.
+fn largest(lane: u32, value: vec4f) -> vec4f {
+    totals[lane] = value;
+    workgroupBarrier();
+    if (lane == 0u) {
+        var most = totals[0];
+        for (var k = 1u; k < LANES; k++) {
+            most = max(most, totals[k]);
+        }
+        whole_total = most;
+    }
+    return workgroupUniformLoad(&whole_total);
+}
+
 // The first thread's value, for a decision that must be the same in all threads. Requires uniform control flow.
 fn decide(lane: u32, what: bool) -> bool {
     if (lane == 0u) {

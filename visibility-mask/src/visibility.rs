@@ -110,7 +110,7 @@ pub trait Blockers: Sync {
 /// Where masks are drawn again around the lit part of a light that is so small that few samples measure its size.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LookAgain {
-    /// Nowhere, as a GPU does: the tolerance is a part of the unshadowed radiance.
+    /// Nowhere: the tolerance is a part of the unshadowed radiance.
     Never,
     /// In all parts of a sky, and where an opening is seen: the lit part ends at blockers on two opposite sides.
     #[default]

@@ -49,8 +49,8 @@ struct Masks {
 var<private> visibility_whole: UnitSquare;
 // Lit samples and emitting samples of all its masks.
 var<private> visibility_areas: vec2f;
-// `is_own`, `is_broad` and `is_turned` of the first thread.
-var<workgroup> visibility_plan: vec3u;
+// `is_own`, `is_broad` and `is_turned` of the first thread, and whether there is a mask around the lit part that counts.
+var<workgroup> visibility_plan: vec4u;
 
 // All masks are drawn here, in one place: drivers compile a function again for each call of it, and blockers are most of a kernel.
 // First draws the masks of the whole light, if `is_whole`; then, for each lobe, returns the visible fraction of the light, with
@@ -72,7 +72,8 @@ fn visible_fraction(
         masks = masks_of_lobe(at, light, tolerance, lobe, forms.z > 0u);
     }
     if (lane == 0u) {
-        visibility_plan = vec3u(u32(masks.is_own), u32(masks.is_broad), u32(masks.is_turned));
+        let has_near = !is_whole && masks.is_broad && near_is_there;
+        visibility_plan = vec4u(u32(masks.is_own), u32(masks.is_broad), u32(masks.is_turned), u32(has_near));
     }
     let plan = workgroupUniformLoad(&visibility_plan);
     if (plan.z > 0u) {
@@ -83,11 +84,17 @@ fn visible_fraction(
     } else if (masks.is_part) {
         masks.window = masks_window(masks.window, at, tolerance, lobe);
     }
-    var areas = vec2u(0u);
+    var counts_of_whole = vec4u(0u);
+    if (is_whole) {
+        near_begin(lane);
+    }
     let own_grid = select(counts.zw, counts.xy, is_whole);
     let own = plan.x * own_grid.x * own_grid.y;
     let count = own + plan.y * counts.x * counts.y;
-    for (var k = 0u; k < count; k++) {
+    // Masks of windows around the lit part: one that is stored, or those that are tried.
+    var more = plan.w;
+    for (var k = 0u; k < count + more; k++) {
+        let is_near = k >= count;
         let is_own = k < own;
         let part = select(k - own, k, is_own);
         let grid = select(counts.xy, own_grid, is_own);
@@ -96,9 +103,12 @@ fn visible_fraction(
             window = masks.window;
         }
         row_refine((is_own && !is_whole) || forms.y > 0u);
-        let square = square_part(window, part, grid);
+        var square = near_square;
+        if (!is_near) {
+            square = square_part(window, part, grid);
+        }
         let mask = mask_of(square);
-        if (is_own || forms.w > 0u) {
+        if (is_own || is_whole || forms.w > 0u) {
             row_bands = forms.x;
             row_first = SIDE * (part / grid.x % forms.x);
             _ = mask_reset(square, lane, at.normal);
@@ -106,17 +116,46 @@ fn visible_fraction(
             row_bands = 1u;
             row_first = 0u;
         } else {
-            masks_load(part);
+            masks_load(part, is_near, plan.w > 0u);
         }
+        var stays = true;
         if (is_whole) {
-            areas += vec2u(row_count(lit), emitting.y - min(emitting.x, emitting.y));
+            let samples = vec2u(row_count(lit), emitting.y - min(emitting.x, emitting.y));
+            let column = part % grid.x;
+            let ends = near_add(lane, mask, vec2(column > 0u, column + 1u < grid.x));
+            if (decide(lane, is_near)) {
+                let lit_samples = total(lane, vec4f(f32(samples.x), 0.0, 0.0, 0.0)).x;
+                stays = near_stays(lane, visibility_whole, lit_samples) || more == NEAR_MOST;
+                more += u32(!stays);
+                // An opening that is not found again is as large as the whole light's masks show.
+                stays = stays && lit_samples > 0.0;
+                if (stays) {
+                    near_keep(lane, square, counts.xy);
+                    visibility_areas.x = lit_samples * near_scale;
+                }
+            } else {
+                counts_of_whole += vec4u(samples, ends);
+                if (decide(lane, k + 1u == count)) {
+                    let all = total(lane, vec4f(counts_of_whole));
+                    visibility_areas = all.xy;
+                    if (decide(lane, forms.w == 0u && near_is_little(all, SIDE * count))) {
+                        var columns = vec2f(0.0);
+                        if (decide(lane, count == 1u)) {
+                            columns = near_columns_of(lane);
+                        }
+                        if (decide(lane, near_is_opening(all, columns))) {
+                            near_first(lane, visibility_whole);
+                            more = 1u;
+                        }
+                    }
+                }
+            }
         }
-        masks_use(lane, part, mask, window, masks, is_own, is_whole, at, lobe);
+        if (decide(lane, stays)) {
+            masks_use(lane, part, mask, window, masks, is_own, is_whole, is_near, at, lobe);
+        }
     }
     row_refine(forms.y > 0u);
-    if (is_whole) {
-        visibility_areas = total(lane, vec4f(vec2f(areas), 0.0, 0.0)).xy;
-    }
     return masks_fraction(lobe);
 }
 

@@ -13,13 +13,18 @@ fn masks_of_lobe(at: Receiver, light: Cone, tolerance: f32, lobe: Lobe, is_narro
 
 fn masks_window(window: UnitSquare, at: Receiver, tolerance: f32, lobe: Lobe) -> UnitSquare { return window; }
 
-fn masks_load(part: u32) {}
+fn masks_load(part: u32, is_near: bool, has_near: bool) {}
 
 fn masks_use(
-    lane: u32, part: u32, mask: Mask, window: UnitSquare, masks: Masks, is_own: bool, is_whole: bool, at: Receiver, lobe: Lobe
+    lane: u32, part: u32, mask: Mask, window: UnitSquare, masks: Masks, is_own: bool, is_whole: bool, is_near: bool,
+    at: Receiver, lobe: Lobe
 ) {
     let sums = fraction_sums(lane, mask, window, at, lobe);
-    broad_sums = select(broad_sums + sums, sums, part == 0u);
+    if (is_near) {
+        broad_sums = vec4f(sums.x * near_scale, broad_sums.y, sums.z * near_scale, broad_sums.w);
+    } else {
+        broad_sums = select(broad_sums + sums, sums, part == 0u);
+    }
 }
 
 fn masks_fraction(lobe: Lobe) -> f32 { return fraction_of(broad_sums); }

@@ -47,17 +47,31 @@ fn masks_window(window: UnitSquare, at: Receiver, tolerance: f32, lobe: Lobe) ->
     return square_zoomed(window, lobe, at.normal, zoom_sigmas(tolerance));
 }
 
-// Reads the samples of a stored mask.
-fn masks_load(part: u32) {
+// The same in the mask around the lit part.
+var<private> near_lit: Row;
+
+// Reads the samples of a stored mask. If there is one around the lit part, its lit samples count instead.
+fn masks_load(part: u32, is_near: bool, has_near: bool) {
+    if (is_near) {
+        emitting = vec2u(0u, row_width);
+        lit = near_lit;
+        return;
+    }
     emitting = broad_emitting[part];
     lit = broad_lit[part];
+    if (has_near) {
+        lit = row_none();
+    }
 }
 
 fn masks_use(
-    lane: u32, part: u32, mask: Mask, window: UnitSquare, masks: Masks, is_own: bool, is_whole: bool, at: Receiver, lobe: Lobe
+    lane: u32, part: u32, mask: Mask, window: UnitSquare, masks: Masks, is_own: bool, is_whole: bool, is_near: bool,
+    at: Receiver, lobe: Lobe
 ) {
     if (!is_whole) {
-        masks_add(lane, mask, window, masks, is_own, at, lobe);
+        masks_add(lane, mask, window, masks, is_own, is_near, at, lobe);
+    } else if (is_near) {
+        near_lit = lit;
     } else if (part < BROAD_COUNT) {
         broad_emitting[part] = emitting;
         broad_lit[part] = lit;

@@ -5,7 +5,7 @@
 //! [`FACET`] need a [`header`].
 
 use crate::row::{COARSE, WIDTH};
-use crate::{Fineness, MAX_DEPTH, contour, edges, fineness, square, visibility, visible_fraction};
+use crate::{Fineness, MAX_DEPTH, contour, edges, fineness, near_masks, square, visibility, visible_fraction};
 use lobe_core::wgsl::{self as lobes, Piece};
 use lobe_core::wgsl_numbers;
 use shading::Accuracy;
@@ -58,10 +58,23 @@ pub static FACET: Piece = Piece::new(include_str!("facet.wgsl")).needs(&[&lobes:
 pub static TOTAL: Piece = Piece::new(include_str!("total.wgsl"));
 /// The visible fraction of a lobe through masks. Needs one of [`LAMBERT`] and [`LOBES`].
 pub static FRACTION: Piece = Piece::new(include_str!("fraction.wgsl")).needs(&[&MASK, &TOTAL]);
+/// A mask around a small lit part of a light, which is tried up to so many times.
+static NEAR: Piece = Piece::new(include_str!("near.wgsl"))
+    .numbers(wgsl_numbers![
+        NEAR_LITTLE = near_masks::LITTLE as f32,
+        NEAR_LEAST = near_masks::LEAST as f32,
+        NEAR_FEW = near_masks::FEW as f32,
+        NEAR_OF = near_masks::OF as f32,
+        NEAR_FILLED = near_masks::FILLED as f32,
+        NEAR_ENDS = near_masks::ENDS as f32,
+        NEAR_ROOM = (near_masks::ROOM_SAMPLES, near_masks::ROOM_ROWS),
+        NEAR_MOST = 8_u32,
+    ])
+    .needs(&[&MASK, &TOTAL]);
 /// Masks of blockers. Needs `blockers_edges` and `blockers_splat`, and what [`FRACTION`] needs.
 pub static VISIBILITY: Piece = Piece::new(include_str!("visibility.wgsl"))
     .numbers(wgsl_numbers![CROWDED = visibility::CROWDED, COARSE = fineness::COARSE, FINEST = Accuracy::FINEST,])
-    .needs(&[&EDGES, &FRACTION]);
+    .needs(&[&EDGES, &FRACTION, &NEAR]);
 
 static LAMBERT_WEIGHTS: Piece = Piece::new(include_str!("fraction_lambert.wgsl"))
     .numbers(wgsl_numbers![CORNER = visible_fraction::CORNER])

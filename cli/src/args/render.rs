@@ -71,7 +71,7 @@ pub(crate) struct RenderArgs {
     pub(crate) time_budget: Option<f32>,
 
     /// Let the tolerance be a part of each pixel's own radiance in the dark ends of penumbrae as well, not in rooms lit through
-    /// a window alone (CPU)
+    /// a window alone
     #[arg(long)]
     pub(crate) own_radiance: bool,
 

@@ -2,8 +2,8 @@ use core::fmt::Write as _;
 
 /// A text in WGSL, the numbers that it takes from Rust, and the other pieces that it needs.
 ///
-/// A number stands once, in Rust: the module's text has `const NAME = …;` for it. A piece names what its functions call, so whoever makes a
-/// module names what the module is for.
+/// A number stands once, in Rust: the module's text has `const NAME = …;` for it. A piece names what its functions call, so the list of a
+/// module's pieces says what the module is for.
 ///
 /// ```
 /// use lobe_core::wgsl::{self, Piece, join};

@@ -16,7 +16,8 @@ struct Frame {
     number: u32,
     // Cells a side of a mask.
     cells: f32,
-    pad: u32,
+    // Where masks are drawn again around a small lit part of a light: nowhere (0), around openings, everywhere (2).
+    look_again: u32,
     // Parameters of the kind of light.
     shape: array<vec4f, 26>,
 }

@@ -7,6 +7,7 @@ mod gbuffer;
 mod maps;
 mod masks;
 mod materials;
+mod openings;
 mod paper;
 mod parity;
 mod pose;
@@ -33,6 +34,7 @@ fn main() {
     trials.extend(masks::trials(gpu.as_ref()));
     trials.extend(parity::trials(gpu.as_ref()));
     trials.extend(materials::trials(gpu.as_ref()));
+    trials.extend(openings::trials(gpu.as_ref()));
     trials.extend(paper::trials(gpu.as_ref()));
     trials.extend(pose::trials(gpu.as_ref()));
     trials.extend(rays::trials(gpu.as_ref()));

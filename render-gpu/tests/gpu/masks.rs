@@ -188,6 +188,8 @@ fn text(header: &str) -> String {
 /// 2⁻¹⁶ of a sample at most: one bit in some ten thousand ends may differ.
 fn masks(gpu: &Gpu, coarse: bool) {
     const HOOKS: &str = "
+        struct Frame { look_again: u32 }
+        var<private> frame: Frame;
         const NARROW_GRID = vec2u(1u);
         const IS_NARROW_FINER = false;
         fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f { return vec4f(0.0); }
@@ -316,6 +318,8 @@ impl Blockers for Curtain {
 /// partly lit and dark receivers.
 fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: f32) -> (Spread, [u32; 3]) {
     const HOOKS: &str = "
+        struct Frame { look_again: u32 }
+        var<private> frame: Frame;
         fn curtain() -> vec3f { return vec3f(x(13u), x(14u), x(15u)); }
         fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f {
             return vec4f(select(vec2f(0.0), edges_add(edges_frame(window.axis), curtain(), 1.5), lane == 5u), 0.0, 0.0);

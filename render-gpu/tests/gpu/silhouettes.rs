@@ -40,6 +40,16 @@ fn is_mesh(scene: &Scene, object: u32) -> bool {
 }
 
 fn from_gpu(gpu: &Gpu, scene: &Scene, points: &ShadingPoints, frame: &Frame<'_>) -> Shaded {
+    looking_again(gpu, scene, (points, frame), LookAgain::Never)
+}
+
+/// With masks that are drawn again around what is lit.
+pub(crate) fn looking_again(
+    gpu: &Gpu,
+    scene: &Scene,
+    (points, frame): (&ShadingPoints, &Frame<'_>),
+    again: LookAgain,
+) -> Shaded {
     let world = GpuWorld::only(gpu, scene, |o| is_mesh(scene, o)).expect("geometry");
     let blockers = GpuSilhouettes::new(SceneSilhouettes::new(scene, |o| is_mesh(scene, o)).meshes());
     let geometry = World::new(scene);
@@ -54,6 +64,7 @@ fn from_gpu(gpu: &Gpu, scene: &Scene, points: &ShadingPoints, frame: &Frame<'_>)
     let blockers = blockers.with_clipped(&scene.lights.iter().map(cut).collect::<Vec<_>>());
     let occlusion = Occlusion { blockers: &[&blockers], any_hit: Some(&world) };
     let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
+    shader.set_look_again(again);
     let mut out = vec![Vec3::NAN; points.receivers.len()];
     let stats = shader.shade(points, frame, &mut out).expect("the GPU shades");
     (out, stats.counts)

@@ -1,0 +1,89 @@
+//! Rooms that are lit through an opening, on the GPU: each point sees a small part of a large light, and its radiance is right as a part of
+//! itself, against the CPU's finest masks.
+
+use crate::call::trial;
+use crate::silhouettes::looking_again;
+use brdf::{Material, MetallicRoughness, ModifiedPhong};
+use glam::{UVec2, Vec3};
+use libtest_mimic::Trial;
+use lighting::{FlatLight, Light, SphereLight};
+use lobe_core::{LightImage, Sphere};
+use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
+use render_gpu::Gpu;
+use scene::{Frame, Scene, Shade};
+use shading::Accuracy;
+use std::sync::Arc;
+use test_scenes::{Opening, room};
+use visibility_mask::{LookAgain, MaskVisibility};
+use visibility_silhouettes::SilhouetteBlockers;
+
+const WINDOW: Opening = [-0.6, 0.6, -0.2, 0.8];
+const SMALL: Opening = [-0.2, 0.2, 0.1, 0.5];
+
+pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
+    vec![
+        trial("a_room_behind_a_window", gpu, |gpu| diffuse(gpu, WINDOW, [0.01, 0.05], 0.03)),
+        trial("a_room_behind_a_small_window", gpu, |gpu| diffuse(gpu, SMALL, [0.011, 0.06], 0.1)),
+        trial("glossy_walls_behind_a_window", gpu, glossy),
+        trial("an_image_behind_a_window", gpu, image),
+    ]
+}
+
+fn square() -> FlatLight {
+    FlatLight::rectangle(Vec3::new(0.0, 0.3, -12.5), Vec3::X * 11.0, Vec3::Y * 11.0, Vec3::ONE).expect("a square")
+}
+
+/// Mean and 99th percentile of the error of each point as a part of its own radiance.
+fn own_errors(gpu: &Gpu, scene: &Scene, again: LookAgain) -> [f32; 2] {
+    let world = World::new(scene);
+    let points = GBuffer::new(&world, scene.width, scene.height, 1).points;
+    let frame = |accuracy| Frame { materials: &scene.materials, lights: &scene.lights, accuracy, threshold: 0.0 };
+    let (got, _) = looking_again(gpu, scene, (&points, &frame(Accuracy::default())), again);
+    let silhouettes = SceneSilhouettes::new(scene, |_| true);
+    let blockers = SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |_| true));
+    let mut want = vec![Vec3::ZERO; got.len()];
+    CpuShader::new(MaskVisibility::new(blockers).look_again(LookAgain::Everywhere))
+        .shade(&points, &frame(Accuracy::new(0.0003)), &mut want)
+        .expect("room");
+    let white = want.iter().map(|want| want.y).fold(0.0, f32::max);
+    let seen = want.iter().zip(&got).filter(|(want, _)| want.y > 1e-3 * white);
+    let mut errors: Vec<f32> = seen.map(|(want, got)| (got.y / want.y - 1.0).abs()).collect();
+    errors.sort_unstable_by(f32::total_cmp);
+    [errors.iter().sum::<f32>() / errors.len() as f32, errors[errors.len() * 99 / 100]]
+}
+
+/// The errors are within bounds, and by one mask of the whole light they are not.
+fn check(gpu: &Gpu, name: &str, scene: &Scene, most: [f32; 2], alone: f32) {
+    let [with, without] = [LookAgain::Openings, LookAgain::Never].map(|again| own_errors(gpu, scene, again));
+    println!("{name}: {without:?} by one mask, {with:?}");
+    assert!(with[0] <= most[0] && with[1] <= most[1], "{name}: {with:?}");
+    assert!(without[0] >= alone, "{name}: {without:?}");
+}
+
+fn diffuse(gpu: &Gpu, opening: Opening, most: [f32; 2], alone: f32) {
+    check(gpu, "square", &room(opening, square().into()), most, alone);
+    let sphere = Sphere { center: Vec3::new(0.0, 0.3, -12.5), radius: 6.0 };
+    let light = Light::from(SphereLight::new(sphere, Vec3::ONE));
+    let scene = room(opening, light);
+    let [with, without] = [LookAgain::Everywhere, LookAgain::Never].map(|again| own_errors(gpu, &scene, again));
+    println!("sphere: {without:?} by one mask, {with:?}");
+    assert!(with[0] <= 0.5 * without[0], "sphere: {with:?} {without:?}");
+}
+
+/// Masks of the whole light are stored for several lobes.
+fn glossy(gpu: &Gpu) {
+    let mut scene = room(WINDOW, square().into());
+    scene.materials = vec![ModifiedPhong { kd: Vec3::splat(0.5), ks: Vec3::splat(0.1), exponent: 3.0 }.into()];
+    check(gpu, "modified Phong", &scene, [0.01, 0.05], 0.03);
+    let metal: Material = MetallicRoughness::new(Vec3::splat(0.8), 0.0, 1.0).expect("in range").into();
+    scene.materials = vec![metal];
+    check(gpu, "metallic roughness", &scene, [0.01, 0.06], 0.03);
+}
+
+/// By channel, through the same masks.
+fn image(gpu: &Gpu) {
+    let texels = [Vec3::new(2.0, 1.0, 0.5), Vec3::ONE, Vec3::new(0.5, 1.0, 1.5), Vec3::new(0.5, 1.2, 1.0)];
+    let (image, _) = LightImage::new(UVec2::splat(2), &texels).expect("an image");
+    let light = square().showing(Arc::new(image)).expect("a rectangle");
+    check(gpu, "image", &room(WINDOW, light.into()), [0.02, 0.07], 0.04);
+}
