@@ -9,7 +9,6 @@ use crate::part::Part;
 use crate::{polygon, vertex_colors};
 use brdf::Lambert;
 use glam::{Vec2, Vec3};
-use scene::quick_hash::QuickMap;
 use scene::{Mesh, SceneError};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -157,7 +156,7 @@ fn assemble(lists: &Lists, faces: &[Face], wants_uvs: bool, has_colors: bool) ->
     let mut uvs = Vec::new();
     // Without normals and texture coordinates a position is one vertex; else one for each combination.
     let mut places = vec![u32::MAX; if with_normals || with_uvs { 0 } else { lists.positions.len() }];
-    let mut index: QuickMap<Corner, u32> = QuickMap::default();
+    let mut index: HashMap<Corner, u32, foldhash::fast::RandomState> = HashMap::default();
     for face in faces {
         let triangle = face.corners.map(|(p, n, t)| {
             let key = (p, n.filter(|_| with_normals), t.filter(|_| with_uvs));

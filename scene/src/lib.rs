@@ -46,7 +46,6 @@ pub mod motion;
 pub mod normals;
 mod origins;
 mod placement;
-pub mod quick_hash;
 pub mod rounding;
 mod scene;
 mod shapes;

@@ -1,7 +1,8 @@
 use crate::normals::{angle_at, is_usable};
-use crate::quick_hash::{QuickHash, QuickMap, QuickSet};
 use crate::{Bounds, SceneError};
+use foldhash::fast::RandomState;
 use glam::{DVec3, Mat3, Mat4, Vec2, Vec3};
+use std::collections::{HashMap, HashSet};
 
 /// Triangles in world space.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -120,7 +121,7 @@ impl Mesh {
     pub fn remove_doubles(&mut self, moves: bool) -> usize {
         let before = self.triangles.len();
         let places = if moves { Vec::new() } else { self.same_places() };
-        let mut seen = QuickSet::with_capacity_and_hasher(before, QuickHash);
+        let mut seen = HashSet::with_capacity_and_hasher(before, RandomState::default());
         self.triangles.retain(|t| {
             let mut key = if moves { *t } else { t.map(|i| places[i as usize]) };
             key.sort_unstable();
@@ -164,7 +165,8 @@ impl Mesh {
 
     /// For each vertex the number of its place: the same for vertices with the same position.
     pub(crate) fn same_places(&self) -> Vec<u32> {
-        let mut first: QuickMap<[u32; 3], u32> = QuickMap::with_capacity_and_hasher(self.positions.len(), QuickHash);
+        let mut first: HashMap<[u32; 3], u32, _> =
+            HashMap::with_capacity_and_hasher(self.positions.len(), RandomState::default());
         let number = |p: &Vec3| {
             // −0 and 0 are the same place.
             let key = (*p + 0.0).to_array().map(f32::to_bits);
