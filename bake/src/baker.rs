@@ -4,10 +4,11 @@ use crate::layout::{Layout, layout};
 use crate::light::Irradiance;
 use crate::materials::Light;
 use crate::page::{MOST_BYTES, Page, bytes};
+use crate::subdivide::{Divided, Request};
 use crate::target::targets;
 use crate::texels::Texels;
 use crate::write::Writer;
-use crate::{BakeError, BakeSettings, Form, from_scene, vertices};
+use crate::{BakeError, BakeSettings, Form, Subdivision, from_scene, subdivide, vertices};
 use core::f32::consts::FRAC_1_PI;
 use core::ops::ControlFlow;
 use glam::Vec3;
@@ -46,6 +47,8 @@ pub struct Baked {
     pub surfaces: usize,
     /// The number by which colours of vertices are darker than the light, 1 or more.
     pub scale: f32,
+    /// Of triangles that were divided: how near their light is.
+    pub subdivision: Option<Subdivision>,
 }
 
 /// A scene with its document: of a glTF file its own, of others a new one.
@@ -152,16 +155,32 @@ impl Baker {
     fn bake_vertices(&mut self, listener: &mut Listener<'_>) -> Result<Baked, BakeError> {
         let light = self.irradiance()?;
         let parts: Vec<&GltfPart> = self.parts.iter().map(|part| &self.file.parts[*part]).collect();
-        let lit = vertices::all(&parts, &light, &mut self.renderer, &mut |done| listener(Stage::Light, done))?;
-        let most = lit.iter().flatten().map(|v| v.max_element()).fold(0.0, f32::max);
+        let mut heard = |done| listener(Stage::Light, done);
+        let (lit, subdivision) = match self.settings.subdivide {
+            None => {
+                let lit = vertices::all(&parts, &light, &mut self.renderer, &mut heard)?;
+                (lit.into_iter().map(|light| Divided { mesh: None, light }).collect::<Vec<_>>(), None)
+            }
+            Some(error) => {
+                let BakeSettings { density, most_vertices, .. } = self.settings;
+                let request = Request { error, most: most_vertices as usize, density };
+                let (lit, summary) = subdivide::all(&parts, request, &light, &mut self.renderer, &mut heard)?;
+                (lit, Some(summary))
+            }
+        };
+        let most = lit.iter().flat_map(|part| &part.light).map(|v| v.max_element()).fold(0.0, f32::max);
         let scale = (most * FRAC_1_PI).max(1.0);
         let mut writer = Writer::new(&self.file, self.renderer.scene(), self.document.clone());
-        for (part, values) in self.parts.iter().zip(&lit) {
-            writer.colors(self.part(*part), values, scale);
+        for (part, Divided { mesh, light }) in self.parts.iter().zip(&lit) {
+            let part = self.part(*part);
+            if let Some((vertices, triangles)) = mesh {
+                writer.divided(part, vertices, triangles);
+            }
+            writer.colors(part, mesh.as_ref().map(|(vertices, _)| &vertices[..]), light, scale);
         }
-        let vertices = lit.iter().map(|values| values.len() as u64).sum();
+        let vertices = lit.iter().map(|part| part.light.len() as u64).sum();
         let glb = writer.document.into_glb();
-        Ok(Baked { glb, vertices, surfaces: self.parts.len(), scale, ..Baked::default() })
+        Ok(Baked { glb, vertices, surfaces: self.parts.len(), scale, subdivision, ..Baked::default() })
     }
 
     /// The layout of the surfaces, which must fit into memory.

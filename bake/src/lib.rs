@@ -31,7 +31,9 @@
 //! ```
 
 mod baker;
+mod blend;
 mod coverage;
+mod division;
 mod error;
 mod from_scene;
 mod glb;
@@ -46,6 +48,7 @@ mod page;
 mod rows;
 mod seams;
 mod settings;
+mod subdivide;
 mod target;
 mod texels;
 mod vertices;
@@ -55,3 +58,4 @@ pub use crate::baker::{Baked, Baker, Listener, Stage};
 pub use crate::error::BakeError;
 pub use crate::images::Map;
 pub use crate::settings::{BakeSettings, Form};
+pub use crate::subdivide::Subdivision;

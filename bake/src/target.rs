@@ -137,10 +137,19 @@ impl<'a> Face<'a> {
 
     /// The angles at the corners, in radians.
     pub(crate) fn angles(&self) -> [f64; 3] {
-        let p = self.corners.map(|i| self.mesh.positions[i as usize].as_dvec3());
-        [0, 1, 2].map(|k| {
-            let (u, v) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
-            u.cross(v).length().atan2(u.dot(v))
-        })
+        angles(self.corners.map(|i| self.mesh.positions[i as usize].as_dvec3()))
     }
+
+    /// The angles, in radians, and the area of a part of the triangle, by the places of its corners.
+    pub(crate) fn angles_of(&self, at: [[f64; 2]; 3]) -> ([f64; 3], f64) {
+        let p = at.map(|at| self.mean(&self.mesh.positions, at));
+        (angles(p), 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).length())
+    }
+}
+
+fn angles(p: [DVec3; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|k| {
+        let (u, v) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
+        u.cross(v).length().atan2(u.dot(v))
+    })
 }

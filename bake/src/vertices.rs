@@ -11,7 +11,7 @@ use renderer::{RenderError, Renderer};
 use scene_files::GltfPart;
 
 /// How far from a corner its light is taken, as a part of the way to the triangle's middle: on the corner itself a wall may stand.
-const INSIDE: f64 = 0.02;
+pub(crate) const INSIDE: f64 = 0.02;
 
 /// The irradiance of a part's vertices: the mean over the triangles around each, by their angles there.
 ///

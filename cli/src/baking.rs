@@ -40,6 +40,12 @@ fn bake_file(args: &BakeArgs) -> Result<(), Failure> {
     bars.iter().for_each(|(_, bar)| bar.finish_and_clear());
     let baked = baked?;
     let seconds = start.elapsed().as_secs_f64() - load;
+    if baked.subdivision.is_some_and(|made| made.is_cut) && !args.quiet {
+        note(format_args!(
+            "lobes: warning: subdivision ended at {} vertices before light was near enough everywhere (--vertices, --density)",
+            baked.vertices
+        ));
+    }
     let maps = write_maps(args, &baked)?;
     write(output, &baked.glb)?;
     summary(args, &baked, &maps, [load, seconds]);
@@ -88,6 +94,12 @@ fn summary(args: &BakeArgs, baked: &Baked, maps: &[PathBuf], [load, seconds]: [f
             "files": maps,
             "bytes": baked.glb.len(),
             "scale": baked.scale,
+            "subdivision": baked.subdivision.map(|made| json!({
+                "triangles": made.triangles,
+                "mean_error": made.mean_error,
+                "beyond": made.beyond,
+                "is_cut": made.is_cut,
+            })),
             "load_seconds": load,
             "bake_seconds": seconds,
         }));
@@ -103,6 +115,14 @@ fn summary(args: &BakeArgs, baked: &Baked, maps: &[PathBuf], [load, seconds]: [f
         let pages = baked.pages.iter().map(|[width, height]| format!("{width} x {height}")).collect::<Vec<_>>();
         let surfaces = counted(baked.surfaces, "surface");
         say(format_args!("texels     {} of {surfaces}, on pages of {}", baked.texels, pages.join(", ")));
+    }
+    if let (Some(made), Some(error)) = (baked.subdivision, args.subdivide) {
+        let (mean, beyond) = (100.0 * made.mean_error, 100.0 * made.beyond);
+        let error = 100.0 * error;
+        say(format_args!(
+            "triangles  {}: light between vertices is {mean:.2} % of the mean light off, and more than {error} % on {beyond:.1} % of the surface",
+            made.triangles
+        ));
     }
     say(format_args!("time       {seconds:.2} s, and {load:.2} s to load"));
     for map in baked.maps.iter().filter(|map| !map.is_single) {

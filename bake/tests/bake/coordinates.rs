@@ -5,15 +5,7 @@ use bake::{BakeSettings, Form};
 use glam::{Vec2, Vec3};
 use serde_json::{Value, json};
 
-const MAPS: BakeSettings = BakeSettings {
-    form: Form::Lightmap,
-    page: 64,
-    density: None,
-    padding: 2,
-    samples: 2,
-    per_light: false,
-    unwrap: false,
-};
+const MAPS: BakeSettings = BakeSettings { form: Form::Lightmap, page: 64, ..BakeSettings::DEFAULT };
 
 const SIDES: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::NEG_Z];
 

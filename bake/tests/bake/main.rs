@@ -6,4 +6,5 @@ mod bodies;
 mod coordinates;
 mod document;
 mod light;
+mod subdivide;
 mod support;

@@ -1,5 +1,5 @@
 use super::model::ModelArgs;
-use super::values::{positive, tolerance, whole};
+use super::values::{positive, share, tolerance, whole};
 use clap::{Args, ValueEnum};
 use cosine_lobes::renderer::Settings;
 use cosine_lobes::shading::Accuracy;
@@ -15,6 +15,7 @@ use std::path::PathBuf;
   lobes bake room.glb -o baked.glb --as lightmap        for engines; baked.lightmap0.exr and .png beside it
   lobes bake room.glb -o baked.glb --as lightmap --per-light
   lobes bake room.glb -o baked.glb --as vertex-colors   no textures
+  lobes bake room.glb -o baked.glb --as vertex-colors --subdivide 0.02
   lobes bake scene.toml -o baked.glb --density 40 --page 2048")]
 pub(crate) struct BakeArgs {
     /// Model or scene (.glb, .gltf, .toml, .obj, .ply)
@@ -32,7 +33,8 @@ pub(crate) struct BakeArgs {
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = whole(16..=16384))]
     pub(crate) page: u32,
 
-    /// Texels along a unit of length, on as many pages as it takes; when left out, what fits one page
+    /// Texels along a unit of length, on as many pages as it takes; when left out, what fits one page. With --subdivide edges along a
+    /// unit, at most; when left out, 512 along the longest side of all surfaces
     #[arg(long, value_name = "D", value_parser = positive)]
     pub(crate) density: Option<f32>,
 
@@ -51,6 +53,14 @@ pub(crate) struct BakeArgs {
     /// Write maps of each light, too (.exr): light is linear, so that programs can dim and colour lights afterwards
     #[arg(long)]
     pub(crate) per_light: bool,
+
+    /// With --as vertex-colors: divide triangles until light between their vertices is off by at most this part of the mean light
+    #[arg(long, value_name = "ERROR", value_parser = share)]
+    pub(crate) subdivide: Option<f32>,
+
+    /// The most vertices that --subdivide makes; the largest errors are mended first
+    #[arg(long, value_name = "N", default_value_t = 1_000_000, requires = "subdivide", value_parser = whole(1..=100_000_000))]
+    pub(crate) vertices: u32,
 
     /// Requested mean error in penumbra, as a fraction of the unshadowed light: above 0, at most 0.1
     #[arg(long, value_name = "T", default_value_t = 0.005, value_parser = tolerance)]
@@ -101,6 +111,8 @@ impl BakeArgs {
             samples: self.samples,
             per_light: self.per_light,
             unwrap: self.unwrap,
+            subdivide: self.subdivide,
+            most_vertices: self.vertices,
         }
     }
 
