@@ -8,7 +8,7 @@ use crate::subdivide::{Divided, Request};
 use crate::target::targets;
 use crate::texels::Texels;
 use crate::write::Writer;
-use crate::{BakeError, BakeSettings, Form, Subdivision, from_scene, subdivide, vertices};
+use crate::{BakeError, BakeSettings, Form, Subdivision, backs, from_scene, subdivide, vertices};
 use core::f32::consts::FRAC_1_PI;
 use core::ops::ControlFlow;
 use glam::Vec3;
@@ -51,8 +51,12 @@ pub struct Baked {
     pub subdivision: Option<Subdivision>,
 }
 
-/// A scene with its document: of a glTF file its own, of others a new one.
-fn load(path: &Path, options: &LoadOptions) -> Result<(Scene, Animation, GltfDocument, Vec<String>), SceneError> {
+/// A scene with its document: of a glTF file its own, of others a new one, with materials that are double-sided or not.
+fn load(
+    path: &Path,
+    options: &LoadOptions,
+    is_double_sided: bool,
+) -> Result<(Scene, Animation, GltfDocument, Vec<String>), SceneError> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     if ["gltf", "glb"].contains(&&*ending) {
         return scene_files::load_document(path, options);
@@ -63,12 +67,28 @@ fn load(path: &Path, options: &LoadOptions) -> Result<(Scene, Animation, GltfDoc
         notes.push(format!("{}: is lit as pictures show it", path.display()));
     }
     // A model's first object is the floor that pictures have.
-    let (mut file, left_out) = from_scene::document(&scene, usize::from(is_model));
+    let (mut file, left_out) = from_scene::document(&scene, usize::from(is_model), is_double_sided);
     for part in &mut file.parts {
         part.moves = part.object.is_some_and(|object| animation.moves_object(object));
     }
     notes.extend(left_out);
     Ok((scene, animation, file, notes))
+}
+
+/// A line about double-sided surfaces whose backs can be seen, if there are some.
+fn about_sheets(file: &GltfDocument, sheets: &[usize]) -> Option<String> {
+    const NAMES: usize = 3;
+    let open = sheets.iter().map(|part| &file.parts[*part]).filter(|part| backs::has_border(part));
+    let names: Vec<String> = open.map(|part| format!("\"{}\"", part.name)).collect();
+    let more = match names.len() {
+        0 => return None,
+        count if count > NAMES => format!(" and {} more", count - NAMES),
+        _ => String::new(),
+    };
+    let names = names.into_iter().take(NAMES).collect::<Vec<_>>().join(", ");
+    Some(format!(
+        "double-sided: both sides of {names}{more} show the light of the front (both sides gives them their own)"
+    ))
 }
 
 /// A file whose light is baked.
@@ -98,15 +118,23 @@ impl Baker {
         settings.validate()?;
         let path = path.as_ref().to_owned();
         let fault = |message: &str| BakeError::File { path: path.clone(), message: message.to_owned() };
-        let (scene, animation, file, mut notes) = load(&path, options)?;
+        let (scene, animation, mut file, mut notes) = load(&path, options, settings.both_sides)?;
         if scene.lights.is_empty() {
             return Err(fault(
                 "has no light to bake (KHR_lights_punctual, or materials that emit); a scene file can light it",
             ));
         }
-        let document = Document::new(&file).map_err(|e| fault(&e.to_string()))?;
-        let (parts, left_out) = targets(&path, &file, &document.before)?;
+        let json = serde_json::from_str(&file.json).map_err(|e| fault(&e.to_string()))?;
+        let (mut parts, left_out) = targets(&path, &file, &json)?;
         notes.extend(left_out);
+        let sheets: Vec<usize> =
+            parts.iter().copied().filter(|part| backs::is_double_sided(&json, &file.parts[*part])).collect();
+        if settings.both_sides {
+            parts.extend(backs::add(&mut file, &sheets).map_err(|e| fault(&e.to_string()))?);
+        } else {
+            notes.extend(about_sheets(&file, &sheets));
+        }
+        let document = Document::new(&file).map_err(|e| fault(&e.to_string()))?;
         let renderer = Renderer::new(scene, animation, render)?;
         Ok(Self { path, file, document, parts, settings, renderer, notes })
     }
@@ -170,7 +198,8 @@ impl Baker {
         };
         let most = lit.iter().flat_map(|part| &part.light).map(|v| v.max_element()).fold(0.0, f32::max);
         let scale = (most * FRAC_1_PI).max(1.0);
-        let mut writer = Writer::new(&self.file, self.renderer.scene(), self.document.clone());
+        let mut writer =
+            Writer::new(&self.file, self.renderer.scene(), self.document.clone(), self.settings.both_sides);
         for (part, Divided { mesh, light }) in self.parts.iter().zip(&lit) {
             let part = self.part(*part);
             if let Some((vertices, triangles)) = mesh {
@@ -229,7 +258,8 @@ impl Baker {
 
     fn write(&self, layout: &Layout, light: &Irradiance, pages: Vec<Page>) -> Result<Baked, BakeError> {
         let is_lightmap = self.settings.form == Form::Lightmap;
-        let mut writer = Writer::new(&self.file, self.renderer.scene(), self.document.clone());
+        let mut writer =
+            Writer::new(&self.file, self.renderer.scene(), self.document.clone(), self.settings.both_sides);
         let mut baked = Baked { surfaces: self.parts.len(), scale: 1.0, ..Baked::default() };
         let mut textures = Vec::new();
         for (number, page) in pages.into_iter().enumerate() {

@@ -8,10 +8,10 @@ use scene::{Camera, Mesh, Scene, Surface, TextureMap, TexturePlace, Wrap};
 use scene_files::{GltfDocument, GltfPart};
 use serde_json::{Map, Value, json};
 
-/// A document of the meshes of a scene that are seen, with its camera: one node an object, from the object `first` on. And a line about each
-/// thing that it leaves out.
-pub(crate) fn document(scene: &Scene, first: usize) -> (GltfDocument, Vec<String>) {
-    let mut made = Made { scene, json: empty(), binary: Vec::new(), materials: Vec::new() };
+/// A document of the meshes of a scene that are seen, with its camera: one node an object, from the object `first` on, with materials that
+/// are double-sided or not. And a line about each thing that it leaves out.
+pub(crate) fn document(scene: &Scene, first: usize, is_double_sided: bool) -> (GltfDocument, Vec<String>) {
+    let mut made = Made { scene, is_double_sided, json: empty(), binary: Vec::new(), materials: Vec::new() };
     let (mut parts, mut notes) = (Vec::new(), Vec::new());
     for (number, object) in scene.objects.iter().enumerate().skip(first).filter(|(_, object)| object.visible) {
         let name = &object.name;
@@ -50,6 +50,7 @@ fn empty() -> Value {
 /// A document in the making.
 struct Made<'a> {
     scene: &'a Scene,
+    is_double_sided: bool,
     json: Value,
     binary: Vec<u8>,
     /// Materials of the scene that are written, in order.
@@ -153,6 +154,9 @@ impl Made<'_> {
             }
         }
         new["pbrMetallicRoughness"] = base;
+        if self.is_double_sided {
+            new["doubleSided"] = json!(true);
+        }
         self.push("materials", new)
     }
 

@@ -30,6 +30,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod backs;
 mod baker;
 mod blend;
 mod coverage;

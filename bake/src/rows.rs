@@ -5,8 +5,8 @@ use scene_files::GltfDocument;
 use serde_json::{Map, Value, json};
 
 /// Targets of a GPU for buffer views (glTF 2.0, §5.11.5).
-const VERTICES: u32 = 34962;
-const INDICES: u32 = 34963;
+pub(crate) const VERTICES: u32 = 34962;
+pub(crate) const INDICES: u32 = 34963;
 
 /// Bytes of a component.
 fn size(component: u64) -> usize {

@@ -30,6 +30,9 @@ pub struct BakeSettings {
     pub per_light: bool,
     /// Whether coordinates are made also where the file has a second set.
     pub unwrap: bool,
+    /// Whether double-sided surfaces have a back with light of its own: one more primitive, and single-sided materials. Surfaces of scene
+    /// files, OBJ and PLY are all double-sided then. Without it both sides show the light of the front.
+    pub both_sides: bool,
     /// Of colours of vertices: triangles are divided until light between their vertices differs from its interpolation by at most this part
     /// of the mean light, above 0 and at most 1. `None`: the vertices are those of the file.
     pub subdivide: Option<f32>,
@@ -54,6 +57,7 @@ impl BakeSettings {
         samples: 2,
         per_light: false,
         unwrap: false,
+        both_sides: false,
         subdivide: None,
         most_vertices: 1_000_000,
     };

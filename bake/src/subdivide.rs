@@ -3,12 +3,11 @@
 use crate::BakeError;
 use crate::division::{Blend, Division, Edges, Marks, Piece};
 use crate::light::Irradiance;
-use crate::mixing;
+use crate::mixing::{self, Spot};
 use crate::target::Face;
 use crate::vertices::INSIDE;
 use core::ops::ControlFlow;
 use glam::{DVec3, Vec3};
-use lobe_core::Receiver;
 use renderer::{RenderError, Renderer};
 use scene_files::GltfPart;
 
@@ -128,7 +127,7 @@ impl<'a> Work<'a> {
                     continue;
                 };
                 let steps = self.steps(&piece);
-                batch.add(&face, &piece, steps, (number, place));
+                batch.add(&face, &piece, steps, ((number, place), part.is_back));
                 if batch.receivers.len() >= POINTS {
                     self.take(&mut batch, light, renderer)?;
                 }
@@ -139,7 +138,7 @@ impl<'a> Work<'a> {
 
     fn take(&mut self, batch: &mut Batch, light: &Irradiance, renderer: &mut Renderer) -> Result<(), BakeError> {
         let Batch { receivers, owners } = core::mem::take(batch);
-        let values = light.of(renderer, &receivers.iter().map(|(at, _)| *at).collect::<Vec<_>>())?.swap_remove(0);
+        let values = light.of(renderer, &receivers.iter().map(|spot| spot.at).collect::<Vec<_>>())?.swap_remove(0);
         let ends: Vec<usize> = (1..=receivers.len()).collect();
         let kept = mixing::weights(renderer, &receivers, &values, &ends);
         let mut first = 0;
@@ -276,13 +275,13 @@ impl<'a> Work<'a> {
 /// Points to be lit.
 #[derive(Default)]
 struct Batch {
-    receivers: Vec<(Receiver, f64)>,
+    receivers: Vec<Spot>,
     /// Of each piece its place, its number of points, and its area.
     owners: Vec<((usize, usize), usize, f64)>,
 }
 
 impl Batch {
-    fn add(&mut self, face: &Face<'_>, piece: &Piece, steps: u32, owner: (usize, usize)) {
+    fn add(&mut self, face: &Face<'_>, piece: &Piece, steps: u32, (owner, is_back): ((usize, usize), bool)) {
         let first = self.receivers.len();
         let at = |weights: [f64; 3]| {
             [0, 1].map(|axis| piece.at.iter().zip(weights).map(|(at, weight)| at[axis] * weight).sum::<f64>())
@@ -290,7 +289,7 @@ impl Batch {
         let (angles, area) = face.angles_of(piece.at);
         let corners = angles.into_iter().enumerate().map(|(k, angle)| (corner(k), angle));
         for (weights, own) in corners.chain(points(steps).map(|weights| (weights, 1.0))) {
-            self.receivers.push((face.receiver(at(weights)), own));
+            self.receivers.push(Spot { at: face.receiver(at(weights)), weight: own, is_back });
         }
         self.owners.push((owner, self.receivers.len() - first, area));
     }

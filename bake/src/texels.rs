@@ -5,7 +5,7 @@ use crate::coverage::Grid;
 use crate::layout::Layout;
 use crate::light::Irradiance;
 use crate::look::{Look, texel_sides};
-use crate::mixing;
+use crate::mixing::{self, Spot};
 use crate::page::{Page, State, THIN};
 use crate::seams;
 use crate::target::Face;
@@ -106,7 +106,11 @@ impl Texels<'_> {
         let points = self.points(number, Grid { size: page.size, rows, cells: self.samples });
         let receivers: Vec<Receiver> = points.iter().map(|point| self.face(point).receiver(point.at)).collect();
         let mut values = self.light.of(renderer, &receivers)?;
-        let weighted: Vec<(Receiver, f64)> = receivers.into_iter().zip(points.iter().map(|point| point.area)).collect();
+        let spot = |(at, point): (Receiver, &Point)| {
+            let part = self.layout.targets[point.target as usize].part;
+            Spot { at, weight: point.area, is_back: self.file.parts[part].is_back }
+        };
+        let weighted: Vec<Spot> = receivers.into_iter().zip(&points).map(spot).collect();
         let same = |a: &Point, b: &Point| a.texel == b.texel;
         let ends: Vec<usize> = points
             .chunk_by(same)

@@ -2,7 +2,7 @@
 
 use crate::BakeError;
 use crate::light::Irradiance;
-use crate::mixing;
+use crate::mixing::{self, Spot};
 use crate::target::Face;
 use core::ops::ControlFlow;
 use glam::{DVec3, Vec3};
@@ -23,11 +23,12 @@ pub(crate) fn vertices(part: &GltfPart, light: &Irradiance, renderer: &mut Rende
         let Some(face) = Face::new(part, number) else { continue };
         for (k, angle) in face.angles().into_iter().enumerate() {
             let weight = |corner: usize| if corner == k { 1.0 - INSIDE * 2.0 / 3.0 } else { INSIDE / 3.0 };
-            receivers.push((face.receiver([weight(1), weight(2)]), angle));
+            let at = face.receiver([weight(1), weight(2)]);
+            receivers.push(Spot { at, weight: angle, is_back: part.is_back });
             corners.push(triangle[k] as usize);
         }
     }
-    let points: Vec<Receiver> = receivers.iter().map(|(at, _)| *at).collect();
+    let points: Vec<Receiver> = receivers.iter().map(|spot| spot.at).collect();
     let values = light.of(renderer, &points)?.swap_remove(0);
     let ends: Vec<usize> = (1..=points.len()).collect();
     let kept = mixing::weights(renderer, &receivers, &values, &ends);

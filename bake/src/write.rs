@@ -24,8 +24,8 @@ pub(crate) struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    pub(crate) fn new(file: &'a GltfDocument, scene: &'a Scene, document: Document) -> Self {
-        Self { file, scene, document, materials: Materials::default(), meshes: HashMap::new() }
+    pub(crate) fn new(file: &'a GltfDocument, scene: &'a Scene, document: Document, both_sides: bool) -> Self {
+        Self { file, scene, document, materials: Materials::new(both_sides), meshes: HashMap::new() }
     }
 
     /// The mesh of a part's node, of which no other node shows anything: the mesh itself, or else a copy.

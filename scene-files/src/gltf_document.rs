@@ -35,6 +35,8 @@ pub struct GltfPart {
     pub moves: bool,
     /// Whether its triangles are turned round, because its node mirrors them.
     pub is_turned: bool,
+    /// Whether it is the back of another part, for programs that add such parts.
+    pub is_back: bool,
     /// All of its triangles at the first moment, in world space: those without an area and those that alpha cuts away too. Vertices and
     /// triangles are in the order of the file, copy after copy.
     pub geometry: Mesh,

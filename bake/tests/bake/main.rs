@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "tests")]
 
+mod backs;
 mod bodies;
 mod coordinates;
 mod document;

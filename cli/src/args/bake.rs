@@ -50,6 +50,11 @@ pub(crate) struct BakeArgs {
     #[arg(long)]
     pub(crate) unwrap: bool,
 
+    /// Give double-sided surfaces a back with light of its own; without it both sides show the light of the front. Of scene files, OBJ and
+    /// PLY all surfaces are double-sided then
+    #[arg(long)]
+    pub(crate) both_sides: bool,
+
     /// Write maps of each light, too (.exr): light is linear, so that programs can dim and colour lights afterwards
     #[arg(long)]
     pub(crate) per_light: bool,
@@ -111,6 +116,7 @@ impl BakeArgs {
             samples: self.samples,
             per_light: self.per_light,
             unwrap: self.unwrap,
+            both_sides: self.both_sides,
             subdivide: self.subdivide,
             most_vertices: self.vertices,
         }
