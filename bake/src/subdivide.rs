@@ -319,7 +319,7 @@ pub(crate) fn all(
             break;
         }
         work.divide(&marks);
-        // Each round divides edges once more; nobody knows how many there are.
+        // Each round divides edges once more. Their number is not known before.
         if heard(1.0 - 0.85_f32.powi(round + 1)).is_break() {
             return Err(RenderError::Cancelled.into());
         }
