@@ -51,15 +51,24 @@ pub struct Baked {
     pub subdivision: Option<Subdivision>,
 }
 
+/// The form of a loaded file: a glTF, or a scene from whose object of that number on a new glTF is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Gltf,
+    Scene { first: usize },
+}
+
 /// A scene with its document: of a glTF file its own, of others a new one, with materials that are double-sided or not.
+#[expect(clippy::type_complexity, reason = "what loaders give")]
 fn load(
     path: &Path,
     options: &LoadOptions,
     is_double_sided: bool,
-) -> Result<(Scene, Animation, GltfDocument, Vec<String>), SceneError> {
+) -> Result<(Kind, Scene, Animation, GltfDocument, Vec<String>), SceneError> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     if ["gltf", "glb"].contains(&&*ending) {
-        return scene_files::load_document(path, options);
+        let (scene, animation, file, notes) = scene_files::load_document(path, options)?;
+        return Ok((Kind::Gltf, scene, animation, file, notes));
     }
     let (scene, animation, mut notes) = scene_files::load_with(path, options)?;
     let is_model = ending != "toml";
@@ -67,12 +76,13 @@ fn load(
         notes.push(format!("{}: is lit as pictures show it", path.display()));
     }
     // A model's first object is the floor that pictures have.
-    let (mut file, left_out) = from_scene::document(&scene, usize::from(is_model), is_double_sided);
+    let first = usize::from(is_model);
+    let (mut file, left_out) = from_scene::document(&scene, first, is_double_sided);
     for part in &mut file.parts {
         part.moves = part.object.is_some_and(|object| animation.moves_object(object));
     }
     notes.extend(left_out);
-    Ok((scene, animation, file, notes))
+    Ok((Kind::Scene { first }, scene, animation, file, notes))
 }
 
 /// A line about double-sided surfaces whose backs can be seen, if there are some.
@@ -95,12 +105,17 @@ fn about_sheets(file: &GltfDocument, sheets: &[usize]) -> Option<String> {
 #[derive(Debug)]
 pub struct Baker {
     path: PathBuf,
+    kind: Kind,
     file: GltfDocument,
     document: Document,
     /// Parts that light is baked to.
     parts: Vec<usize>,
+    /// Parts that have a back of their own.
+    sheets: Vec<usize>,
     settings: BakeSettings,
     renderer: Renderer,
+    /// The coordinates, once they are made.
+    layout: Option<Layout>,
     notes: Vec<String>,
 }
 
@@ -118,7 +133,7 @@ impl Baker {
         settings.validate()?;
         let path = path.as_ref().to_owned();
         let fault = |message: &str| BakeError::File { path: path.clone(), message: message.to_owned() };
-        let (scene, animation, mut file, mut notes) = load(&path, options, settings.both_sides)?;
+        let (kind, scene, animation, mut file, mut notes) = load(&path, options, settings.both_sides)?;
         if scene.lights.is_empty() {
             return Err(fault(
                 "has no light to bake (KHR_lights_punctual, or materials that emit); a scene file can light it",
@@ -136,7 +151,7 @@ impl Baker {
         }
         let document = Document::new(&file).map_err(|e| fault(&e.to_string()))?;
         let renderer = Renderer::new(scene, animation, render)?;
-        Ok(Self { path, file, document, parts, settings, renderer, notes })
+        Ok(Self { path, kind, file, document, parts, sheets, settings, renderer, layout: None, notes })
     }
 
     /// A line about each thing that was left out or replaced.
@@ -149,6 +164,58 @@ impl Baker {
     #[must_use]
     pub const fn renderer(&self) -> &Renderer {
         &self.renderer
+    }
+
+    /// The glTF file that light is added to: of other files a new one.
+    #[must_use]
+    pub const fn document(&self) -> &GltfDocument {
+        &self.file
+    }
+
+    /// Moves the animation to a time in seconds, whose light is baked from then on: nodes, skins, morph targets and lights are where they are
+    /// at it. Vertices of scene files are written there; a glTF file keeps its own, and its animations. Coordinates are those of the
+    /// first moment at any time.
+    ///
+    /// ```no_run
+    /// use bake::{BakeSettings, Baker};
+    /// use core::ops::ControlFlow;
+    /// let options = scene_files::LoadOptions::new();
+    /// let mut baker = Baker::open("walk.glb", &options, BakeSettings::default(), renderer::Settings::default())?;
+    /// for frame in 0..24 {
+    ///     baker.seek(frame as f32 / 24.0)?;
+    ///     let baked = baker.bake(&mut |_stage, _done| ControlFlow::Continue(()))?;
+    ///     std::fs::write(format!("walk.{frame:04}.glb"), baked.glb)?;
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Cost
+    /// That of [`Animation::seek`]; for a scene file with the encoding of its textures.
+    ///
+    /// # Errors
+    /// [`BakeError::File`] where the new document cannot be made.
+    pub fn seek(&mut self, time: f32) -> Result<(), BakeError> {
+        if time == self.renderer.time() {
+            return Ok(());
+        }
+        self.renderer.seek(time);
+        let fault = |e: serde_json::Error| BakeError::File { path: self.path.clone(), message: e.to_string() };
+        match self.kind {
+            Kind::Gltf => {
+                let animation = self.renderer.animation();
+                let worlds = animation.worlds(time);
+                self.file.parts.iter_mut().for_each(|part| part.seek(animation, time, &worlds));
+            }
+            Kind::Scene { first } => {
+                let both_sides = self.settings.both_sides;
+                (self.file, _) = from_scene::document(self.renderer.scene(), first, both_sides);
+                if both_sides {
+                    backs::add(&mut self.file, &self.sheets).map_err(fault)?;
+                }
+                self.document = Document::new(&self.file).map_err(fault)?;
+            }
+        }
+        Ok(())
     }
 
     /// Sets the request that stops baking, as that of [`Renderer::set_cancel`].
@@ -212,8 +279,19 @@ impl Baker {
         Ok(Baked { glb, vertices, surfaces: self.parts.len(), scale, subdivision, ..Baked::default() })
     }
 
-    /// The layout of the surfaces, which must fit into memory.
-    fn layout(&self, values: usize, listener: &mut Listener<'_>) -> Result<Layout, BakeError> {
+    /// The layout of the surfaces at the first moment, which must fit into memory.
+    fn layout(&mut self, values: usize, listener: &mut Listener<'_>) -> Result<Layout, BakeError> {
+        if let Some(known) = self.layout.take() {
+            return Ok(known);
+        }
+        let time = self.renderer.time();
+        self.seek(0.0)?;
+        let made = self.make_layout(values, listener);
+        self.seek(time)?;
+        made
+    }
+
+    fn make_layout(&self, values: usize, listener: &mut Listener<'_>) -> Result<Layout, BakeError> {
         self.check_memory(&[[self.settings.page; 2]], values)?;
         let listener = std::sync::Mutex::new(listener);
         let cancel = self.renderer.cancel();
@@ -242,18 +320,30 @@ impl Baker {
     }
 
     fn bake_texels(&mut self, listener: &mut Listener<'_>) -> Result<Baked, BakeError> {
+        let groups = Irradiance::new(self.renderer.scene(), self.settings.per_light).groups().len();
+        let layout = self.layout(1 + groups, listener)?;
         let light = self.irradiance()?;
-        let layout = self.layout(1 + light.groups().len(), listener)?;
+        let baked = self.bake_layout(&layout, &light, listener);
+        self.layout = Some(layout);
+        baked
+    }
+
+    fn bake_layout(
+        &mut self,
+        layout: &Layout,
+        light: &Irradiance,
+        listener: &mut Listener<'_>,
+    ) -> Result<Baked, BakeError> {
         let texels = Texels {
             file: &self.file,
-            layout: &layout,
-            light: &light,
+            layout,
+            light,
             is_radiance: self.settings.form == Form::Emission,
             samples: self.settings.samples,
             padding: self.settings.padding,
         };
         let pages = texels.pages(&mut self.renderer, &mut |done| listener(Stage::Light, done))?;
-        self.write(&layout, &light, pages)
+        self.write(layout, light, pages)
     }
 
     fn write(&self, layout: &Layout, light: &Irradiance, pages: Vec<Page>) -> Result<Baked, BakeError> {

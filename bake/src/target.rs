@@ -25,7 +25,7 @@ pub(crate) fn targets(path: &Path, file: &GltfDocument, json: &Value) -> Result<
         chosen.push(place);
     }
     if moving > 0 {
-        notes.push(format!("{moving} moving surfaces keep the light of their first moment"));
+        notes.push(format!("{moving} moving surfaces have the light of one moment"));
     }
     if chosen.is_empty() {
         let message = "has no surface that light is baked to".to_owned();

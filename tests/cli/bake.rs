@@ -155,3 +155,66 @@ fn scenes_and_models_become_files() {
     let corner = super::json(folder, &["bake", "corner.obj", "-o", "corner.glb", "--page", "32", "--json", "-q"]);
     assert!(corner["texels"].as_u64().unwrap() > 300, "{corner}");
 }
+
+/// A card that moves over a floor under a lamp, for two seconds.
+const CARD: &str = r#"
+[camera]
+eye = [0, 3, 5]
+target = [0, 0, 0]
+[[lights]]
+kind = "sphere"
+center = [0, 3, 0]
+radius = 0.1
+radiance = 100
+[[objects]]
+name = "floor"
+quad = { center = [0, 0, 0], u = [2, 0, 0], v = [0, 0, -2] }
+[[objects]]
+name = "card"
+quad = { center = [0, 0.5, 0], u = [0.3, 0, 0], v = [0, 0, -0.3] }
+keys = [{ time = 0 }, { time = 2, translate = [1, 0, 0] }]
+"#;
+
+/// A file a frame, with its maps; frames that are there are kept if the same command made them.
+#[test]
+fn frames_are_files_of_their_own() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("card.toml"), CARD).unwrap();
+    let args = ["bake", "card.toml", "-o", "f.glb", "--page", "64", "--as", "lightmap", "--json", "-q"];
+    let frames = |more: &[&str]| super::json(folder, &[&args[..], &["--fps", "2"], more].concat());
+    let made = frames(&["--frames", "1..4"]);
+    assert_eq!((made["frames"].as_array().unwrap().len(), &made["skipped_frames"]), (3, &json!(0)));
+    assert_eq!(
+        (&made["frames"][2]["frame"], &made["frames"][2]["files"][0]),
+        (&json!(3), &json!("f.0003.lightmap0.exr"))
+    );
+    let bytes = |name: &str| fs::read(folder.join(name)).unwrap();
+    let before = bytes("f.0002.glb");
+    assert_ne!(bytes("f.0001.lightmap0.exr"), bytes("f.0003.lightmap0.exr"));
+    // A moment alone has the same light.
+    for moment in [&["--time", "1"][..], &["--frame", "2", "--fps", "2"]] {
+        let args = ["bake", "card.toml", "-o", "one.glb", "--page", "64", "--as", "lightmap", "--json", "-q"];
+        super::json(folder, &[&args[..], moment].concat());
+        assert_eq!(bytes("one.lightmap0.exr"), bytes("f.0002.lightmap0.exr"));
+    }
+    let kept = |more: &[&str]| frames(&[&["--frames", "1..4"], more].concat())["skipped_frames"].clone();
+    assert_eq!(kept(&[]), json!(3));
+    fs::write(folder.join("f.0001.lightmap0.png"), "").unwrap();
+    fs::remove_file(folder.join("f.0003.lightmap0.exr")).unwrap();
+    assert_eq!(kept(&["--threads", "1"]), json!(1));
+    fs::write(folder.join("f.0002.glb"), &before[..before.len() - 1]).unwrap();
+    assert_eq!(kept(&[]), json!(2));
+    assert_eq!(bytes("f.0002.glb"), before, "the same bytes again");
+    assert_eq!(kept(&["--samples", "1"]), json!(0));
+    fs::write(folder.join("card.toml"), CARD.replace("0.5, 0]", "0.6, 0]")).unwrap();
+    assert_eq!(kept(&["--samples", "1"]), json!(0));
+    for (more, fault) in [
+        (&["--frames", "3..6"][..], "--frames 3..6: there are only frames 0 to 4"),
+        (&["--time", "3"], "--time 3: the animation ends at 2 s"),
+        (&["--frames", "2..2"], "there are no frames from 2 to before 2"),
+    ] {
+        let more: Vec<&str> = if more[0] == "--time" { more.to_vec() } else { [more, &["--fps", "2"]].concat() };
+        refuse(folder, &[&args[..], &more].concat(), fault);
+    }
+}

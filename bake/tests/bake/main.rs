@@ -7,5 +7,6 @@ mod bodies;
 mod coordinates;
 mod document;
 mod light;
+mod moments;
 mod subdivide;
 mod support;

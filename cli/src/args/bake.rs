@@ -1,5 +1,6 @@
 use super::model::ModelArgs;
-use super::values::{positive, share, tolerance, whole};
+use super::values::{fps, frames, positive, share, time, tolerance, whole};
+use crate::moment::Clock;
 use clap::{Args, ValueEnum};
 use cosine_lobes::renderer::Settings;
 use cosine_lobes::shading::Accuracy;
@@ -16,7 +17,8 @@ use std::path::PathBuf;
   lobes bake room.glb -o baked.glb --as lightmap --per-light
   lobes bake room.glb -o baked.glb --as vertex-colors   no textures
   lobes bake room.glb -o baked.glb --as vertex-colors --subdivide 0.02
-  lobes bake scene.toml -o baked.glb --density 40 --page 2048")]
+  lobes bake scene.toml -o baked.glb --density 40 --page 2048
+  lobes bake walk.glb -o lit.glb --frames 0..24         lit.0000.glb to lit.0023.glb")]
 pub(crate) struct BakeArgs {
     /// Model or scene (.glb, .gltf, .toml, .obj, .ply)
     pub(crate) file: PathBuf,
@@ -71,7 +73,25 @@ pub(crate) struct BakeArgs {
     #[arg(long, value_name = "T", default_value_t = 0.005, value_parser = tolerance)]
     pub(crate) tolerance: f32,
 
-    /// The glTF file's clip of that name or number (from 0) at whose first moment light is baked, instead of its first
+    /// Bake the light of the animation's frames A to B, B not included, each to a file of its own: -o out.glb gives out.0007.glb, with maps
+    /// beside it. Existing frames are kept if the same command made them, and nothing else did since: so the same command resumes an
+    /// interrupted run
+    #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with_all = ["frame", "time"])]
+    pub(crate) frames: Option<(u32, u32)>,
+
+    /// The animation's frame N: the moment N / fps, from 0 (its state as loaded)
+    #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]
+    pub(crate) frame: Option<u32>,
+
+    /// The animation's moment in seconds, from 0
+    #[arg(long, value_name = "T", conflicts_with_all = ["frame", "fps"], value_parser = time)]
+    pub(crate) time: Option<f32>,
+
+    /// Frames a second for --frame and --frames, instead of the file's (24 where it does not say)
+    #[arg(long, value_name = "F", value_parser = fps)]
+    pub(crate) fps: Option<f32>,
+
+    /// The glTF file's clip of that name or number (from 0) whose moments are baked, instead of its first
     #[arg(long, value_name = "CLIP")]
     pub(crate) clip: Option<String>,
 
@@ -102,6 +122,11 @@ pub(crate) enum Form {
 }
 
 impl BakeArgs {
+    /// The options that name moments.
+    pub(crate) fn clock(&self) -> Clock {
+        Clock { frame: self.frame, time: self.time, fps: self.fps }
+    }
+
     /// The settings of the baker.
     pub(crate) fn settings(&self) -> bake::BakeSettings {
         bake::BakeSettings {
