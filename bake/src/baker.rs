@@ -4,7 +4,8 @@ use crate::layout::{Layout, layout};
 use crate::light::Irradiance;
 use crate::materials::Light;
 use crate::page::{MOST_BYTES, Page, bytes};
-use crate::subdivide::{Divided, Request};
+use crate::steps::{Steps, step};
+use crate::subdivide::{Divided, Lamp, Request};
 use crate::target::targets;
 use crate::texels::Texels;
 use crate::write::Writer;
@@ -228,10 +229,21 @@ impl Baker {
     /// # Errors
     /// [`BakeError`]: coordinates that overlap, pages that take too much memory, and a request to stop.
     pub fn bake(&mut self, listener: &mut Listener<'_>) -> Result<Baked, BakeError> {
+        self.bake_with(listener, &mut ())
+    }
+
+    /// Bakes, from the steps on that were finished before.
+    ///
+    /// Steps are the coordinates, and some half a million points or one surface's vertices each: up to 20 MB, and 12 bytes more a texel for each
+    /// light that has a map.
+    ///
+    /// # Errors
+    /// As [`bake`](Self::bake); [`BakeError::Steps`] for steps of another bake, as far as that is seen.
+    pub fn bake_with(&mut self, listener: &mut Listener<'_>, steps: &mut dyn Steps) -> Result<Baked, BakeError> {
         self.renderer.prepare(&mut |_| ControlFlow::Continue(()))?;
         match self.settings.form {
-            Form::VertexColors => self.bake_vertices(listener),
-            Form::Lightmap | Form::Emission => self.bake_texels(listener),
+            Form::VertexColors => self.bake_vertices(listener, steps),
+            Form::Lightmap | Form::Emission => self.bake_texels(listener, steps),
         }
     }
 
@@ -247,19 +259,20 @@ impl Baker {
         Ok(light)
     }
 
-    fn bake_vertices(&mut self, listener: &mut Listener<'_>) -> Result<Baked, BakeError> {
+    fn bake_vertices(&mut self, listener: &mut Listener<'_>, steps: &mut dyn Steps) -> Result<Baked, BakeError> {
         let light = self.irradiance()?;
         let parts: Vec<&GltfPart> = self.parts.iter().map(|part| &self.file.parts[*part]).collect();
         let mut heard = |done| listener(Stage::Light, done);
         let (lit, subdivision) = match self.settings.subdivide {
             None => {
-                let lit = vertices::all(&parts, &light, &mut self.renderer, &mut heard)?;
+                let lit = vertices::all(&parts, &light, &mut self.renderer, steps, &mut heard)?;
                 (lit.into_iter().map(|light| Divided { mesh: None, light }).collect::<Vec<_>>(), None)
             }
             Some(error) => {
                 let BakeSettings { density, most_vertices, .. } = self.settings;
                 let request = Request { error, most: most_vertices as usize, density };
-                let (lit, summary) = subdivide::all(&parts, request, &light, &mut self.renderer, &mut heard)?;
+                let lamp = Lamp { light: &light, renderer: &mut self.renderer, steps };
+                let (lit, summary) = subdivide::all(&parts, request, lamp, &mut heard)?;
                 (lit, Some(summary))
             }
         };
@@ -319,11 +332,11 @@ impl Baker {
         Err(BakeError::File { path: self.path.clone(), message })
     }
 
-    fn bake_texels(&mut self, listener: &mut Listener<'_>) -> Result<Baked, BakeError> {
+    fn bake_texels(&mut self, listener: &mut Listener<'_>, steps: &mut dyn Steps) -> Result<Baked, BakeError> {
         let groups = Irradiance::new(self.renderer.scene(), self.settings.per_light).groups().len();
-        let layout = self.layout(1 + groups, listener)?;
+        let layout = step(steps, || self.layout(1 + groups, listener))?;
         let light = self.irradiance()?;
-        let baked = self.bake_layout(&layout, &light, listener);
+        let baked = self.bake_layout(&layout, &light, listener, steps);
         self.layout = Some(layout);
         baked
     }
@@ -333,6 +346,7 @@ impl Baker {
         layout: &Layout,
         light: &Irradiance,
         listener: &mut Listener<'_>,
+        steps: &mut dyn Steps,
     ) -> Result<Baked, BakeError> {
         let texels = Texels {
             file: &self.file,
@@ -342,7 +356,7 @@ impl Baker {
             samples: self.settings.samples,
             padding: self.settings.padding,
         };
-        let pages = texels.pages(&mut self.renderer, &mut |done| listener(Stage::Light, done))?;
+        let pages = texels.pages(&mut self.renderer, steps, &mut |done| listener(Stage::Light, done))?;
         self.write(layout, light, pages)
     }
 

@@ -4,10 +4,12 @@ use crate::BakeError;
 use crate::division::{Blend, Division, Edges, Marks, Piece};
 use crate::light::Irradiance;
 use crate::mixing::{self, Spot};
+use crate::steps::{PointLights, Steps, step};
 use crate::target::Face;
 use crate::vertices::INSIDE;
 use core::ops::ControlFlow;
 use glam::{DVec3, Vec3};
+use lobe_core::Receiver;
 use renderer::{RenderError, Renderer};
 use scene_files::GltfPart;
 
@@ -113,7 +115,7 @@ impl<'a> Work<'a> {
     }
 
     /// Lights all pieces that have no light yet.
-    fn light(&mut self, light: &Irradiance, renderer: &mut Renderer) -> Result<(), BakeError> {
+    fn light(&mut self, lamp: &mut Lamp<'_>) -> Result<(), BakeError> {
         let mut batch = Batch::default();
         for (number, part) in self.parts.iter().enumerate() {
             for place in 0..self.divisions[number].pieces.len() {
@@ -129,24 +131,24 @@ impl<'a> Work<'a> {
                 let steps = self.steps(&piece);
                 batch.add(&face, &piece, steps, ((number, place), part.is_back));
                 if batch.receivers.len() >= POINTS {
-                    self.take(&mut batch, light, renderer)?;
+                    self.take(&mut batch, lamp)?;
                 }
             }
         }
-        self.take(&mut batch, light, renderer)
+        self.take(&mut batch, lamp)
     }
 
-    fn take(&mut self, batch: &mut Batch, light: &Irradiance, renderer: &mut Renderer) -> Result<(), BakeError> {
+    fn take(&mut self, batch: &mut Batch, lamp: &mut Lamp<'_>) -> Result<(), BakeError> {
         let Batch { receivers, owners } = core::mem::take(batch);
-        let values = light.of(renderer, &receivers.iter().map(|spot| spot.at).collect::<Vec<_>>())?.swap_remove(0);
-        let ends: Vec<usize> = (1..=receivers.len()).collect();
-        let kept = mixing::weights(renderer, &receivers, &values, &ends);
+        if receivers.is_empty() {
+            return Ok(());
+        }
+        let PointLights { values, weights } = lamp.shine(&receivers)?;
         let mut first = 0;
         for ((number, place), count, area) in owners {
             let lit = &mut self.lit[number][place];
-            let weight = |k: usize| kept[k].as_ref().and_then(|weights| weights.first().copied()).unwrap_or(0.0);
-            lit.corners = [0, 1, 2].map(|k| (values[first + k], weight(first + k)));
-            lit.points = (first + 3..first + count).map(|k| kept[k].is_some().then(|| values[k])).collect();
+            lit.corners = [0, 1, 2].map(|k| (values[first + k], weights[first + k].max(0.0)));
+            lit.points = (first + 3..first + count).map(|k| (weights[k] >= 0.0).then(|| values[k])).collect();
             lit.area = area;
             first += count;
         }
@@ -272,6 +274,29 @@ impl<'a> Work<'a> {
     }
 }
 
+/// Lights points, or takes up their light.
+pub(crate) struct Lamp<'a> {
+    pub(crate) light: &'a Irradiance,
+    pub(crate) renderer: &'a mut Renderer,
+    pub(crate) steps: &'a mut dyn Steps,
+}
+
+impl Lamp<'_> {
+    fn shine(&mut self, receivers: &[Spot]) -> Result<PointLights, BakeError> {
+        let made = step(self.steps, || {
+            let points: Vec<Receiver> = receivers.iter().map(|spot| spot.at).collect();
+            let values = self.light.of(self.renderer, &points)?.swap_remove(0);
+            let ends: Vec<usize> = (1..=receivers.len()).collect();
+            let kept = mixing::weights(self.renderer, receivers, &values, &ends);
+            let weight =
+                |weights: Option<Vec<f64>>| weights.and_then(|weights| weights.first().copied()).unwrap_or(-1.0);
+            Ok(PointLights { values, weights: kept.into_iter().map(weight).collect() })
+        })?;
+        let is_whole = made.values.len() == receivers.len() && made.weights.len() == receivers.len();
+        is_whole.then_some(made).ok_or_else(|| BakeError::Steps("light of another number of points".to_owned()))
+    }
+}
+
 /// Points to be lit.
 #[derive(Default)]
 struct Batch {
@@ -299,15 +324,14 @@ impl Batch {
 pub(crate) fn all(
     parts: &[&GltfPart],
     request: Request,
-    light: &Irradiance,
-    renderer: &mut Renderer,
+    mut lamp: Lamp<'_>,
     heard: &mut dyn FnMut(f32) -> ControlFlow<()>,
 ) -> Result<(Vec<Divided>, Subdivision), BakeError> {
     let mut work = Work::new(parts, request.density);
     let mut mean = 0.0;
     let mut is_cut = false;
     for round in 0.. {
-        work.light(light, renderer)?;
+        work.light(&mut lamp)?;
         if round == 0 {
             mean = work.mean();
         }

@@ -8,6 +8,7 @@ use crate::look::{Look, texel_sides};
 use crate::mixing::{self, Spot};
 use crate::page::{Page, State, THIN};
 use crate::seams;
+use crate::steps::{Steps, step};
 use crate::target::Face;
 use core::f32::consts::FRAC_1_PI;
 use core::ops::ControlFlow;
@@ -44,6 +45,7 @@ impl Texels<'_> {
     pub(crate) fn pages(
         &self,
         renderer: &mut Renderer,
+        steps: &mut dyn Steps,
         heard: &mut dyn FnMut(f32) -> ControlFlow<()>,
     ) -> Result<Vec<Page>, BakeError> {
         let rows = |size: &[u32; 2]| f64::from(size[1]) * f64::from(size[0]);
@@ -56,7 +58,11 @@ impl Texels<'_> {
             let band = (BAND / cells).clamp(1, u64::from(size[1])) as u32;
             for start in (0..size[1]).step_by(band as usize) {
                 let rows = [start, (start + band).min(size[1])];
-                self.band(renderer, &mut page, number, rows)?;
+                let values = step(steps, || {
+                    self.band(renderer, &mut page, number, rows)?;
+                    Ok(page.rows(rows))
+                })?;
+                page.set_rows(rows, values);
                 done += f64::from(rows[1] - rows[0]) * f64::from(size[0]);
                 if heard((done / all) as f32).is_break() {
                     return Err(RenderError::Cancelled.into());

@@ -3,6 +3,7 @@
 use crate::BakeError;
 use crate::light::Irradiance;
 use crate::mixing::{self, Spot};
+use crate::steps::{Steps, step};
 use crate::target::Face;
 use core::ops::ControlFlow;
 use glam::{DVec3, Vec3};
@@ -48,11 +49,12 @@ pub(crate) fn all(
     parts: &[&GltfPart],
     light: &Irradiance,
     renderer: &mut Renderer,
+    steps: &mut dyn Steps,
     heard: &mut dyn FnMut(f32) -> ControlFlow<()>,
 ) -> Result<Vec<Vec<Vec3>>, BakeError> {
     let mut done = Vec::new();
     for part in parts {
-        done.push(vertices(part, light, renderer)?);
+        done.push(step(steps, || vertices(part, light, renderer))?);
         if heard(done.len() as f32 / parts.len() as f32).is_break() {
             return Err(RenderError::Cancelled.into());
         }

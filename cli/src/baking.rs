@@ -5,6 +5,7 @@ use crate::console::{self, STOP, counted, note, progress, say};
 use crate::failure::Failure;
 use crate::files;
 use crate::fingerprint::Fingerprint;
+use crate::journal::Journal;
 use crate::moment::{self, Moment};
 use bake::{Baked, Baker, Map, Stage, glb_binary, glb_stamp, stamped_glb};
 use cosine_lobes::{ImageFileError, Output, sweep_unfinished};
@@ -39,24 +40,28 @@ fn bake_file(args: &BakeArgs) -> Result<(), Failure> {
         Some(ends) => moment::sequence(args.clock(), ends, animation)?,
         None => vec![moment::single(args.clock(), animation)?],
     };
-    let stamp = args.frames.is_some().then(|| BakeStamp::new(args, &baker));
+    let stamp = BakeStamp::new(args, &baker);
+    let is_sequence = args.frames.is_some();
     let mut done = Done { args, load, skipped: 0, frames: Vec::new() };
     for moment in moments {
         let output = path(moment.frame);
-        if stamp.as_ref().is_some_and(|stamp| stamp.made(&output, moment.time)) {
+        if is_sequence && stamp.made(&output, moment.time) {
             done.skipped += 1;
             opened = None;
             continue;
         }
         let file = opened.take().map_or_else(|| files::create_glb(&output), Ok)?;
         baker.seek(moment.time)?;
-        let (mut baked, seconds) = bake_moment(args, &mut baker)?;
+        let mut journal = Journal::open(&output, stamp.origin(moment.time), args.quiet);
+        let (mut baked, seconds) = bake_moment(args, &mut baker, &mut journal)?;
         let maps = maps(&baked)?;
-        if let Some(line) = stamp.as_ref().map(|stamp| stamp.line(moment.time, &baked.glb, &maps)) {
+        if is_sequence {
+            let line = stamp.line(moment.time, &baked.glb, &maps);
             baked.glb = stamped_glb(&baked.glb, &line).unwrap_or(baked.glb);
         }
         let maps = write_maps(args, &output, maps)?;
         write(file, &baked.glb)?;
+        journal.end();
         done.frame(moment, &output, (&baked, &maps), seconds);
     }
     done.end();
@@ -64,15 +69,16 @@ fn bake_file(args: &BakeArgs) -> Result<(), Failure> {
 }
 
 /// Bakes the light of a moment; returns it, and the seconds that this took.
-fn bake_moment(args: &BakeArgs, baker: &mut Baker) -> Result<(Baked, f64), Failure> {
+fn bake_moment(args: &BakeArgs, baker: &mut Baker, journal: &mut Journal) -> Result<(Baked, f64), Failure> {
     let start = Instant::now();
     let bars = [(Stage::Coordinates, "coordinates"), (Stage::Light, "light")];
     let bars = bars.map(|(stage, name)| (stage, progress(name, 1000, args.quiet)));
-    let baked = baker.bake(&mut |stage, done| {
+    let mut hear = |stage, done| {
         let bar = bars.iter().find(|(of, _)| *of == stage);
         bar.inspect(|(_, bar)| bar.set_position((1000.0 * done) as u64));
         ControlFlow::Continue(())
-    });
+    };
+    let baked = baker.bake_with(&mut hear, journal);
     bars.iter().for_each(|(_, bar)| bar.finish_and_clear());
     let baked = baked?;
     if baked.subdivision.is_some_and(|made| made.is_cut) && !args.quiet {
@@ -120,7 +126,7 @@ fn write_maps(args: &BakeArgs, output: &PathBuf, maps: Vec<(String, Vec<u8>)>) -
     Ok(paths)
 }
 
-/// The origin of a frame, as a line that its file carries: the version, the options, the file, its scene and animation, and the content.
+/// The origin of baked light: the version, the options, the file, its scene and animation. Frames carry it as a line, with their content.
 struct BakeStamp {
     job: u64,
 }

@@ -218,3 +218,65 @@ fn frames_are_files_of_their_own() {
         refuse(folder, &[&args[..], &more].concat(), fault);
     }
 }
+
+/// Starts a bake and ends it by a signal as soon as it has kept some of its work; returns the last line that it printed.
+#[cfg(unix)]
+fn interrupted(folder: &Path, args: &[&str], signal: &str) -> String {
+    let checkpoint = folder.join("out.glb.checkpoint");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lobes"));
+    let mut run = command.current_dir(folder).args(args).stderr(std::process::Stdio::piped()).spawn().unwrap();
+    // Longer than its header, the coordinates and one band.
+    while fs::metadata(&checkpoint).map_or(0, |file| file.len()) < 100_000 {
+        assert!(run.try_wait().unwrap().is_none(), "it was done before it kept anything");
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    assert!(Command::new("kill").args([signal, &run.id().to_string()]).status().unwrap().success());
+    let ended = run.wait_with_output().unwrap();
+    assert!(!ended.status.success() && checkpoint.exists());
+    String::from_utf8(ended.stderr).unwrap().lines().last().unwrap_or_default().to_owned()
+}
+
+/// Ctrl-C and a kill leave a checkpoint; the same command goes on and gives the same bytes. Another command, and a damaged checkpoint, begin
+/// anew.
+#[cfg(unix)]
+#[test]
+fn interrupted_bakes_go_on() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("room.gltf"), room(POINT)).unwrap();
+    let args = |output: &'static str, samples: &'static str| {
+        ["bake", "room.gltf", "-o", output, "--page", "256", "--as", "lightmap", "--samples", samples, "--threads", "1"]
+    };
+    let (long, other) = (args("out.glb", "8"), args("out.glb", "2"));
+    let bytes = |name: &str| fs::read(folder.join(name)).unwrap();
+    let checkpoint = folder.join("out.glb.checkpoint");
+    let last = interrupted(folder, &long, "-INT");
+    assert!(last.contains("out.glb.checkpoint; the same command goes on from there"), "{last}");
+    let kept = bytes("out.glb.checkpoint");
+    interrupted(folder, &long, "-KILL");
+    // Half of a step at its end.
+    let longer = bytes("out.glb.checkpoint");
+    assert!(longer.len() > kept.len() - kept.len() / 2);
+    fs::write(&checkpoint, &longer[..longer.len() - 1000]).unwrap();
+    let ran = lobes(folder, &long);
+    let said = String::from_utf8(ran.stderr).unwrap();
+    assert!(ran.status.success() && said.contains("goes on from out.glb.checkpoint") && !checkpoint.exists(), "{said}");
+    let resumed = [bytes("out.glb"), bytes("out.lightmap0.exr")];
+    succeed(folder, &args("whole.glb", "8"));
+    assert!(resumed == [bytes("whole.glb"), bytes("whole.lightmap0.exr")]);
+    // A damaged step is made again; other options are another bake.
+    let mut damaged = longer;
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 1;
+    fs::write(&checkpoint, &damaged).unwrap();
+    succeed(folder, &long);
+    assert!(resumed == [bytes("out.glb"), bytes("out.lightmap0.exr")]);
+    for (content, fault) in [(&kept[..], "belongs to another bake"), (b"no checkpoint", "is damaged; made anew")] {
+        fs::write(&checkpoint, content).unwrap();
+        let ran = lobes(folder, &other);
+        let said = String::from_utf8(ran.stderr).unwrap();
+        assert!(ran.status.success() && said.contains(fault) && !checkpoint.exists(), "{said}");
+    }
+    succeed(folder, &args("whole.glb", "2"));
+    assert!(bytes("out.glb") == bytes("whole.glb"));
+}

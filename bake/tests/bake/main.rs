@@ -8,5 +8,6 @@ mod coordinates;
 mod document;
 mod light;
 mod moments;
+mod resuming;
 mod subdivide;
 mod support;

@@ -9,7 +9,8 @@ use std::path::PathBuf;
 /// Bake the light of a model or scene into a glTF file
 ///
 /// Lights every texel or vertex with all lights and skies, with exact shadows, and writes a binary glTF that viewers and engines show. The
-/// rest of a glTF file stays as it is; scene files, OBJ and PLY become a new one.
+/// rest of a glTF file stays as it is; scene files, OBJ and PLY become a new one. An interrupted run keeps its finished work in
+/// OUTPUT.checkpoint, and the same command goes on from there.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:
   lobes bake room.glb -o baked.glb                      any viewer shows it
