@@ -8,9 +8,10 @@ use scene_files::{GltfDocument, GltfPart};
 use serde_json::{Value, json};
 use std::collections::{HashMap, HashSet};
 
-/// Whether a part's material is drawn on both sides.
-pub(crate) fn is_double_sided(json: &Value, part: &GltfPart) -> bool {
-    material(json, part).is_some_and(|number| json["materials"][number]["doubleSided"] == json!(true))
+/// Whether a part's material is drawn on both sides, and the part is no sphere.
+pub(crate) fn is_sheet(json: &Value, part: &GltfPart) -> bool {
+    part.radii.is_empty()
+        && material(json, part).is_some_and(|number| json["materials"][number]["doubleSided"] == json!(true))
 }
 
 /// Whether a surface has a border: an edge of one triangle alone.

@@ -1,3 +1,4 @@
+use crate::from_scene::Plan;
 use crate::glb::Document;
 use crate::images::{Curve, Map};
 use crate::layout::{Layout, layout};
@@ -52,11 +53,11 @@ pub struct Baked {
     pub subdivision: Option<Subdivision>,
 }
 
-/// The form of a loaded file: a glTF, or a scene from whose object of that number on a new glTF is made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The form of a loaded file: a glTF, or a scene of which a new glTF is made.
+#[derive(Clone, Debug, PartialEq)]
 enum Kind {
     Gltf,
-    Scene { first: usize },
+    Scene(Plan),
 }
 
 /// A scene with its document: of a glTF file its own, of others a new one, with materials that are double-sided or not.
@@ -77,13 +78,13 @@ fn load(
         notes.push(format!("{}: is lit as pictures show it", path.display()));
     }
     // A model's first object is the floor that pictures have.
-    let first = usize::from(is_model);
-    let (mut file, left_out) = from_scene::document(&scene, first, is_double_sided);
+    let plan = Plan::new(&scene, usize::from(is_model), is_double_sided);
+    let (mut file, left_out) = from_scene::document(&scene, &plan);
     for part in &mut file.parts {
         part.moves = part.object.is_some_and(|object| animation.moves_object(object));
     }
     notes.extend(left_out);
-    Ok((Kind::Scene { first }, scene, animation, file, notes))
+    Ok((Kind::Scene(plan), scene, animation, file, notes))
 }
 
 /// A line about double-sided surfaces whose backs can be seen, if there are some.
@@ -144,7 +145,7 @@ impl Baker {
         let (mut parts, left_out) = targets(&path, &file, &json)?;
         notes.extend(left_out);
         let sheets: Vec<usize> =
-            parts.iter().copied().filter(|part| backs::is_double_sided(&json, &file.parts[*part])).collect();
+            parts.iter().copied().filter(|part| backs::is_sheet(&json, &file.parts[*part])).collect();
         if settings.both_sides {
             parts.extend(backs::add(&mut file, &sheets).map_err(|e| fault(&e.to_string()))?);
         } else {
@@ -201,16 +202,15 @@ impl Baker {
         }
         self.renderer.seek(time);
         let fault = |e: serde_json::Error| BakeError::File { path: self.path.clone(), message: e.to_string() };
-        match self.kind {
+        match &self.kind {
             Kind::Gltf => {
                 let animation = self.renderer.animation();
                 let worlds = animation.worlds(time);
                 self.file.parts.iter_mut().for_each(|part| part.seek(animation, time, &worlds));
             }
-            Kind::Scene { first } => {
-                let both_sides = self.settings.both_sides;
-                (self.file, _) = from_scene::document(self.renderer.scene(), first, both_sides);
-                if both_sides {
+            Kind::Scene(plan) => {
+                (self.file, _) = from_scene::document(self.renderer.scene(), plan);
+                if self.settings.both_sides {
                     backs::add(&mut self.file, &self.sheets).map_err(fault)?;
                 }
                 self.document = Document::new(&self.file).map_err(fault)?;

@@ -46,6 +46,7 @@ mod look;
 mod materials;
 mod mixing;
 mod page;
+mod round;
 mod rows;
 mod seams;
 mod settings;

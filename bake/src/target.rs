@@ -80,6 +80,8 @@ pub(crate) struct Face<'a> {
     corners: [u32; 3],
     normal: Vec3,
     object: u32,
+    /// The radius of the sphere that it stands for.
+    radius: Option<f32>,
 }
 
 impl<'a> Face<'a> {
@@ -90,7 +92,9 @@ impl<'a> Face<'a> {
         let [a, b, c] = corners.map(|i| mesh.positions[i as usize].as_dvec3());
         let cross = (b - a).cross(c - a);
         let normal = (cross.length() > 1e-36).then(|| cross.normalize().as_vec3().normalize())?;
-        Some(Self { mesh, corners, normal, object: part.object.map_or(NO_OBJECT, |object| object as u32) })
+        let object = part.object.map_or(NO_OBJECT, |object| object as u32);
+        let radius = part.radii.get(corners[0] as usize).copied();
+        Some(Self { mesh, corners, normal, object, radius })
     }
 
     /// The weights of the corners at a place.
@@ -103,7 +107,8 @@ impl<'a> Face<'a> {
         each.map(|(i, weight)| of[*i as usize].as_dvec3() * weight).sum()
     }
 
-    /// The receiver at a place, on the side from which the corners go round against the clock.
+    /// The receiver at a place, on the side from which the corners go round against the clock: of a sphere on itself, outside of the
+    /// triangle.
     pub(crate) fn receiver(&self, at: [f64; 2]) -> Receiver {
         let face = self.normal;
         let mut normal = face;
@@ -112,7 +117,15 @@ impl<'a> Face<'a> {
             let smooth = if smooth.dot(face) < 0.0 { -smooth } else { smooth };
             normal = smooth.try_normalize().unwrap_or(face);
         }
-        let position = self.mean(&self.mesh.positions, at).as_vec3();
+        let place = self.mean(&self.mesh.positions, at);
+        if let Some(radius) = self.radius {
+            let mean = self.mean(&self.mesh.normals, at);
+            let outward = mean.normalize_or(face.as_dvec3());
+            let position = (place + f64::from(radius) * (outward - mean)).as_vec3();
+            let normal = outward.as_vec3().normalize();
+            return Receiver { position, normal, face: normal, view: normal, object: self.object };
+        }
+        let position = place.as_vec3();
         Receiver { position, normal, face, view: face, object: self.object }
     }
 

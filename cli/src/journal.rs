@@ -13,8 +13,8 @@ const SOON: Duration = Duration::from_secs(1);
 
 const MAGIC: &[u8; 16] = b"lobes bake 1\0\0\0\0";
 
-/// Steps of one bake, in a file that grows: a header with the job, then for each step its length, its hash and its bytes. What a killed
-/// process has left half-written at its end is noticed and cut off.
+/// Steps of one bake, in a file that grows: a header with the job, then for each step its length, its hash and its bytes. A step that a killed
+/// process has left half-written at the end is noticed and cut off.
 pub(crate) struct Journal {
     path: PathBuf,
     job: u64,

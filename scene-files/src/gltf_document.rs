@@ -44,6 +44,8 @@ pub struct GltfPart {
     /// All of its triangles at the first moment, in world space: those without an area and those that alpha cuts away too. Vertices and
     /// triangles are in the order of the file, copy after copy.
     pub geometry: Mesh,
+    /// The radius of the sphere that each vertex lies on, for programs that add such parts; empty for triangles that are flat.
+    pub radii: Vec<f32>,
 }
 
 impl GltfPart {

@@ -133,13 +133,14 @@ fn scenes_and_models_become_files() {
     let args = ["bake", "sky.toml", "-o", "sky.glb", "--page", "128", "--as", "lightmap", "--per-light", "--json"];
     let ran = lobes(folder, &args);
     let stderr = String::from_utf8(ran.stderr).unwrap();
-    assert!(ran.status.success() && stderr.contains("\"ball\" casts shadows and is not written"), "{stderr}");
+    assert!(ran.status.success() && stderr.is_empty(), "{stderr}");
     let baked: Value = serde_json::from_slice(&ran.stdout).unwrap();
-    assert_eq!(baked["surfaces"], json!(2));
+    assert_eq!(baked["surfaces"], json!(3), "a sphere is one, too");
     let parts = ["", ".light0", ".sky"].map(|end| format!("sky.lightmap0{end}.exr"));
     let [all, lamp, sky] = parts.map(|name| read_exr(&folder.join(name)).unwrap());
     for ((all, lamp), sky) in all.pixels().iter().zip(lamp.pixels()).zip(sky.pixels()) {
-        assert!((*all - *lamp - *sky).length() <= 2e-3 * all.length(), "{all} {lamp} {sky}");
+        // Closing the seams of the sphere lets no light of one lamp fall below 0, where that of all may be less.
+        assert!((*all - *lamp - *sky).length() <= 1e-2 * all.length(), "{all} {lamp} {sky}");
     }
     // Open floor sees the whole sky: π times its radiance.
     let most = sky.pixels().iter().map(|p| p.x).fold(0.0, f32::max);

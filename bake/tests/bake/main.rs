@@ -9,5 +9,6 @@ mod document;
 mod light;
 mod moments;
 mod resuming;
+mod spheres;
 mod subdivide;
 mod support;
