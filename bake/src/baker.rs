@@ -1,7 +1,7 @@
 use crate::from_scene::Plan;
 use crate::glb::Document;
 use crate::images::{Curve, Map};
-use crate::layout::{Layout, layout};
+use crate::layout::{Layout, about_pieces, layout};
 use crate::light::Irradiance;
 use crate::materials::Light;
 use crate::page::{MOST_BYTES, Page, bytes};
@@ -150,6 +150,9 @@ impl Baker {
             parts.extend(backs::add(&mut file, &sheets).map_err(|e| fault(&e.to_string()))?);
         } else {
             notes.extend(about_sheets(&file, &sheets));
+        }
+        if settings.form != Form::VertexColors {
+            notes.extend(about_pieces(&file, &parts, &settings));
         }
         let document = Document::new(&file).map_err(|e| fault(&e.to_string()))?;
         let renderer = Renderer::new(scene, animation, render)?;
@@ -323,9 +326,11 @@ impl Baker {
         if bytes <= MOST_BYTES {
             return Ok(());
         }
-        let (count, side, lights) = (pages.len(), self.settings.page, values - 1);
+        let (count, side) = (pages.len(), self.settings.page);
+        let (pages, take) = if count == 1 { ("page", "takes") } else { ("pages", "take") };
+        let lights = if values > 1 { format!(" with maps of {} single lights", values - 1) } else { String::new() };
         let message = format!(
-            "{count} pages of {side} x {side} texels with maps of {lights} single lights take {:.1} GB: at most {:.0} GB are taken",
+            "{count} {pages} of {side} x {side} texels{lights} {take} {:.1} GB: at most {:.0} GB are taken",
             bytes as f64 / 1e9,
             MOST_BYTES as f64 / 1e9
         );

@@ -46,6 +46,7 @@ mod look;
 mod materials;
 mod mixing;
 mod page;
+mod pieces;
 mod round;
 mod rows;
 mod seams;
