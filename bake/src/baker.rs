@@ -61,7 +61,6 @@ enum Kind {
 }
 
 /// A scene with its document: of a glTF file its own, of others a new one, with materials that are double-sided or not.
-#[expect(clippy::type_complexity, reason = "what loaders give")]
 fn load(
     path: &Path,
     options: &LoadOptions,

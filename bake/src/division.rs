@@ -135,7 +135,7 @@ impl Marks {
     pub(crate) fn new<'a>(
         edges: &Edges,
         chosen: impl Iterator<Item = &'a Piece>,
-        all: impl Iterator<Item = &'a Piece> + Clone,
+        all: &(impl Iterator<Item = &'a Piece> + Clone),
     ) -> Self {
         let mut marks = vec![false; edges.lengths.len()];
         for piece in chosen {
@@ -332,9 +332,10 @@ mod tests {
         let mut divisions = parts.each_ref().map(|part| Division::new(part, &mut edges));
         let before: f64 = parts.iter().map(|part| part.geometry.area()).sum();
         for round in 0..5 {
-            let is_chosen = |piece: &&Piece| (piece.whole + round) % 3 == 0 && piece.corners[0] % 2 == 0;
+            let is_chosen =
+                |piece: &&Piece| (piece.whole + round).is_multiple_of(3) && piece.corners[0].is_multiple_of(2);
             let all = || divisions.iter().flat_map(|division| &division.pieces);
-            let marks = Marks::new(&edges, all().filter(is_chosen), all());
+            let marks = Marks::new(&edges, all().filter(is_chosen), &all());
             assert!(!marks.is_empty());
             for division in &mut divisions {
                 let (vertices, new) = (division.vertices.len(), division.new_vertices(&marks));
@@ -387,7 +388,7 @@ mod tests {
         for _ in 0..12 {
             // Only what touches one corner.
             let chosen = division.pieces.iter().filter(|piece| piece.corners.contains(&1));
-            let marks = Marks::new(&edges, chosen, division.pieces.iter());
+            let marks = Marks::new(&edges, chosen, &division.pieces.iter());
             division.divide(&mut edges, &marks, |_, _| ());
         }
         let angle = |corners: [u32; 3]| {

@@ -61,7 +61,7 @@ impl Page {
     }
 
     /// Sets the texels of a band of rows; other numbers of texels or layers change nothing.
-    pub(crate) fn set_rows(&mut self, rows: [u32; 2], band: Band) {
+    pub(crate) fn set_rows(&mut self, rows: [u32; 2], band: &Band) {
         let range = self.range(rows);
         let is_whole = band.states.len() == range.len() && band.layers.len() == self.layers.len();
         if is_whole && band.layers.iter().all(|layer| layer.len() == range.len()) {

@@ -223,7 +223,7 @@ impl<'a> Work<'a> {
         let top = scores.iter().copied().fold(0.0, f64::max);
         let with = |least: f64| {
             let chosen = all().zip(&scores).filter(|(_, score)| **score > 0.0 && **score >= least);
-            let marks = Marks::new(&self.edges, chosen.map(|(piece, _)| piece), all());
+            let marks = Marks::new(&self.edges, chosen.map(|(piece, _)| piece), &all());
             let new: usize = self.divisions.iter().map(|division| division.new_vertices(&marks)).sum();
             (marks, new)
         };

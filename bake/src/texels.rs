@@ -62,7 +62,7 @@ impl Texels<'_> {
                     self.band(renderer, &mut page, number, rows)?;
                     Ok(page.rows(rows))
                 })?;
-                page.set_rows(rows, values);
+                page.set_rows(rows, &values);
                 done += f64::from(rows[1] - rows[0]) * f64::from(size[0]);
                 if heard((done / all) as f32).is_break() {
                     return Err(RenderError::Cancelled.into());

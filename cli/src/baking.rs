@@ -59,7 +59,7 @@ fn bake_file(args: &BakeArgs) -> Result<(), Failure> {
             let line = stamp.line(moment.time, &baked.glb, &maps);
             baked.glb = stamped_glb(&baked.glb, &line).unwrap_or(baked.glb);
         }
-        let maps = write_maps(args, &output, maps)?;
+        let maps = write_maps(args, &output, &maps)?;
         write(file, &baked.glb)?;
         journal.end();
         done.frame(moment, &output, (&baked, &maps), seconds);
@@ -115,12 +115,12 @@ fn maps(baked: &Baked) -> Result<Vec<(String, Vec<u8>)>, Failure> {
 }
 
 /// Writes maps beside the output. Returns their paths.
-fn write_maps(args: &BakeArgs, output: &PathBuf, maps: Vec<(String, Vec<u8>)>) -> Result<Vec<PathBuf>, Failure> {
+fn write_maps(args: &BakeArgs, output: &PathBuf, maps: &[(String, Vec<u8>)]) -> Result<Vec<PathBuf>, Failure> {
     let paths: Vec<PathBuf> = maps.iter().map(|(ending, _)| beside(output, ending)).collect();
     files::distinct(&paths, [&args.file, output])?;
     // All of them can be written, or none is.
     let opened = paths.iter().map(Output::create).collect::<Result<Vec<_>, _>>()?;
-    for (output, (_, bytes)) in opened.into_iter().zip(&maps) {
+    for (output, (_, bytes)) in opened.into_iter().zip(maps) {
         write(output, bytes)?;
     }
     Ok(paths)

@@ -68,6 +68,7 @@ async function compared(name, options) {
 for (const [name, options, most] of [
   ["emission", ["--density", "40"], 0.02],
   ["lightmap", ["--density", "40", "--as", "lightmap"], 0.02],
+  ["both-sides", ["--density", "40", "--both-sides"], 0.02],
   ["vertex-colors", ["--as", "vertex-colors", "--subdivide", "0.02"], 0.02],
 ]) {
   test(`three.js shows the room by ${name}`, async () => {
