@@ -62,6 +62,9 @@ impl BakeSettings {
         most_vertices: 1_000_000,
     };
 
+    /// The most vertices that a subdivision may be let make: they take 3 GB of memory while they are made.
+    pub const MAX_VERTICES: u32 = 2_000_000;
+
     /// The largest side of a page.
     pub const MAX_PAGE: u32 = 16384;
 
@@ -87,6 +90,9 @@ impl BakeSettings {
         }
         if let Some(error) = self.subdivide.filter(|error| !(*error > 0.0 && *error <= 1.0)) {
             return fault("difference of subdivision", &error, "above 0 and at most 1");
+        }
+        if !(1..=Self::MAX_VERTICES).contains(&self.most_vertices) {
+            return fault("number of vertices", &self.most_vertices, "1 to 2000000");
         }
         if self.subdivide.is_some() && self.form != Form::VertexColors {
             return fault("form", &format_args!("{:?}", self.form), "colours of vertices, which alone are subdivided");

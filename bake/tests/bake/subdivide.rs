@@ -216,6 +216,8 @@ fn other_forms_are_not_subdivided() {
     for (settings, fault) in [
         (BakeSettings { form: Form::Emission, ..COLORS }, "form is Emission: expected colours of vertices"),
         (BakeSettings { subdivide: Some(0.0), ..COLORS }, "difference of subdivision is 0"),
+        (BakeSettings { most_vertices: 0, ..COLORS }, "number of vertices is 0"),
+        (BakeSettings { most_vertices: 3_000_000, ..COLORS }, "number of vertices is 3000000"),
         (BakeSettings { subdivide: Some(f32::NAN), ..COLORS }, "difference of subdivision is NaN"),
     ] {
         let found = try_bake(&file, settings).err().map(|error| error.to_string()).unwrap_or_default();

@@ -66,8 +66,8 @@ pub(crate) struct BakeArgs {
     #[arg(long, value_name = "ERROR", value_parser = share)]
     pub(crate) subdivide: Option<f32>,
 
-    /// The most vertices that --subdivide makes; the largest errors are mended first
-    #[arg(long, value_name = "N", default_value_t = 1_000_000, requires = "subdivide", value_parser = whole(1..=100_000_000))]
+    /// The most vertices that --subdivide makes, up to 2 million; the largest errors are mended first
+    #[arg(long, value_name = "N", default_value_t = 1_000_000, requires = "subdivide", value_parser = whole(1..=2_000_000))]
     pub(crate) vertices: u32,
 
     /// Requested mean error in penumbra, as a fraction of the unshadowed light: above 0, at most 0.1
