@@ -30,6 +30,9 @@ pub enum BakeError {
         /// Its range.
         expected: &'static str,
     },
+    /// Steps that were kept are not those of this bake.
+    #[error("the kept steps are not of this bake: {0}")]
+    Steps(String),
     /// An image could not be encoded.
     #[error("cannot encode {0}")]
     Image(String),

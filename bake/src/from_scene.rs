@@ -1,24 +1,67 @@
 //! Scenes that come from no glTF file, as a new document.
 
 use crate::look::diffuse;
+use crate::round;
 use brdf::Material;
 use glam::{Mat4, Vec2, Vec3};
+use lobe_core::Sphere;
 use pictures::{Picture, png_bytes, srgb_bytes};
-use scene::{Camera, Mesh, Scene, Surface, TextureMap, TexturePlace, Wrap};
+use scene::{Bounds, Camera, Mesh, Object, Scene, Shape, Surface, TextureMap, TexturePlace, Wrap};
 use scene_files::{GltfDocument, GltfPart};
 use serde_json::{Map, Value, json};
+use std::borrow::Cow;
 
-/// A document of the meshes of a scene that are seen, with its camera: one node an object, from the object `first` on. And a line about each
-/// thing that it leaves out.
-pub(crate) fn document(scene: &Scene, first: usize) -> (GltfDocument, Vec<String>) {
-    let mut made = Made { scene, json: empty(), binary: Vec::new(), materials: Vec::new() };
-    let (mut parts, mut notes) = (Vec::new(), Vec::new());
-    for (number, object) in scene.objects.iter().enumerate().skip(first).filter(|(_, object)| object.visible) {
-        let name = &object.name;
-        let Some(mesh) = object.shape.mesh() else {
-            notes.push(format!("\"{name}\" casts shadows and is not written: spheres have no triangles"));
-            continue;
+/// The parts of scenes that are written: the same at all moments of an animation.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Plan {
+    /// The first object.
+    first: usize,
+    /// Whether materials are double-sided.
+    is_double_sided: bool,
+    /// For each object the steps along an edge of its spheres.
+    steps: Vec<u32>,
+}
+
+impl Plan {
+    /// For the objects from the number `first` on, by their sizes now.
+    pub(crate) fn new(scene: &Scene, first: usize, is_double_sided: bool) -> Self {
+        let seen = || scene.objects.iter().skip(first).filter(|object| object.visible);
+        let bounds = seen().fold(Bounds::EMPTY, |all, object| all.union(object.shape.bounds()));
+        let size = (bounds.max - bounds.min).max_element();
+        let count = seen().map(|object| spheres(object).len()).sum();
+        let steps = |object: &Object| {
+            let radius = spheres(object).iter().map(|sphere| sphere.radius).fold(0.0, f32::max);
+            round::steps(radius, size, count)
         };
+        Self { first, is_double_sided, steps: scene.objects.iter().map(steps).collect() }
+    }
+}
+
+fn spheres(object: &Object) -> &[Sphere] {
+    match &object.shape {
+        Shape::Spheres(spheres) => spheres,
+        _ => &[],
+    }
+}
+
+/// A document of the objects of a scene that are seen, with its camera: one node an object; spheres as triangles. And a line about each thing
+/// that it leaves out.
+pub(crate) fn document(scene: &Scene, plan: &Plan) -> (GltfDocument, Vec<String>) {
+    let is_double_sided = plan.is_double_sided;
+    let mut made = Made { scene, is_double_sided, json: empty(), binary: Vec::new(), materials: Vec::new() };
+    let (mut parts, mut notes) = (Vec::new(), Vec::new());
+    let seen = scene.objects.iter().enumerate().skip(plan.first).filter(|(_, object)| object.visible);
+    for (number, object) in seen {
+        let name = &object.name;
+        let mut radii = Vec::new();
+        let mesh = object.shape.mesh().unwrap_or_else(|| {
+            let mut mesh = Mesh::default();
+            for sphere in spheres(object) {
+                round::add(&mut mesh, sphere, plan.steps.get(number).copied().unwrap_or(1));
+                radii.resize(mesh.positions.len(), sphere.radius);
+            }
+            Cow::Owned(mesh)
+        });
         let place = made.mesh(name, &mesh, object.material);
         let node = made.node(json!({"name": name, "mesh": place}));
         let (name, geometry) = (name.clone(), mesh.into_owned());
@@ -29,6 +72,7 @@ pub(crate) fn document(scene: &Scene, first: usize) -> (GltfDocument, Vec<String
             object: Some(number),
             copies: 1,
             geometry,
+            radii,
             ..GltfPart::default()
         });
     }
@@ -50,6 +94,7 @@ fn empty() -> Value {
 /// A document in the making.
 struct Made<'a> {
     scene: &'a Scene,
+    is_double_sided: bool,
     json: Value,
     binary: Vec<u8>,
     /// Materials of the scene that are written, in order.
@@ -153,6 +198,9 @@ impl Made<'_> {
             }
         }
         new["pbrMetallicRoughness"] = base;
+        if self.is_double_sided {
+            new["doubleSided"] = json!(true);
+        }
         self.push("materials", new)
     }
 

@@ -5,8 +5,8 @@ use scene_files::GltfDocument;
 use serde_json::{Value, json};
 
 /// The kinds of a GLB's chunks.
-const JSON: u32 = 0x4e4f_534a;
-const BINARY: u32 = 0x004e_4942;
+pub(crate) const JSON: u32 = 0x4e4f_534a;
+pub(crate) const BINARY: u32 = 0x004e_4942;
 
 /// A document with all that it refers to in one buffer.
 #[derive(Clone, Debug)]
@@ -117,25 +117,29 @@ impl Document {
                 *first.field("byteLength") = json!(self.binary.len()).into();
             }
         }
-        let mut text = self.json.text().into_bytes();
-        text.resize(text.len().next_multiple_of(4), b' ');
-        let binary = if self.binary.is_empty() { 0 } else { 8 + self.binary.len() };
-        let length = 12 + 8 + text.len() + binary;
-        let mut out = Vec::with_capacity(length);
-        let word = |out: &mut Vec<u8>, value: u32| out.extend_from_slice(&value.to_le_bytes());
-        out.extend_from_slice(b"glTF");
-        word(&mut out, 2);
-        word(&mut out, length as u32);
-        word(&mut out, text.len() as u32);
-        word(&mut out, JSON);
-        out.extend_from_slice(&text);
-        if binary > 0 {
-            word(&mut out, self.binary.len() as u32);
-            word(&mut out, BINARY);
-            out.extend_from_slice(&self.binary);
-        }
-        out
+        container(self.json.text().into_bytes(), &self.binary)
     }
+}
+
+/// A binary file of a document's text and of bytes whose number is a multiple of four, or of none.
+pub(crate) fn container(mut text: Vec<u8>, bytes: &[u8]) -> Vec<u8> {
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let binary = if bytes.is_empty() { 0 } else { 8 + bytes.len() };
+    let length = 12 + 8 + text.len() + binary;
+    let mut out = Vec::with_capacity(length);
+    let word = |out: &mut Vec<u8>, value: u32| out.extend_from_slice(&value.to_le_bytes());
+    out.extend_from_slice(b"glTF");
+    word(&mut out, 2);
+    word(&mut out, length as u32);
+    word(&mut out, text.len() as u32);
+    word(&mut out, JSON);
+    out.extend_from_slice(&text);
+    if binary > 0 {
+        word(&mut out, bytes.len() as u32);
+        word(&mut out, BINARY);
+        out.extend_from_slice(bytes);
+    }
+    out
 }
 
 /// The kind of an image by its first bytes.

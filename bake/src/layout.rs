@@ -1,6 +1,7 @@
 //! Where surfaces lie on the pages of maps: by coordinates of the file, or by coordinates that are made.
 
 use crate::coverage::Grid;
+use crate::pieces;
 use crate::target::Target;
 use crate::{BakeError, BakeSettings};
 use core::ops::ControlFlow;
@@ -13,8 +14,12 @@ use uvunwrap::{Atlas, Density, MeshInput, Options, Packing};
 /// The set of coordinates that light maps take: the second.
 const SECOND: usize = 1;
 
-/// Up to this number of triangles charts are packed by their shapes, which takes minutes for 10⁵ of them.
+/// Up to this number of triangles and of separate pieces charts are packed by their shapes, which takes minutes for more.
 const SHAPED: usize = 20_000;
+const FEW: usize = 2000;
+
+/// From this number of separate pieces on a line says that coordinates take long.
+const MANY: usize = 50_000;
 
 /// How far beyond a page coordinates may lie, for rounding.
 const BEYOND: f32 = 1e-4;
@@ -44,8 +49,7 @@ pub(crate) fn layout(
     settings: &BakeSettings,
     heard: &Heard<'_>,
 ) -> Result<Layout, BakeError> {
-    let has_own = |part: &usize| !settings.unwrap && file.parts[*part].geometry.uv_sets.len() > SECOND;
-    let (own, bare): (Vec<usize>, Vec<usize>) = parts.iter().partition(|part| has_own(part));
+    let (own, bare): (Vec<usize>, Vec<usize>) = parts.iter().partition(|part| has_own(file, **part, settings));
     let fault = |message: String| BakeError::File { path: path.to_owned(), message };
     let mut all = Layout::default();
     let mut pages = OwnPages::new(settings.page);
@@ -62,6 +66,22 @@ pub(crate) fn layout(
     }
     all.targets.sort_by_key(|target| target.part);
     Ok(all)
+}
+
+/// A line about coordinates that take long to make, if they do.
+pub(crate) fn about_pieces(file: &GltfDocument, parts: &[usize], settings: &BakeSettings) -> Option<String> {
+    let bare = parts.iter().filter(|part| !has_own(file, **part, settings));
+    let pieces: usize = bare.map(|part| pieces::count(&file.parts[*part].geometry)).sum();
+    (pieces >= MANY).then(|| {
+        format!(
+            "coordinates for {pieces} separate pieces are to be made: this takes minutes; colours of vertices need none"
+        )
+    })
+}
+
+/// Whether a part's own coordinates are used.
+fn has_own(file: &GltfDocument, part: usize, settings: &BakeSettings) -> bool {
+    !settings.unwrap && file.parts[part].geometry.uv_sets.len() > SECOND
 }
 
 /// Pages of surfaces with coordinates of their own.
@@ -138,13 +158,28 @@ fn unwrap(
         (mesh.positions.iter().map(|p| p.to_array()).collect(), mesh.triangles.iter().flatten().copied().collect())
     };
     let meshes: Vec<_> = parts.iter().map(lists).collect();
+    let mut pieces = 0;
+    for part in parts {
+        let GltfPart { name, geometry, .. } = &file.parts[*part];
+        let count = pieces::count(geometry);
+        pieces += count;
+        // Each is a texel at least, and has the padding to two sides for itself.
+        let least = count as u64 * u64::from(1 + settings.padding).pow(2);
+        if least > u64::from(settings.page).pow(2) {
+            let side = settings.page;
+            let message = format!(
+                "mesh \"{name}\": its {count} separate pieces do not fit one page of {side}: a larger page or less padding fits, and colours of vertices need none"
+            );
+            return Err(BakeError::File { path: path.to_owned(), message });
+        }
+    }
     let faces: usize = meshes.iter().map(|(_, indices)| indices.len() / 3).sum();
     // With several pages a surface stays on one of them as a rectangle.
     let made = |density: Density, scales: &[f32]| {
         let inputs = meshes
             .iter()
             .map(|(positions, indices)| MeshInput { instance_scales: scales, ..MeshInput::new(positions, indices) });
-        let packing = if faces > SHAPED { Packing::Fast } else { Packing::Shape };
+        let packing = if faces > SHAPED || pieces > FEW { Packing::Fast } else { Packing::Shape };
         let options = Options { density, padding: settings.padding, packing, ..Options::default() };
         uvunwrap::generate_with_progress(&inputs.collect::<Vec<_>>(), &options, |progress| {
             let done = progress.done as f32 / progress.total.unwrap_or(faces).max(1) as f32;

@@ -30,8 +30,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod backs;
 mod baker;
+mod blend;
 mod coverage;
+mod division;
 mod error;
 mod from_scene;
 mod glb;
@@ -43,9 +46,14 @@ mod look;
 mod materials;
 mod mixing;
 mod page;
+mod pieces;
+mod round;
 mod rows;
 mod seams;
 mod settings;
+mod stamp;
+mod steps;
+mod subdivide;
 mod target;
 mod texels;
 mod vertices;
@@ -55,3 +63,6 @@ pub use crate::baker::{Baked, Baker, Listener, Stage};
 pub use crate::error::BakeError;
 pub use crate::images::Map;
 pub use crate::settings::{BakeSettings, Form};
+pub use crate::stamp::{glb_binary, glb_stamp, stamped_glb};
+pub use crate::steps::Steps;
+pub use crate::subdivide::Subdivision;

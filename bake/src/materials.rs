@@ -24,12 +24,17 @@ pub(crate) enum Light {
 type Key = (Option<usize>, Option<(usize, usize)>);
 
 /// The materials that were made, by the material and the light that they are made of.
-#[derive(Default)]
 pub(crate) struct Materials {
+    /// Whether backs are surfaces of their own, so that all materials are single-sided.
+    both_sides: bool,
     made: HashMap<Key, usize>,
 }
 
 impl Materials {
+    pub(crate) fn new(both_sides: bool) -> Self {
+        Self { both_sides, made: HashMap::new() }
+    }
+
     /// A part's material with baked light, by its number: one for all parts with the same.
     pub(crate) fn with(&mut self, document: &mut Document, scene: &Scene, part: &GltfPart, light: Light) -> usize {
         let own = material(&document.before, part);
@@ -43,6 +48,9 @@ impl Materials {
         let there = own.and_then(|own| document.json.field("materials").item(own).cloned());
         let mut new = there.unwrap_or_else(|| bare(scene, part).into());
         dress(&mut new, document, own, light);
+        if self.both_sides && new.has("doubleSided") {
+            *new.field("doubleSided") = json!(false).into();
+        }
         let number = document.json.field("materials").push(new);
         self.made.insert((own, place), number);
         number

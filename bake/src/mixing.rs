@@ -11,6 +11,15 @@ const APART: f32 = 0.05;
 /// Texels of more points have many small triangles, each beside the next.
 const MOST: usize = 24;
 
+/// A point of a surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spot {
+    pub(crate) at: Receiver,
+    pub(crate) weight: f64,
+    /// Whether it is on the back of a surface, which is the inside of bodies.
+    pub(crate) is_back: bool,
+}
+
 /// The point is inside of a body: rays along the normal and at 60° to it on four sides all meet backs of surfaces.
 fn is_buried(world: &World<'_>, at: &Receiver) -> bool {
     let from = world.leave(at.position, at.face);
@@ -32,10 +41,10 @@ fn see_each_other(world: &World<'_>, a: &Receiver, b: &Receiver) -> bool {
 ///
 /// Points inside of bodies, as under the feet of furniture, would make dark rims. Of points on two sides of a wall those count that
 /// cover more, so that no light leaks through it.
-fn kept(world: &World<'_>, points: &[(Receiver, f64)], irradiance: &[Vec3]) -> Option<Vec<f64>> {
-    let mut weights: Vec<f64> = points.iter().map(|(_, weight)| *weight).collect();
-    for ((at, _), (weight, value)) in points.iter().zip(weights.iter_mut().zip(irradiance)) {
-        if *value == Vec3::ZERO && is_buried(world, at) {
+fn kept(world: &World<'_>, points: &[Spot], irradiance: &[Vec3]) -> Option<Vec<f64>> {
+    let mut weights: Vec<f64> = points.iter().map(|point| point.weight).collect();
+    for (point, (weight, value)) in points.iter().zip(weights.iter_mut().zip(irradiance)) {
+        if *value == Vec3::ZERO && !point.is_back && is_buried(world, &point.at) {
             *weight = 0.0;
         }
     }
@@ -52,7 +61,7 @@ fn kept(world: &World<'_>, points: &[(Receiver, f64)], irradiance: &[Vec3]) -> O
     let mut group: Vec<usize> = (0..points.len()).collect();
     for (n, &i) in left.iter().enumerate() {
         for &j in &left[..n] {
-            if group[i] != group[j] && see_each_other(world, &points[i].0, &points[j].0) {
+            if group[i] != group[j] && see_each_other(world, &points[i].at, &points[j].at) {
                 let (old, new) = (group[i].max(group[j]), group[i].min(group[j]));
                 group.iter_mut().filter(|g| **g == old).for_each(|g| *g = new);
             }
@@ -70,7 +79,7 @@ fn kept(world: &World<'_>, points: &[(Receiver, f64)], irradiance: &[Vec3]) -> O
 /// The weights of the points of each texel; `None` for texels none of whose points count. `ends` are where the points of each end.
 pub(crate) fn weights(
     renderer: &mut Renderer,
-    points: &[(Receiver, f64)],
+    points: &[Spot],
     irradiance: &[Vec3],
     ends: &[usize],
 ) -> Vec<Option<Vec<f64>>> {

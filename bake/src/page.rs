@@ -1,5 +1,6 @@
 //! A page of texels: their values, and the values of those around them.
 
+use crate::steps::Band;
 use glam::Vec3;
 
 /// Bytes of a texel with one value.
@@ -45,6 +46,28 @@ impl Page {
     pub(crate) fn new(size: [u32; 2], layers: usize) -> Self {
         let count = size[0] as usize * size[1] as usize;
         Self { size, states: vec![State::Empty; count], layers: vec![vec![Vec3::ZERO; count]; layers] }
+    }
+
+    fn range(&self, rows: [u32; 2]) -> core::ops::Range<usize> {
+        let [first, end] = rows.map(|row| row as usize * self.size[0] as usize);
+        first..end
+    }
+
+    /// The texels of a band of rows.
+    pub(crate) fn rows(&self, rows: [u32; 2]) -> Band {
+        let range = self.range(rows);
+        let layers = self.layers.iter().map(|layer| layer[range.clone()].to_vec()).collect();
+        Band { states: self.states[range].to_vec(), layers }
+    }
+
+    /// Sets the texels of a band of rows; other numbers of texels or layers change nothing.
+    pub(crate) fn set_rows(&mut self, rows: [u32; 2], band: &Band) {
+        let range = self.range(rows);
+        let is_whole = band.states.len() == range.len() && band.layers.len() == self.layers.len();
+        if is_whole && band.layers.iter().all(|layer| layer.len() == range.len()) {
+            self.states[range.clone()].copy_from_slice(&band.states);
+            self.layers.iter_mut().zip(&band.layers).for_each(|(own, new)| own[range.clone()].copy_from_slice(new));
+        }
     }
 
     /// The texels around one.

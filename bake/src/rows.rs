@@ -5,8 +5,8 @@ use scene_files::GltfDocument;
 use serde_json::{Map, Value, json};
 
 /// Targets of a GPU for buffer views (glTF 2.0, §5.11.5).
-const VERTICES: u32 = 34962;
-const INDICES: u32 = 34963;
+pub(crate) const VERTICES: u32 = 34962;
+pub(crate) const INDICES: u32 = 34963;
 
 /// Bytes of a component.
 fn size(component: u64) -> usize {
@@ -109,6 +109,37 @@ pub(crate) fn add_floats(document: &mut Document, kind: &str, values: &[f32]) ->
     document.json.field("accessors").push(accessor)
 }
 
+/// Adds floats as vertices in the place of an accessor with these fields. Returns the accessor.
+pub(crate) fn add_rows(document: &mut Document, fields: &Map<String, Value>, width: usize, values: &[f32]) -> usize {
+    let bytes: Vec<u8> = values.iter().flat_map(|x| x.to_le_bytes()).collect();
+    let view = document.add_view(&bytes, Some(VERTICES));
+    let mut fields = fields.clone();
+    fields.remove("normalized");
+    fields.insert("bufferView".to_owned(), json!(view));
+    fields.insert("componentType".to_owned(), json!(5126));
+    fields.insert("count".to_owned(), json!(values.len() / width));
+    if fields.contains_key("min") || fields.contains_key("max") {
+        let end = |pick: fn(f32, f32) -> f32, start: f32| -> Vec<f32> {
+            (0..width).map(|axis| values.iter().skip(axis).step_by(width).copied().fold(start, pick)).collect()
+        };
+        fields.insert("min".to_owned(), json!(end(f32::min, f32::INFINITY)));
+        fields.insert("max".to_owned(), json!(end(f32::max, f32::NEG_INFINITY)));
+    }
+    document.json.field("accessors").push(Value::Object(fields))
+}
+
+/// Adds numbers of joints, four a vertex, as bytes or as words of two. Returns the accessor.
+pub(crate) fn add_joints(document: &mut Document, component: u64, joints: &[u32]) -> usize {
+    let bytes: Vec<u8> = match component {
+        5121 => joints.iter().map(|joint| *joint as u8).collect(),
+        _ => joints.iter().flat_map(|joint| (*joint as u16).to_le_bytes()).collect(),
+    };
+    let component = if component == 5121 { 5121 } else { 5123 };
+    let view = document.add_view(&bytes, Some(VERTICES));
+    let accessor = json!({"bufferView": view, "componentType": component, "count": joints.len() / 4, "type": "VEC4"});
+    document.json.field("accessors").push(accessor)
+}
+
 /// Adds indices of vertices. Returns the accessor.
 pub(crate) fn add_indices(document: &mut Document, indices: &[u32]) -> usize {
     let is_short = indices.iter().all(|i| *i < u32::from(u16::MAX));
@@ -123,6 +154,46 @@ pub(crate) fn add_indices(document: &mut Document, indices: &[u32]) -> usize {
 }
 
 impl Rows {
+    /// The accessor as it is, without what says where its data are.
+    pub(crate) const fn fields(&self) -> &Map<String, Value> {
+        &self.fields
+    }
+
+    /// The kind of a component, as glTF numbers them.
+    pub(crate) fn component(&self) -> u64 {
+        self.fields["componentType"].as_u64().unwrap_or(0)
+    }
+
+    /// Components of a row.
+    pub(crate) fn width(&self) -> usize {
+        (self.row / size(self.component())).max(1)
+    }
+
+    /// Whether components are floats, or integers that stand for parts of their largest.
+    pub(crate) fn is_fraction(&self) -> bool {
+        self.component() == 5126 || self.is_normalized()
+    }
+
+    fn is_normalized(&self) -> bool {
+        self.fields.get("normalized").and_then(Value::as_bool) == Some(true)
+    }
+
+    /// All components, row by row, as the numbers that they stand for (glTF 2.0, §3.6.2.2).
+    pub(crate) fn numbers(&self) -> Vec<f64> {
+        let (component, is_normalized) = (self.component(), self.is_normalized());
+        let part = |x: f64, most: f64| if is_normalized { (x / most).max(-1.0) } else { x };
+        let number = |bytes: &[u8]| match (component, bytes) {
+            (5120, [x]) => part(f64::from(*x as i8), 127.0),
+            (5121, [x]) => part(f64::from(*x), 255.0),
+            (5122, [x, y]) => part(f64::from(i16::from_le_bytes([*x, *y])), 32767.0),
+            (5123, [x, y]) => part(f64::from(u16::from_le_bytes([*x, *y])), 65535.0),
+            (5125, [a, b, c, d]) => f64::from(u32::from_le_bytes([*a, *b, *c, *d])),
+            (5126, [a, b, c, d]) => f64::from(f32::from_le_bytes([*a, *b, *c, *d])),
+            _ => 0.0,
+        };
+        self.bytes.chunks_exact(size(component)).map(number).collect()
+    }
+
     /// The last component of each row, of colours: floats, or integers as parts of their largest.
     pub(crate) fn last_components(&self) -> Vec<f32> {
         let component = self.fields["componentType"].as_u64().unwrap_or(0);

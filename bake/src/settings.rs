@@ -19,7 +19,8 @@ pub struct BakeSettings {
     pub form: Form,
     /// Side of a page in texels, of a map.
     pub page: u32,
-    /// Texels along a unit of length, for coordinates that are made; `None`: as many as fit one page.
+    /// Texels along a unit of length, for coordinates that are made; `None`: as many as fit one page. Of vertices the edges along a unit, at
+    /// most, that [`subdivide`](Self::subdivide) makes; `None`: 512 along the longest side of the box around all surfaces.
     pub density: Option<f32>,
     /// Texels around each chart that repeat its edge.
     pub padding: u32,
@@ -29,24 +30,41 @@ pub struct BakeSettings {
     pub per_light: bool,
     /// Whether coordinates are made also where the file has a second set.
     pub unwrap: bool,
+    /// Whether double-sided surfaces have a back with light of its own: one more primitive, and single-sided materials. Surfaces of scene
+    /// files, OBJ and PLY are all double-sided then. Without it both sides show the light of the front.
+    pub both_sides: bool,
+    /// Of colours of vertices: triangles are divided until light between their vertices differs from its interpolation by at most this part
+    /// of the mean light, above 0 and at most 1. `None`: the vertices are those of the file.
+    pub subdivide: Option<f32>,
+    /// The most vertices that [`subdivide`](Self::subdivide) makes: the largest differences are mended first.
+    pub most_vertices: u32,
 }
 
 impl Default for BakeSettings {
     /// Emission, on pages of 1024² texels, with 2 texels of padding and 2 × 2 points a texel.
     fn default() -> Self {
-        Self {
-            form: Form::default(),
-            page: 1024,
-            density: None,
-            padding: 2,
-            samples: 2,
-            per_light: false,
-            unwrap: false,
-        }
+        Self::DEFAULT
     }
 }
 
 impl BakeSettings {
+    /// The [default](Self::default).
+    pub const DEFAULT: Self = Self {
+        form: Form::Emission,
+        page: 1024,
+        density: None,
+        padding: 2,
+        samples: 2,
+        per_light: false,
+        unwrap: false,
+        both_sides: false,
+        subdivide: None,
+        most_vertices: 1_000_000,
+    };
+
+    /// The most vertices that a subdivision may be let make: they take 3 GB of memory while they are made.
+    pub const MAX_VERTICES: u32 = 2_000_000;
+
     /// The largest side of a page.
     pub const MAX_PAGE: u32 = 16384;
 
@@ -69,6 +87,15 @@ impl BakeSettings {
         }
         if !(1..=8).contains(&self.samples) {
             return fault("points along a texel", &self.samples, "1 to 8");
+        }
+        if let Some(error) = self.subdivide.filter(|error| !(*error > 0.0 && *error <= 1.0)) {
+            return fault("difference of subdivision", &error, "above 0 and at most 1");
+        }
+        if !(1..=Self::MAX_VERTICES).contains(&self.most_vertices) {
+            return fault("number of vertices", &self.most_vertices, "1 to 2000000");
+        }
+        if self.subdivide.is_some() && self.form != Form::VertexColors {
+            return fault("form", &format_args!("{:?}", self.form), "colours of vertices, which alone are subdivided");
         }
         Ok(())
     }

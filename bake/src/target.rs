@@ -25,7 +25,7 @@ pub(crate) fn targets(path: &Path, file: &GltfDocument, json: &Value) -> Result<
         chosen.push(place);
     }
     if moving > 0 {
-        notes.push(format!("{moving} moving surfaces keep the light of their first moment"));
+        notes.push(format!("{moving} moving surfaces have the light of one moment"));
     }
     if chosen.is_empty() {
         let message = "has no surface that light is baked to".to_owned();
@@ -80,6 +80,8 @@ pub(crate) struct Face<'a> {
     corners: [u32; 3],
     normal: Vec3,
     object: u32,
+    /// The radius of the sphere that it stands for.
+    radius: Option<f32>,
 }
 
 impl<'a> Face<'a> {
@@ -90,7 +92,9 @@ impl<'a> Face<'a> {
         let [a, b, c] = corners.map(|i| mesh.positions[i as usize].as_dvec3());
         let cross = (b - a).cross(c - a);
         let normal = (cross.length() > 1e-36).then(|| cross.normalize().as_vec3().normalize())?;
-        Some(Self { mesh, corners, normal, object: part.object.map_or(NO_OBJECT, |object| object as u32) })
+        let object = part.object.map_or(NO_OBJECT, |object| object as u32);
+        let radius = part.radii.get(corners[0] as usize).copied();
+        Some(Self { mesh, corners, normal, object, radius })
     }
 
     /// The weights of the corners at a place.
@@ -103,7 +107,8 @@ impl<'a> Face<'a> {
         each.map(|(i, weight)| of[*i as usize].as_dvec3() * weight).sum()
     }
 
-    /// The receiver at a place, on the side from which the corners go round against the clock.
+    /// The receiver at a place, on the side from which the corners go round against the clock: of a sphere on itself, outside of the
+    /// triangle.
     pub(crate) fn receiver(&self, at: [f64; 2]) -> Receiver {
         let face = self.normal;
         let mut normal = face;
@@ -112,7 +117,15 @@ impl<'a> Face<'a> {
             let smooth = if smooth.dot(face) < 0.0 { -smooth } else { smooth };
             normal = smooth.try_normalize().unwrap_or(face);
         }
-        let position = self.mean(&self.mesh.positions, at).as_vec3();
+        let place = self.mean(&self.mesh.positions, at);
+        if let Some(radius) = self.radius {
+            let mean = self.mean(&self.mesh.normals, at);
+            let outward = mean.normalize_or(face.as_dvec3());
+            let position = (place + f64::from(radius) * (outward - mean)).as_vec3();
+            let normal = outward.as_vec3().normalize();
+            return Receiver { position, normal, face: normal, view: normal, object: self.object };
+        }
+        let position = place.as_vec3();
         Receiver { position, normal, face, view: face, object: self.object }
     }
 
@@ -137,10 +150,19 @@ impl<'a> Face<'a> {
 
     /// The angles at the corners, in radians.
     pub(crate) fn angles(&self) -> [f64; 3] {
-        let p = self.corners.map(|i| self.mesh.positions[i as usize].as_dvec3());
-        [0, 1, 2].map(|k| {
-            let (u, v) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
-            u.cross(v).length().atan2(u.dot(v))
-        })
+        angles(self.corners.map(|i| self.mesh.positions[i as usize].as_dvec3()))
     }
+
+    /// The angles, in radians, and the area of a part of the triangle, by the places of its corners.
+    pub(crate) fn angles_of(&self, at: [[f64; 2]; 3]) -> ([f64; 3], f64) {
+        let p = at.map(|at| self.mean(&self.mesh.positions, at));
+        (angles(p), 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).length())
+    }
+}
+
+fn angles(p: [DVec3; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|k| {
+        let (u, v) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
+        u.cross(v).length().atan2(u.dot(v))
+    })
 }

@@ -5,9 +5,10 @@ use crate::coverage::Grid;
 use crate::layout::Layout;
 use crate::light::Irradiance;
 use crate::look::{Look, texel_sides};
-use crate::mixing;
+use crate::mixing::{self, Spot};
 use crate::page::{Page, State, THIN};
 use crate::seams;
+use crate::steps::{Steps, step};
 use crate::target::Face;
 use core::f32::consts::FRAC_1_PI;
 use core::ops::ControlFlow;
@@ -44,6 +45,7 @@ impl Texels<'_> {
     pub(crate) fn pages(
         &self,
         renderer: &mut Renderer,
+        steps: &mut dyn Steps,
         heard: &mut dyn FnMut(f32) -> ControlFlow<()>,
     ) -> Result<Vec<Page>, BakeError> {
         let rows = |size: &[u32; 2]| f64::from(size[1]) * f64::from(size[0]);
@@ -56,7 +58,11 @@ impl Texels<'_> {
             let band = (BAND / cells).clamp(1, u64::from(size[1])) as u32;
             for start in (0..size[1]).step_by(band as usize) {
                 let rows = [start, (start + band).min(size[1])];
-                self.band(renderer, &mut page, number, rows)?;
+                let values = step(steps, || {
+                    self.band(renderer, &mut page, number, rows)?;
+                    Ok(page.rows(rows))
+                })?;
+                page.set_rows(rows, &values);
                 done += f64::from(rows[1] - rows[0]) * f64::from(size[0]);
                 if heard((done / all) as f32).is_break() {
                     return Err(RenderError::Cancelled.into());
@@ -106,7 +112,11 @@ impl Texels<'_> {
         let points = self.points(number, Grid { size: page.size, rows, cells: self.samples });
         let receivers: Vec<Receiver> = points.iter().map(|point| self.face(point).receiver(point.at)).collect();
         let mut values = self.light.of(renderer, &receivers)?;
-        let weighted: Vec<(Receiver, f64)> = receivers.into_iter().zip(points.iter().map(|point| point.area)).collect();
+        let spot = |(at, point): (Receiver, &Point)| {
+            let part = self.layout.targets[point.target as usize].part;
+            Spot { at, weight: point.area, is_back: self.file.parts[part].is_back }
+        };
+        let weighted: Vec<Spot> = receivers.into_iter().zip(&points).map(spot).collect();
         let same = |a: &Point, b: &Point| a.texel == b.texel;
         let ends: Vec<usize> = points
             .chunk_by(same)

@@ -2,7 +2,8 @@
 
 use crate::BakeError;
 use crate::light::Irradiance;
-use crate::mixing;
+use crate::mixing::{self, Spot};
+use crate::steps::{Steps, step};
 use crate::target::Face;
 use core::ops::ControlFlow;
 use glam::{DVec3, Vec3};
@@ -11,7 +12,7 @@ use renderer::{RenderError, Renderer};
 use scene_files::GltfPart;
 
 /// How far from a corner its light is taken, as a part of the way to the triangle's middle: on the corner itself a wall may stand.
-const INSIDE: f64 = 0.02;
+pub(crate) const INSIDE: f64 = 0.02;
 
 /// The irradiance of a part's vertices: the mean over the triangles around each, by their angles there.
 ///
@@ -23,11 +24,12 @@ pub(crate) fn vertices(part: &GltfPart, light: &Irradiance, renderer: &mut Rende
         let Some(face) = Face::new(part, number) else { continue };
         for (k, angle) in face.angles().into_iter().enumerate() {
             let weight = |corner: usize| if corner == k { 1.0 - INSIDE * 2.0 / 3.0 } else { INSIDE / 3.0 };
-            receivers.push((face.receiver([weight(1), weight(2)]), angle));
+            let at = face.receiver([weight(1), weight(2)]);
+            receivers.push(Spot { at, weight: angle, is_back: part.is_back });
             corners.push(triangle[k] as usize);
         }
     }
-    let points: Vec<Receiver> = receivers.iter().map(|(at, _)| *at).collect();
+    let points: Vec<Receiver> = receivers.iter().map(|spot| spot.at).collect();
     let values = light.of(renderer, &points)?.swap_remove(0);
     let ends: Vec<usize> = (1..=points.len()).collect();
     let kept = mixing::weights(renderer, &receivers, &values, &ends);
@@ -47,11 +49,12 @@ pub(crate) fn all(
     parts: &[&GltfPart],
     light: &Irradiance,
     renderer: &mut Renderer,
+    steps: &mut dyn Steps,
     heard: &mut dyn FnMut(f32) -> ControlFlow<()>,
 ) -> Result<Vec<Vec<Vec3>>, BakeError> {
     let mut done = Vec::new();
     for part in parts {
-        done.push(vertices(part, light, renderer)?);
+        done.push(step(steps, || vertices(part, light, renderer))?);
         if heard(done.len() as f32 / parts.len() as f32).is_break() {
             return Err(RenderError::Cancelled.into());
         }

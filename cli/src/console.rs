@@ -6,6 +6,7 @@ use cosine_lobes::scene::Cancel;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{LazyLock, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -25,8 +26,24 @@ const PATIENCE: Duration = Duration::from_millis(200);
 /// True once Ctrl-C ends the program.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
+/// The file that an interrupted program goes on from, if it keeps one.
+static KEPT: Mutex<Option<PathBuf>> = Mutex::new(None);
+
+/// From now on an interrupted program goes on from this file, or from none.
+pub(crate) fn kept(path: Option<PathBuf>) {
+    *KEPT.lock().unwrap_or_else(PoisonError::into_inner) = path;
+}
+
 /// The last line of a program that Ctrl-C has ended.
-pub(crate) const INTERRUPTED: &str = "lobes: interrupted; nothing half-written";
+pub(crate) fn interrupted() -> String {
+    match &*KEPT.lock().unwrap_or_else(PoisonError::into_inner) {
+        None => "lobes: interrupted; nothing half-written".to_owned(),
+        Some(path) => format!(
+            "lobes: interrupted: the finished work is kept in {}; the same command goes on from there",
+            path.display()
+        ),
+    }
+}
 
 /// Waits for the end of the program once Ctrl-C has begun it. Its files are removed meanwhile, and errors that follow from this
 /// are not reported.
@@ -61,7 +78,7 @@ pub(crate) fn catch_interrupts() -> Result<(), Failure> {
         }
         ENDING.store(true, Ordering::SeqCst);
         remove_unfinished();
-        note(INTERRUPTED);
+        note(interrupted());
         std::process::exit(130);
     })
     .map_err(|e| Failure::new(format_args!("cannot catch Ctrl-C: {e}")))

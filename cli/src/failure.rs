@@ -34,7 +34,7 @@ impl Failure {
         // A message that quotes a file or a parser may hold line breaks.
         let line = self.message.split_whitespace().collect::<Vec<_>>().join(" ");
         match self.code {
-            130 if line.is_empty() => console::note(console::INTERRUPTED),
+            130 if line.is_empty() => console::note(console::interrupted()),
             130 => console::note(format_args!("lobes: interrupted: {line}")),
             _ if line.is_empty() => {}
             _ => console::note(format_args!("lobes: error: {line}")),

@@ -15,6 +15,7 @@ mod figures;
 mod files;
 mod fingerprint;
 mod input;
+mod journal;
 mod merge;
 mod moment;
 mod open;

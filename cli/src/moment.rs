@@ -1,6 +1,5 @@
 //! The requested moments of an animation.
 
-use crate::args::ViewArgs;
 use crate::failure::Failure;
 use cosine_lobes::scene::Animation;
 
@@ -13,6 +12,14 @@ pub(crate) struct Moment {
     pub(crate) time: f32,
 }
 
+/// The options that name moments.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Clock {
+    pub(crate) frame: Option<u32>,
+    pub(crate) time: Option<f32>,
+    pub(crate) fps: Option<f32>,
+}
+
 /// Number of the animation's last frame: the last one that is not after its end.
 pub(crate) fn last_frame(animation: &Animation, fps: f32) -> u32 {
     // Allows for rounding below a whole number of frames.
@@ -23,8 +30,8 @@ fn at(frame: u32, fps: f32) -> f32 {
     (f64::from(frame) / f64::from(fps)) as f32
 }
 
-/// The one moment that a view asks for; the first one when it asks for none.
-pub(crate) fn single(args: &ViewArgs, animation: &Animation) -> Result<Moment, Failure> {
+/// The one moment that is requested; the first one when none is.
+pub(crate) fn single(args: Clock, animation: &Animation) -> Result<Moment, Failure> {
     let fps = args.fps.unwrap_or(animation.fps());
     match (args.frame, args.time) {
         (Some(frame), _) => {
@@ -48,7 +55,7 @@ pub(crate) fn single(args: &ViewArgs, animation: &Animation) -> Result<Moment, F
 }
 
 /// The frames from the first to before the second.
-pub(crate) fn sequence(args: &ViewArgs, ends: (u32, u32), animation: &Animation) -> Result<Vec<Moment>, Failure> {
+pub(crate) fn sequence(args: Clock, ends: (u32, u32), animation: &Animation) -> Result<Vec<Moment>, Failure> {
     let fps = args.fps.unwrap_or(animation.fps());
     if ends.1 - 1 > last_frame(animation, fps) {
         let all = frames(animation, fps);

@@ -1,7 +1,9 @@
 //! A glTF file as it stands, beside the scene that is made of it.
 
 use crate::context::Context;
-use scene::Mesh;
+use glam::Mat4;
+use scene::motion::{Body, Mover};
+use scene::{Animation, Mesh, Pose};
 
 /// A glTF file as it stands, for programs that write it again with something added.
 #[derive(Clone, Debug, Default)]
@@ -33,11 +35,37 @@ pub struct GltfPart {
     pub copies: usize,
     /// Whether the clip moves it.
     pub moves: bool,
+    /// Its motion with the vertices of `geometry`, where the clip moves it.
+    pub mover: Option<Box<Mover>>,
     /// Whether its triangles are turned round, because its node mirrors them.
     pub is_turned: bool,
+    /// Whether it is the back of another part, for programs that add such parts.
+    pub is_back: bool,
     /// All of its triangles at the first moment, in world space: those without an area and those that alpha cuts away too. Vertices and
     /// triangles are in the order of the file, copy after copy.
     pub geometry: Mesh,
+    /// The radius of the sphere that each vertex lies on, for programs that add such parts; empty for triangles that are flat.
+    pub radii: Vec<f32>,
+}
+
+impl GltfPart {
+    /// Moves [`geometry`](Self::geometry) to a time in seconds, in world space; `worlds` are the [world matrices](Animation::worlds) of that
+    /// time. The order of its vertices and triangles stays. Without a clip that moves it nothing happens.
+    pub fn seek(&mut self, animation: &Animation, time: f32, worlds: &[Vec<Mat4>]) {
+        let Some(Body::Mesh(deformer, carrier)) = self.mover.as_deref().map(|mover| &mover.body) else { return };
+        let mut pose = Pose::default();
+        let (skeleton, worlds) = match carrier {
+            Some(carrier) => (Some(&animation.skeletons[carrier.skeleton]), &*worlds[carrier.skeleton]),
+            None => (None, &[][..]),
+        };
+        if let Some(mover) = &self.mover {
+            mover.pose(time, skeleton, worlds, &mut pose);
+        }
+        deformer.pose(&pose.joints, &pose.morph, &mut self.geometry);
+        if self.is_back {
+            self.geometry.normals.iter_mut().for_each(|normal| *normal = -*normal);
+        }
+    }
 }
 
 impl Context {

@@ -19,7 +19,7 @@ use gltf::json::Root;
 use gltf::json::mesh::Primitive;
 use gltf::json::validation::Checked;
 use scene::cut_out::CutOut;
-use scene::motion::{CameraMover, Carrier, Deformer, Skeleton};
+use scene::motion::{Body, CameraMover, Carrier, Deformer, Mover, Placement, Skeleton};
 use scene::{Camera, MAX_COORDINATE, Mesh, SceneError};
 use std::collections::HashMap;
 use std::path::Path;
@@ -363,6 +363,7 @@ impl Reader<'_> {
             let copies = copies.map_or(1, <[Mat4]>::len);
             let (node, name, moves) = (n, name, rig.is_some());
             let is_turned = turn.is_some_and(|(i, t)| mesh.triangles[i] != t);
+            let is_kept = context.document.is_some();
             let part = GltfPart {
                 node,
                 mesh: m,
@@ -370,6 +371,10 @@ impl Reader<'_> {
                 name: name.clone(),
                 copies,
                 moves,
+                mover: rig.as_ref().filter(|_| is_kept).map(|(deformer, carrier)| {
+                    let body = Body::Mesh(Box::new(deformer.clone()), Some(carrier.clone()));
+                    Box::new(Mover { placement: Placement::Fixed(Mat4::IDENTITY), body, proxy: Vec::new() })
+                }),
                 is_turned,
                 ..GltfPart::default()
             };

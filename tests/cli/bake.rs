@@ -133,13 +133,14 @@ fn scenes_and_models_become_files() {
     let args = ["bake", "sky.toml", "-o", "sky.glb", "--page", "128", "--as", "lightmap", "--per-light", "--json"];
     let ran = lobes(folder, &args);
     let stderr = String::from_utf8(ran.stderr).unwrap();
-    assert!(ran.status.success() && stderr.contains("\"ball\" casts shadows and is not written"), "{stderr}");
+    assert!(ran.status.success() && stderr.is_empty(), "{stderr}");
     let baked: Value = serde_json::from_slice(&ran.stdout).unwrap();
-    assert_eq!(baked["surfaces"], json!(2));
+    assert_eq!(baked["surfaces"], json!(3), "a sphere is one, too");
     let parts = ["", ".light0", ".sky"].map(|end| format!("sky.lightmap0{end}.exr"));
     let [all, lamp, sky] = parts.map(|name| read_exr(&folder.join(name)).unwrap());
     for ((all, lamp), sky) in all.pixels().iter().zip(lamp.pixels()).zip(sky.pixels()) {
-        assert!((*all - *lamp - *sky).length() <= 2e-3 * all.length(), "{all} {lamp} {sky}");
+        // Closing the seams of the sphere lets no light of one lamp fall below 0, where that of all may be less.
+        assert!((*all - *lamp - *sky).length() <= 1e-2 * all.length(), "{all} {lamp} {sky}");
     }
     // Open floor sees the whole sky: π times its radiance.
     let most = sky.pixels().iter().map(|p| p.x).fold(0.0, f32::max);
@@ -154,4 +155,129 @@ fn scenes_and_models_become_files() {
     fs::write(folder.join("corner.obj"), "v 0 0 0\nv 1 0 0\nv 0 0 -1\nv 0 1 0\nf 1 2 3\nf 1 4 2\n").unwrap();
     let corner = super::json(folder, &["bake", "corner.obj", "-o", "corner.glb", "--page", "32", "--json", "-q"]);
     assert!(corner["texels"].as_u64().unwrap() > 300, "{corner}");
+}
+
+/// A card that moves over a floor under a lamp, for two seconds.
+const CARD: &str = r#"
+[camera]
+eye = [0, 3, 5]
+target = [0, 0, 0]
+[[lights]]
+kind = "sphere"
+center = [0, 3, 0]
+radius = 0.1
+radiance = 100
+[[objects]]
+name = "floor"
+quad = { center = [0, 0, 0], u = [2, 0, 0], v = [0, 0, -2] }
+[[objects]]
+name = "card"
+quad = { center = [0, 0.5, 0], u = [0.3, 0, 0], v = [0, 0, -0.3] }
+keys = [{ time = 0 }, { time = 2, translate = [1, 0, 0] }]
+"#;
+
+/// A file a frame, with its maps; frames that are there are kept if the same command made them.
+#[test]
+fn frames_are_files_of_their_own() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("card.toml"), CARD).unwrap();
+    let args = ["bake", "card.toml", "-o", "f.glb", "--page", "64", "--as", "lightmap", "--json", "-q"];
+    let frames = |more: &[&str]| super::json(folder, &[&args[..], &["--fps", "2"], more].concat());
+    let made = frames(&["--frames", "1..4"]);
+    assert_eq!((made["frames"].as_array().unwrap().len(), &made["skipped_frames"]), (3, &json!(0)));
+    assert_eq!(
+        (&made["frames"][2]["frame"], &made["frames"][2]["files"][0]),
+        (&json!(3), &json!("f.0003.lightmap0.exr"))
+    );
+    let bytes = |name: &str| fs::read(folder.join(name)).unwrap();
+    let before = bytes("f.0002.glb");
+    assert_ne!(bytes("f.0001.lightmap0.exr"), bytes("f.0003.lightmap0.exr"));
+    // A moment alone has the same light.
+    for moment in [&["--time", "1"][..], &["--frame", "2", "--fps", "2"]] {
+        let args = ["bake", "card.toml", "-o", "one.glb", "--page", "64", "--as", "lightmap", "--json", "-q"];
+        super::json(folder, &[&args[..], moment].concat());
+        assert_eq!(bytes("one.lightmap0.exr"), bytes("f.0002.lightmap0.exr"));
+    }
+    let kept = |more: &[&str]| frames(&[&["--frames", "1..4"], more].concat())["skipped_frames"].clone();
+    assert_eq!(kept(&[]), json!(3));
+    fs::write(folder.join("f.0001.lightmap0.png"), "").unwrap();
+    fs::remove_file(folder.join("f.0003.lightmap0.exr")).unwrap();
+    assert_eq!(kept(&["--threads", "1"]), json!(1));
+    fs::write(folder.join("f.0002.glb"), &before[..before.len() - 1]).unwrap();
+    assert_eq!(kept(&[]), json!(2));
+    assert_eq!(bytes("f.0002.glb"), before, "the same bytes again");
+    assert_eq!(kept(&["--samples", "1"]), json!(0));
+    fs::write(folder.join("card.toml"), CARD.replace("0.5, 0]", "0.6, 0]")).unwrap();
+    assert_eq!(kept(&["--samples", "1"]), json!(0));
+    for (more, fault) in [
+        (&["--frames", "3..6"][..], "--frames 3..6: there are only frames 0 to 4"),
+        (&["--time", "3"], "--time 3: the animation ends at 2 s"),
+        (&["--frames", "2..2"], "there are no frames from 2 to before 2"),
+    ] {
+        let more: Vec<&str> = if more[0] == "--time" { more.to_vec() } else { [more, &["--fps", "2"]].concat() };
+        refuse(folder, &[&args[..], &more].concat(), fault);
+    }
+}
+
+/// Starts a bake and ends it by a signal as soon as it has kept some of its work; returns the last line that it printed.
+#[cfg(unix)]
+fn interrupted(folder: &Path, args: &[&str], signal: &str) -> String {
+    let checkpoint = folder.join("out.glb.checkpoint");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lobes"));
+    let mut run = command.current_dir(folder).args(args).stderr(std::process::Stdio::piped()).spawn().unwrap();
+    // Longer than its header, the coordinates and one band.
+    while fs::metadata(&checkpoint).map_or(0, |file| file.len()) < 100_000 {
+        assert!(run.try_wait().unwrap().is_none(), "it was done before it kept anything");
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    assert!(Command::new("kill").args([signal, &run.id().to_string()]).status().unwrap().success());
+    let ended = run.wait_with_output().unwrap();
+    assert!(!ended.status.success() && checkpoint.exists());
+    String::from_utf8(ended.stderr).unwrap().lines().last().unwrap_or_default().to_owned()
+}
+
+/// Ctrl-C and a kill leave a checkpoint; the same command goes on and gives the same bytes. Another command, and a damaged checkpoint, begin
+/// anew.
+#[cfg(unix)]
+#[test]
+fn interrupted_bakes_go_on() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("room.gltf"), room(POINT)).unwrap();
+    let args = |output: &'static str, samples: &'static str| {
+        ["bake", "room.gltf", "-o", output, "--page", "256", "--as", "lightmap", "--samples", samples, "--threads", "1"]
+    };
+    let (long, other) = (args("out.glb", "8"), args("out.glb", "2"));
+    let bytes = |name: &str| fs::read(folder.join(name)).unwrap();
+    let checkpoint = folder.join("out.glb.checkpoint");
+    let last = interrupted(folder, &long, "-INT");
+    assert!(last.contains("out.glb.checkpoint; the same command goes on from there"), "{last}");
+    let kept = bytes("out.glb.checkpoint");
+    interrupted(folder, &long, "-KILL");
+    // Half of a step at its end.
+    let longer = bytes("out.glb.checkpoint");
+    assert!(longer.len() > kept.len() - kept.len() / 2);
+    fs::write(&checkpoint, &longer[..longer.len() - 1000]).unwrap();
+    let ran = lobes(folder, &long);
+    let said = String::from_utf8(ran.stderr).unwrap();
+    assert!(ran.status.success() && said.contains("goes on from out.glb.checkpoint") && !checkpoint.exists(), "{said}");
+    let resumed = [bytes("out.glb"), bytes("out.lightmap0.exr")];
+    succeed(folder, &args("whole.glb", "8"));
+    assert!(resumed == [bytes("whole.glb"), bytes("whole.lightmap0.exr")]);
+    // A damaged step is made again; other options are another bake.
+    let mut damaged = longer;
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 1;
+    fs::write(&checkpoint, &damaged).unwrap();
+    succeed(folder, &long);
+    assert!(resumed == [bytes("out.glb"), bytes("out.lightmap0.exr")]);
+    for (content, fault) in [(&kept[..], "belongs to another bake"), (b"no checkpoint", "is damaged; made anew")] {
+        fs::write(&checkpoint, content).unwrap();
+        let ran = lobes(folder, &other);
+        let said = String::from_utf8(ran.stderr).unwrap();
+        assert!(ran.status.success() && said.contains(fault) && !checkpoint.exists(), "{said}");
+    }
+    succeed(folder, &args("whole.glb", "2"));
+    assert!(bytes("out.glb") == bytes("whole.glb"));
 }

@@ -5,15 +5,7 @@ use bake::{BakeSettings, Form};
 use glam::{Vec2, Vec3};
 use serde_json::json;
 
-const MAPS: BakeSettings = BakeSettings {
-    form: Form::Lightmap,
-    page: 64,
-    density: None,
-    padding: 2,
-    samples: 2,
-    per_light: false,
-    unwrap: false,
-};
+const MAPS: BakeSettings = BakeSettings { form: Form::Lightmap, page: 64, ..BakeSettings::DEFAULT };
 
 /// A closed box lets no light in: all of its inner walls are black, at its edges too, whether the coordinates are made or the file's.
 #[test]

@@ -5,15 +5,7 @@ use bake::{BakeSettings, Form};
 use glam::{Vec2, Vec3};
 use serde_json::{Value, json};
 
-const MAPS: BakeSettings = BakeSettings {
-    form: Form::Lightmap,
-    page: 64,
-    density: None,
-    padding: 2,
-    samples: 2,
-    per_light: false,
-    unwrap: false,
-};
+const MAPS: BakeSettings = BakeSettings { form: Form::Lightmap, page: 64, ..BakeSettings::DEFAULT };
 
 const SIDES: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::NEG_Z];
 
@@ -117,6 +109,57 @@ fn made_coordinates_keep_the_surface() {
     let [width, height] = baked.pages[0].map(|k| k as f32);
     let texels = area[1] * width * height / area[0];
     assert!((texels / 64.0 - 1.0).abs() < 0.02, "{texels} texels a square unit");
+}
+
+/// Many separate pieces are named before the work begins, and more than a page holds are refused at once.
+#[test]
+fn many_pieces_are_named() {
+    let mut file = lit();
+    let count = 52_500;
+    let corner = |k: u32| {
+        let (i, j) = ((k / 3 % 105) as f32, (k / 315) as f32);
+        Vec3::new(i, 0.0, -j) + 0.5 * [Vec3::ZERO, Vec3::X, Vec3::NEG_Z][k as usize % 3]
+    };
+    let positions: Vec<Vec3> = (0..3 * count).map(corner).collect();
+    let triangles: Vec<[u32; 3]> = (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+    let mesh = file.mesh("chaff", &positions, &triangles, None);
+    file.node(json!({"mesh": mesh}));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.glb");
+    std::fs::write(&path, file.glb()).unwrap();
+    let open = |settings| {
+        let options = scene_files::LoadOptions::new();
+        bake::Baker::open(&path, &options, settings, renderer::Settings::default()).unwrap()
+    };
+    let notes = |settings| open(settings).notes().join("\n");
+    assert!(notes(MAPS).contains("coordinates for 52500 separate pieces"), "{}", notes(MAPS));
+    assert!(notes(BakeSettings { form: Form::VertexColors, ..MAPS }).is_empty());
+    let start = std::time::Instant::now();
+    let found = message(&file, BakeSettings { page: 512, ..MAPS });
+    assert!(found.contains("mesh \"chaff\": its 52500 separate pieces do not fit one page of 512"), "{found}");
+    assert!(start.elapsed().as_secs() < 5);
+}
+
+/// Edges of three triangles, triangles that meet in a corner, and the same triangle twice are no fault, in any form.
+#[test]
+fn odd_surfaces_are_baked() {
+    let mut file = lit();
+    let book =
+        [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.2], [0.3, 0.0, 1.0]].map(Vec3::from_array);
+    let mesh = file.mesh("book", &book, &[[0, 1, 2], [0, 1, 3], [0, 1, 4], [0, 1, 4]], None);
+    file.node(json!({"mesh": mesh}));
+    let bow = [[0.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, -1.0, 1.0], [-1.0, -1.0, 0.0], [0.0, -1.0, -1.0]]
+        .map(Vec3::from_array);
+    let mesh = file.mesh("bow", &bow, &[[0, 2, 1], [0, 4, 3]], None);
+    file.node(json!({"mesh": mesh}));
+    file.json["materials"][0]["doubleSided"] = json!(true);
+    for both_sides in [false, true] {
+        for form in [Form::Emission, Form::Lightmap, Form::VertexColors] {
+            let subdivide = (form == Form::VertexColors).then_some(0.1);
+            let baked = bake(&file, BakeSettings { form, both_sides, subdivide, page: 128, ..MAPS });
+            assert_eq!(baked.surfaces, if both_sides { 4 } else { 2 });
+        }
+    }
 }
 
 /// Settings and files that cannot be baked are refused in one line.

@@ -5,15 +5,7 @@ use bake::{BakeSettings, Form};
 use glam::Vec3;
 use serde_json::{Value, json};
 
-const SMALL: BakeSettings = BakeSettings {
-    form: Form::Emission,
-    page: 32,
-    density: None,
-    padding: 2,
-    samples: 1,
-    per_light: false,
-    unwrap: false,
-};
+const SMALL: BakeSettings = BakeSettings { page: 32, samples: 1, ..BakeSettings::DEFAULT };
 
 fn room() -> File {
     let mut file = File::new();

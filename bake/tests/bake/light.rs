@@ -6,15 +6,7 @@ use core::f64::consts::PI;
 use glam::{DVec3, Vec2, Vec3};
 use serde_json::json;
 
-const MAPS: BakeSettings = BakeSettings {
-    form: Form::Lightmap,
-    page: 32,
-    density: None,
-    padding: 2,
-    samples: 2,
-    per_light: false,
-    unwrap: false,
-};
+const MAPS: BakeSettings = BakeSettings { form: Form::Lightmap, page: 32, ..BakeSettings::DEFAULT };
 
 /// Irradiance on a floor at height 0 of a point that shines with an intensity of 1 in all directions: `cos θ/d²`.
 fn point(light: DVec3, x: f64, z: f64) -> f64 {

@@ -75,6 +75,25 @@ impl File {
         self.push("meshes", json!({"name": name, "primitives": [primitive]}))
     }
 
+    /// Gives the first primitive of a mesh an attribute with a number of rows as it has positions, of a kind of component that stands for parts
+    /// of its largest or not.
+    pub(crate) fn attribute(
+        &mut self,
+        mesh: usize,
+        name: &str,
+        bytes: &[u8],
+        (component, is_part): (u32, bool),
+        kind: &str,
+    ) {
+        let positions = &self.json["meshes"][mesh]["primitives"][0]["attributes"]["POSITION"];
+        let count = self.json["accessors"][positions.as_u64().unwrap() as usize]["count"].as_u64().unwrap() as usize;
+        let accessor = self.accessor(bytes, component, kind, count);
+        if is_part {
+            self.json["accessors"][accessor]["normalized"] = json!(true);
+        }
+        self.json["meshes"][mesh]["primitives"][0]["attributes"][name] = json!(accessor);
+    }
+
     /// A node of the scene; gives its number.
     pub(crate) fn node(&mut self, node: Value) -> usize {
         let node = self.push("nodes", node);
@@ -161,6 +180,67 @@ pub(crate) fn try_bake(file: &File, settings: BakeSettings) -> Result<Baked, Bak
 
 pub(crate) fn bake(file: &File, settings: BakeSettings) -> Baked {
     try_bake(file, settings).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A baked file that is read again.
+pub(crate) struct Baked3 {
+    pub(crate) json: Value,
+    pub(crate) binary: Vec<u8>,
+}
+
+/// The first primitive of a mesh.
+pub(crate) struct Mesh3 {
+    pub(crate) positions: Vec<Vec3>,
+    /// Without alphas.
+    pub(crate) colors: Vec<Vec3>,
+    pub(crate) triangles: Vec<[usize; 3]>,
+}
+
+impl Baked3 {
+    pub(crate) fn new(baked: &Baked) -> Self {
+        let (text, binary) = chunks(&baked.glb);
+        Self { json: serde_json::from_str(&text).unwrap(), binary }
+    }
+
+    /// The rows of an accessor, as the numbers that they stand for.
+    pub(crate) fn rows(&self, accessor: &Value) -> Vec<Vec<f64>> {
+        let accessor = &self.json["accessors"][accessor.as_u64().unwrap() as usize];
+        let view = &self.json["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
+        let start =
+            view["byteOffset"].as_u64().unwrap() as usize + accessor["byteOffset"].as_u64().unwrap_or(0) as usize;
+        let width = match accessor["type"].as_str().unwrap() {
+            "SCALAR" => 1,
+            "VEC2" => 2,
+            "VEC3" => 3,
+            _ => 4,
+        };
+        let size = match accessor["componentType"].as_u64().unwrap() {
+            5121 => 1,
+            5123 => 2,
+            _ => 4,
+        };
+        let stride = view["byteStride"].as_u64().map_or(width * size, |stride| stride as usize);
+        let number = |at: usize| match accessor["componentType"].as_u64().unwrap() {
+            5121 => f64::from(self.binary[at]),
+            5123 => f64::from(u16::from_le_bytes(self.binary[at..at + 2].try_into().unwrap())),
+            5125 => f64::from(u32::from_le_bytes(self.binary[at..at + 4].try_into().unwrap())),
+            _ => f64::from(f32::from_le_bytes(self.binary[at..at + 4].try_into().unwrap())),
+        };
+        let row = |k: usize| (0..width).map(|j| number(start + k * stride + j * size)).collect();
+        (0..accessor["count"].as_u64().unwrap() as usize).map(row).collect()
+    }
+
+    pub(crate) fn mesh(&self, mesh: usize) -> Mesh3 {
+        let primitive = &self.json["meshes"][mesh]["primitives"][0];
+        let vectors = |name: &str| -> Vec<Vec3> {
+            let accessor = &primitive["attributes"][name];
+            let rows = if accessor.is_null() { Vec::new() } else { self.rows(accessor) };
+            rows.iter().map(|row| Vec3::new(row[0] as f32, row[1] as f32, row[2] as f32)).collect()
+        };
+        let indices: Vec<usize> = self.rows(&primitive["indices"]).iter().map(|row| row[0] as usize).collect();
+        let triangles = indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+        Mesh3 { positions: vectors("POSITION"), colors: vectors("COLOR_0"), triangles }
+    }
 }
 
 /// The whole of a page.

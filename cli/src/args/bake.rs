@@ -1,5 +1,6 @@
 use super::model::ModelArgs;
-use super::values::{positive, tolerance, whole};
+use super::values::{fps, frames, positive, share, time, tolerance, whole};
+use crate::moment::Clock;
 use clap::{Args, ValueEnum};
 use cosine_lobes::renderer::Settings;
 use cosine_lobes::shading::Accuracy;
@@ -8,14 +9,17 @@ use std::path::PathBuf;
 /// Bake the light of a model or scene into a glTF file
 ///
 /// Lights every texel or vertex with all lights and skies, with exact shadows, and writes a binary glTF that viewers and engines show. The
-/// rest of a glTF file stays as it is; scene files, OBJ and PLY become a new one.
+/// rest of a glTF file stays as it is; scene files, OBJ and PLY become a new one. An interrupted run keeps its finished work in
+/// OUTPUT.checkpoint, and the same command goes on from there.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:
   lobes bake room.glb -o baked.glb                      any viewer shows it
   lobes bake room.glb -o baked.glb --as lightmap        for engines; baked.lightmap0.exr and .png beside it
   lobes bake room.glb -o baked.glb --as lightmap --per-light
   lobes bake room.glb -o baked.glb --as vertex-colors   no textures
-  lobes bake scene.toml -o baked.glb --density 40 --page 2048")]
+  lobes bake room.glb -o baked.glb --as vertex-colors --subdivide 0.02
+  lobes bake scene.toml -o baked.glb --density 40 --page 2048
+  lobes bake walk.glb -o lit.glb --frames 0..24         lit.0000.glb to lit.0023.glb")]
 pub(crate) struct BakeArgs {
     /// Model or scene (.glb, .gltf, .toml, .obj, .ply)
     pub(crate) file: PathBuf,
@@ -32,7 +36,8 @@ pub(crate) struct BakeArgs {
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = whole(16..=16384))]
     pub(crate) page: u32,
 
-    /// Texels along a unit of length, on as many pages as it takes; when left out, what fits one page
+    /// Texels along a unit of length, on as many pages as it takes; when left out, what fits one page. With --subdivide edges along a
+    /// unit, at most; when left out, 512 along the longest side of all surfaces
     #[arg(long, value_name = "D", value_parser = positive)]
     pub(crate) density: Option<f32>,
 
@@ -48,15 +53,46 @@ pub(crate) struct BakeArgs {
     #[arg(long)]
     pub(crate) unwrap: bool,
 
+    /// Give double-sided surfaces a back with light of its own; without it both sides show the light of the front. Of scene files, OBJ and
+    /// PLY all surfaces are double-sided then
+    #[arg(long)]
+    pub(crate) both_sides: bool,
+
     /// Write maps of each light, too (.exr): light is linear, so that programs can dim and colour lights afterwards
     #[arg(long)]
     pub(crate) per_light: bool,
+
+    /// With --as vertex-colors: divide triangles until light between their vertices is off by at most this part of the mean light
+    #[arg(long, value_name = "ERROR", value_parser = share)]
+    pub(crate) subdivide: Option<f32>,
+
+    /// The most vertices that --subdivide makes, up to 2 million; the largest errors are mended first
+    #[arg(long, value_name = "N", default_value_t = 1_000_000, requires = "subdivide", value_parser = whole(1..=2_000_000))]
+    pub(crate) vertices: u32,
 
     /// Requested mean error in penumbra, as a fraction of the unshadowed light: above 0, at most 0.1
     #[arg(long, value_name = "T", default_value_t = 0.005, value_parser = tolerance)]
     pub(crate) tolerance: f32,
 
-    /// The glTF file's clip of that name or number (from 0) at whose first moment light is baked, instead of its first
+    /// Bake the light of the animation's frames A to B, B not included, each to a file of its own: -o out.glb gives out.0007.glb, with maps
+    /// beside it. Existing frames are kept if the same command made them, and nothing else did since: so the same command resumes an
+    /// interrupted run
+    #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with_all = ["frame", "time"])]
+    pub(crate) frames: Option<(u32, u32)>,
+
+    /// The animation's frame N: the moment N / fps, from 0 (its state as loaded)
+    #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]
+    pub(crate) frame: Option<u32>,
+
+    /// The animation's moment in seconds, from 0
+    #[arg(long, value_name = "T", conflicts_with_all = ["frame", "fps"], value_parser = time)]
+    pub(crate) time: Option<f32>,
+
+    /// Frames a second for --frame and --frames, instead of the file's (24 where it does not say)
+    #[arg(long, value_name = "F", value_parser = fps)]
+    pub(crate) fps: Option<f32>,
+
+    /// The glTF file's clip of that name or number (from 0) whose moments are baked, instead of its first
     #[arg(long, value_name = "CLIP")]
     pub(crate) clip: Option<String>,
 
@@ -87,6 +123,11 @@ pub(crate) enum Form {
 }
 
 impl BakeArgs {
+    /// The options that name moments.
+    pub(crate) fn clock(&self) -> Clock {
+        Clock { frame: self.frame, time: self.time, fps: self.fps }
+    }
+
     /// The settings of the baker.
     pub(crate) fn settings(&self) -> bake::BakeSettings {
         bake::BakeSettings {
@@ -101,6 +142,9 @@ impl BakeArgs {
             samples: self.samples,
             per_light: self.per_light,
             unwrap: self.unwrap,
+            both_sides: self.both_sides,
+            subdivide: self.subdivide,
+            most_vertices: self.vertices,
         }
     }
 

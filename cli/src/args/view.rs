@@ -1,5 +1,6 @@
 use super::model::ModelArgs;
 use super::values::{exposure, fps, size, time, whole};
+use crate::moment::Clock;
 use clap::Args;
 use cosine_lobes::render_cpu::PixelSamples;
 use std::path::PathBuf;
@@ -60,6 +61,11 @@ pub(crate) struct ViewArgs {
 }
 
 impl ViewArgs {
+    /// The options that name moments.
+    pub(crate) fn clock(&self) -> Clock {
+        Clock { frame: self.frame, time: self.time, fps: self.fps }
+    }
+
     /// The camera rays of a picture's pixels.
     pub(crate) fn samples(&self) -> PixelSamples {
         self.samples.map_or(PixelSamples::Edges(EDGE_SAMPLES), PixelSamples::Uniform)
