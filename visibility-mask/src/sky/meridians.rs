@@ -174,6 +174,26 @@ impl Meridians {
         !first.simd_eq(last)
     }
 
+    /// Which of eight boxes may hold edges that cross a meridian: their middles as seen from the receiver, and half their sides.
+    #[inline(always)]
+    pub fn may_cross_boxes<S: Simd>(
+        &self,
+        simd: S,
+        horizon: &Horizon,
+        middle: Vec3x8<S>,
+        half: Vec3x8<S>,
+    ) -> mask32x8<S> {
+        let ([x, y, _], _) = horizon.pole().axes();
+        let scale = self.resolution.rows as f32 * 0.25;
+        let sides = [half.x, half.y, half.z];
+        // No wider than a circle around the box, seen along the pole.
+        let off = (sides[x] * sides[x] + sides[y] * sides[y]).sqrt() * 1.000_01;
+        let (p, s) = spread(simd, [x, y], middle, off);
+        let first = ((p - s + 2.0) * scale - 0.5).ceil();
+        let last = ((p + s + 2.0) * scale - 0.5).ceil();
+        !first.simd_eq(last)
+    }
+
     /// Where on their rows eight directions are, in samples from the pole: z of the pole's frame, and the distance from its axis.
     #[inline(always)]
     pub(crate) fn place<S: Simd>(&self, simd: S, z: f32x8<S>, across: f32x8<S>) -> f32x8<S> {
