@@ -95,6 +95,8 @@ pub trait AnyHit: Sync {
 /// from a distance at which the root mean square of its difference is a small fraction of the light's size there. Any choice of
 /// forms is closed, since an edge between two patches is stored for each choice. Two of three rays then decide whether the fewest
 /// surfaces are none.
+///
+/// A whole sky is seen through forms of its own ([`under_sky`](Self::under_sky)), of several levels: the farther, the simpler.
 #[derive(Debug)]
 pub struct SilhouetteBlockers<'m, H> {
     pub(crate) meshes: Meshes<'m>,
