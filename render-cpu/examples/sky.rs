@@ -149,7 +149,7 @@ fn measure(name: &str, scene: &Scene, environment: &Environment) {
     };
     let blockers = |tolerance: f32| {
         let hits = SurfaceHits::new(&world, |o| o > 0);
-        SilhouetteBlockers::new(silhouettes.meshes(), hits).with_tolerance(tolerance)
+        SilhouetteBlockers::new(silhouettes.meshes(), hits).with_tolerance(tolerance).under_sky()
     };
     let accuracy = Accuracy::default();
     let patches = blockers(accuracy.tolerance);

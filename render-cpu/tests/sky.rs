@@ -63,13 +63,18 @@ fn scene(things: Vec<Mesh>, material: Material) -> Scene {
 
 /// A globe with dents: much like an animal.
 fn dented() -> Mesh {
-    let mut mesh = globe(24, Vec3::ZERO, 1.0, false);
+    dented_of(24)
+}
+
+/// Of about `4n²` triangles.
+fn dented_of(n: usize) -> Mesh {
+    let mut mesh = globe(n as u32, Vec3::ZERO, 1.0, false);
     for p in &mut mesh.positions {
         let waves = (5.0 * p.x + 1.0).sin() * (4.0 * p.y).cos() * (6.0 * p.z - 0.5).sin();
         *p = *p * (0.8 + 0.25 * waves) + Vec3::Y * 0.85;
     }
     // The last circle is one point but for rounding: without a hole.
-    let south = mesh.positions.len() - 48;
+    let south = mesh.positions.len() - 2 * n;
     let last = mesh.positions[south];
     mesh.positions[south..].fill(last);
     mesh.smooth_normals();
@@ -104,7 +109,7 @@ fn shade_by(
     let world = World::new(scene);
     let silhouettes = SceneSilhouettes::new(scene, |o| o > 0);
     let blockers = SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |o| o > 0));
-    let blockers = blockers.with_tolerance(accuracy.tolerance);
+    let blockers = blockers.with_tolerance(accuracy.tolerance).under_sky();
     let map = environment.sky();
     let resolutions =
         core::iter::successors(Some(SkyResolution::of_tolerance(accuracy.tolerance)), |last| last.finer()).take(levels);
@@ -362,4 +367,61 @@ fn through_window(x: DVec3) -> f64 {
         sum += if is_below_roof { direction.y * -direction.z / to.length_squared() } else { 0.0 };
     }
     sum * 0.5 * 0.4 / (core::f64::consts::PI * (STEPS * STEPS) as f64)
+}
+
+/// Simplified forms of a large mesh, simpler by the distance, change little, and what a point sees depends on it alone and on where the mesh is now.
+#[test]
+fn large_meshes_have_forms_before_a_sky() {
+    let mut scene = scene(vec![dented_of(90)], Material::lambert(Vec3::splat(0.7)));
+    let environment = environment(sky, UVec2::new(64, 32));
+    let table = SkyTable::new(SkyResolution::new(64, 64), 64, |v| environment.sky().radiance(v));
+    let lights: Vec<Light> = environment.lights().to_vec();
+    let shade = |scene: &Scene, silhouettes: &SceneSilhouettes, points: &ShadingPoints, (tolerance, is_under)| {
+        let world = World::new(scene);
+        let blockers = SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |o| o > 0));
+        let blockers = blockers.with_tolerance(tolerance);
+        let blockers = if is_under { blockers.under_sky() } else { blockers };
+        let replaced = environment.patches_among(&lights).expect("its own lights");
+        let frame: Frame<'_> = Frame::new(&scene.materials, &lights, Accuracy::default());
+        let mut out = vec![Vec3::ZERO; points.receivers.len()];
+        CpuShader::new(MaskVisibility::new(&blockers))
+            .with_sky(SkyShader::new([&table], replaced, &blockers))
+            .shade(points, &frame, &mut out)
+            .expect("shaded");
+        out
+    };
+    let all = points(&scene);
+    let mut silhouettes = SceneSilhouettes::new(&scene, |o| o > 0);
+    let exact = shade(&scene, &silhouettes, &all, (0.0, true));
+    assert_eq!(exact, shade(&scene, &silhouettes, &all, (0.0, false)));
+    let before = shade(&scene, &silhouettes, &all, (0.005, false));
+    let forms = shade(&scene, &silhouettes, &all, (0.005, true));
+    let most = exact.iter().map(|v| v.element_sum()).fold(0.0, f32::max);
+    let sizes: Vec<f32> = exact.iter().zip(&forms).map(|(a, b)| (*a - *b).element_sum().abs() / most).collect();
+    let mean = sizes.iter().sum::<f32>() / sizes.len() as f32;
+    let largest = sizes.iter().copied().fold(0.0, f32::max);
+    let changed = forms.iter().zip(&before).filter(|(a, b)| a != b).count();
+    println!("{changed} of {} changed, mean {mean}, largest {largest}", all.receivers.len());
+    assert!(changed > all.receivers.len() / 4 && mean < 5e-4 && largest < 1e-2, "{changed} {mean} {largest}");
+    // Each point by itself.
+    for i in (0..all.receivers.len()).step_by(5) {
+        let one = ShadingPoints {
+            receivers: vec![all.receivers[i]],
+            materials: vec![all.materials[i]],
+            ..ShadingPoints::default()
+        };
+        assert_eq!(shade(&scene, &silhouettes, &one, (0.005, true)), [forms[i]], "{i}");
+    }
+    // Forms follow the mesh.
+    if let scene::Shape::Mesh(mesh) = &mut scene.objects[1].shape {
+        mesh.positions.iter_mut().for_each(|p| *p = Vec3::new(1.3 * p.x, p.y, p.z + 0.3 * p.y));
+    }
+    silhouettes.refit(&scene);
+    let moved = points(&scene);
+    let fresh = SceneSilhouettes::new(&scene, |o| o > 0);
+    let [followed, fresh] = [&silhouettes, &fresh].map(|own| shade(&scene, own, &moved, (0.005, true)));
+    let exact = shade(&scene, &silhouettes, &moved, (0.0, true));
+    let largest =
+        |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| (*a - *b).element_sum().abs() / most).fold(0.0, f32::max);
+    assert!(largest(&followed, &fresh) < 1e-2 && largest(&followed, &exact) < 2e-2);
 }

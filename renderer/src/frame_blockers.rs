@@ -132,7 +132,9 @@ impl<'a> FrameBlockers<'a> {
     pub(crate) fn under(self, kept: &'a mut KeptSky, frame: &Frame<'_>, backend: &Backend, method: Method) -> Self {
         let is_summed = matches!(backend, Backend::Cpu) && self.sums_skies(method);
         let scene = self.world.scene();
-        Self { sky: if is_summed { kept.follow(scene, frame) } else { None }, ..self }
+        let sky = if is_summed { kept.follow(scene, frame) } else { None };
+        let silhouettes = self.silhouettes.map(|own| if sky.is_some() { own.under_sky() } else { own });
+        Self { sky, silhouettes, ..self }
     }
 
     /// Whether a sky before these blockers is summed at once by a CPU.

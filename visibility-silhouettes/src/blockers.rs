@@ -4,6 +4,7 @@ use crate::clip::{Ball, Behind, Chord, Front};
 use crate::count::{Counter, Fewest};
 use crate::fit::{is_flat, side};
 use crate::hull::Fineness;
+use crate::levels::Levels;
 use crate::lists::{Lists, Meshes};
 use crate::penumbra::narrowest;
 
@@ -94,9 +95,13 @@ pub trait AnyHit: Sync {
 /// from a distance at which the root mean square of its difference is a small fraction of the light's size there. Any choice of
 /// forms is closed, since an edge between two patches is stored for each choice. Two of three rays then decide whether the fewest
 /// surfaces are none.
+///
+/// A whole sky is seen through forms of its own ([`under_sky`](Self::under_sky)), of several levels: the farther, the simpler.
 #[derive(Debug)]
 pub struct SilhouetteBlockers<'m, H> {
     pub(crate) meshes: Meshes<'m>,
+    /// Of meshes with forms for a whole sky these forms, and the others.
+    sky: Option<(Vec<&'m Levels>, Meshes<'m>)>,
     pub(crate) hits: H,
 }
 
@@ -104,7 +109,7 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
     /// Blockers of several meshes, and the rays against their triangles.
     #[must_use]
     pub fn new(meshes: impl IntoIterator<Item = &'m SilhouetteMesh>, hits: H) -> Self {
-        Self { meshes: Meshes::new(meshes.into_iter().collect()), hits }
+        Self { meshes: Meshes::new(meshes.into_iter().collect()), sky: None, hits }
     }
 
     /// Adds shared meshes at their places. The rays are to meet these as well.
@@ -123,6 +128,23 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
     pub fn with_tolerance(mut self, tolerance: f32) -> Self {
         self.meshes.fineness = Fineness(DETAIL * tolerance.clamp(0.0, 0.1));
         self
+    }
+
+    /// Prepares what a whole sky is seen through ([`SkyBlockers`](visibility_mask::sky::SkyBlockers)): forms of large meshes, simpler by the distance.
+    /// Call it last, and not in parallel loops. Without it a sky is seen through the forms for lights.
+    ///
+    /// # Cost
+    /// For each mesh [with simplified forms](SilhouetteMesh::with_coarse) that has moved since the last call about as much time as those forms, and 300
+    /// bytes a triangle while the mesh lives.
+    #[must_use]
+    pub fn under_sky(self) -> Self {
+        let is_exact = self.meshes.fineness == Fineness::default();
+        Self { sky: if is_exact { None } else { self.meshes.with_levels() }, ..self }
+    }
+
+    /// The meshes before a sky: forms, and meshes without them.
+    pub(crate) fn before_sky(&self) -> (&[&'m Levels], &Meshes<'m>) {
+        self.sky.as_ref().map_or((&[], &self.meshes), |(levels, rest)| (levels, rest))
     }
 
     /// The triangles that rays meet.

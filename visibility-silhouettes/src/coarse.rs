@@ -94,6 +94,16 @@ struct Form {
     left_out: Vec<[u32; 2]>,
 }
 
+/// A patch with fewer corners, in the numbers of those that it was made of.
+#[derive(Debug)]
+pub(crate) struct Reduced {
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// Corners that are left and not on the rim.
+    pub(crate) inner: Vec<u32>,
+    /// Corners that are left out, and the place in `triangles` of the triangle next to each.
+    pub(crate) left_out: Vec<[u32; 2]>,
+}
+
 /// A sum of squared distances from planes, `xᵀAx + 2b·x + c`, times their triangles' areas.
 #[derive(Clone, Copy, Default)]
 struct Quadric([f64; 10]);
@@ -117,7 +127,7 @@ impl Quadric {
 
 /// A part of a mesh that is simplified by moving corners onto neighbours, the smallest error first (M. Garland, P. Heckbert,
 /// *Surface Simplification Using Quadric Error Metrics*, 1997).
-struct Patch {
+pub(crate) struct Patch {
     /// Numbers of the corners in the mesh, and their positions relative to one of them.
     numbers: Vec<u32>,
     positions: Vec<DVec3>,
@@ -137,7 +147,7 @@ struct Patch {
 type Step = Reverse<(u64, u32, u32, [u32; 2])>;
 
 impl Patch {
-    fn new(positions: &[Vec3], triangles: &[[u32; 3]], part: &[u32]) -> Self {
+    pub(crate) fn new(positions: &[Vec3], triangles: &[[u32; 3]], part: &[u32]) -> Self {
         let mut numbers: Vec<u32> = part.iter().flat_map(|t| triangles[*t as usize]).collect();
         numbers.sort_unstable();
         numbers.dedup();
@@ -233,8 +243,8 @@ impl Patch {
         self.changes[to as usize] += 1;
     }
 
-    /// Moves corners until one in [`KEPT`] of the inner ones is left, or none can be moved.
-    fn simplify(&mut self) {
+    /// Moves corners until one in so many of the inner ones is left, or none can be moved.
+    fn simplify(&mut self, kept: usize) {
         let (mut list, mut lent) = (Vec::new(), [Vec::new(), Vec::new()]);
         let mut steps = Vec::with_capacity(8 * self.numbers.len());
         for from in 0..self.numbers.len() as u32 {
@@ -243,7 +253,7 @@ impl Patch {
         }
         let mut steps = BinaryHeap::from(steps);
         let inner = self.is_fixed.iter().filter(|fixed| !**fixed).count();
-        let mut left = inner - inner / KEPT;
+        let mut left = inner - inner / kept;
         while left > 0 {
             let Some(Reverse((_, from, to, changes))) = steps.pop() else { break };
             if changes != [from, to].map(|i| self.changes[i as usize]) || !self.may_move(from, to, &mut lent) {
@@ -261,22 +271,12 @@ impl Patch {
 
     /// The simplified form, if it is worth it. `mesh` is the number of the mesh's corners.
     fn simplified(mut self, mesh: usize) -> Option<Form> {
-        self.simplify();
-        let kept: Vec<u32> = (0..self.triangles.len() as u32)
-            .filter(|t| self.triangles[*t as usize][0] != self.triangles[*t as usize][1])
-            .collect();
+        self.simplify(KEPT);
+        let kept = self.kept();
         if kept.len() as f64 > WORTH * self.triangles.len() as f64 {
             return None;
         }
-        let mut places = vec![0; self.triangles.len()];
-        kept.iter().zip(0..).for_each(|(t, place)| places[*t as usize] = place);
-        let mut prisms = vec![Prism::default(); self.triangles.len()];
-        kept.iter().for_each(|t| prisms[*t as usize] = self.prism(*t));
-        let mut rings = vec![Vec::new(); self.numbers.len()];
-        let left_out = (0..self.numbers.len() as u32).filter(|i| self.onto[*i as usize] != *i);
-        let left_out = left_out
-            .filter_map(|i| Some([self.numbers[i as usize], places[self.nearest(i, &prisms, &mut rings)? as usize]]));
-        let left_out = left_out.collect();
+        let left_out = self.left_out(&kept);
         let mut numbers = self.numbers.clone();
         let mut own = Vec::new();
         for (i, number) in numbers.iter_mut().enumerate() {
@@ -287,6 +287,36 @@ impl Patch {
         }
         let triangles = kept.iter().map(|t| self.triangles[*t as usize].map(|i| numbers[i as usize])).collect();
         Some(Form { own, triangles, left_out })
+    }
+
+    /// The patch with one in so many of its inner corners, in the numbers that it was given.
+    pub(crate) fn reduced(mut self, kept: usize) -> Reduced {
+        self.simplify(kept);
+        let kept = self.kept();
+        let left_out = self.left_out(&kept);
+        let triangles = kept.iter().map(|t| self.triangles[*t as usize].map(|i| self.numbers[i as usize])).collect();
+        let is_inner = |i: &usize| !self.is_fixed[*i] && self.onto[*i] == *i as u32;
+        let inner = (0..self.numbers.len()).filter(is_inner).map(|i| self.numbers[i]).collect();
+        Reduced { triangles, inner, left_out }
+    }
+
+    /// The triangles that still have an area.
+    fn kept(&self) -> Vec<u32> {
+        let all = 0..self.triangles.len() as u32;
+        all.filter(|t| self.triangles[*t as usize][0] != self.triangles[*t as usize][1]).collect()
+    }
+
+    /// Each corner that was moved, and the place in `kept` of the triangle next to it.
+    fn left_out(&self, kept: &[u32]) -> Vec<[u32; 2]> {
+        let mut places = vec![0; self.triangles.len()];
+        kept.iter().zip(0..).for_each(|(t, place)| places[*t as usize] = place);
+        let mut prisms = vec![Prism::default(); self.triangles.len()];
+        kept.iter().for_each(|t| prisms[*t as usize] = self.prism(*t));
+        let mut rings = vec![Vec::new(); self.numbers.len()];
+        let left_out = (0..self.numbers.len() as u32).filter(|i| self.onto[*i as usize] != *i);
+        let left_out = left_out
+            .filter_map(|i| Some([self.numbers[i as usize], places[self.nearest(i, &prisms, &mut rings)? as usize]]));
+        left_out.collect()
     }
 
     fn prism(&self, t: u32) -> Prism {

@@ -24,7 +24,7 @@ pub(crate) fn plane(corners: [Vec3; 3]) -> [f32; 4] {
 
 /// The fraction by which corners of simplified forms make up for the offsets of left-out corners: outlines then neither shrink nor
 /// grow.
-const SETTLE: f32 = 0.65;
+pub(crate) const SETTLE: f32 = 0.65;
 
 pub(crate) fn fit_planes(
     planes: &mut [[f32; 4]],

@@ -2,6 +2,7 @@
 
 use crate::edge_list::EdgeList;
 use crate::hull::{Fineness, Hull, Memory};
+use crate::levels::Levels;
 use crate::placed::Placed;
 use crate::{SilhouetteInstances, SilhouetteMesh};
 use fearless_simd::{Level, Simd, dispatch};
@@ -48,6 +49,14 @@ impl<'m> Meshes<'m> {
         let bases = meshes.iter().scan(0, next).collect();
         let own = meshes.iter().map(|mesh| mesh.edge_count() as u32).sum();
         Self { meshes, bases, own, instances: None, fineness: Fineness::default() }
+    }
+
+    /// The forms of meshes for a whole sky, and the meshes that have none. None if none has.
+    pub(crate) fn with_levels(&self) -> Option<(Vec<&'m Levels>, Self)> {
+        let (levels, rest): (Vec<_>, Vec<_>) = self.meshes.iter().copied().partition(|mesh| mesh.levels().is_some());
+        let levels: Vec<&Levels> = levels.into_iter().filter_map(SilhouetteMesh::levels).collect();
+        let rest = Self { instances: self.instances, fineness: self.fineness, ..Self::new(rest) };
+        (!levels.is_empty()).then_some((levels, rest))
     }
 
     /// Adds instances of shared meshes.

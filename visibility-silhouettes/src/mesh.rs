@@ -2,13 +2,15 @@ use crate::coarse::{self, Coarse};
 use crate::edge_list::{Block, COLUMNS, PLANES};
 use crate::fit::{self, fit_patches, fit_planes, is_flat, least_height, settle, side};
 use crate::lanes::{columns, put_ends};
+use crate::levels::Levels;
 use crate::topology::{self, Edge, Tag};
-use crate::tree::{Reach, Tree};
+use crate::tree::{Reach, Shape, Tree};
 use core::ops::Range;
 use fearless_simd::Simd;
 use glam::{Vec3, Vec4};
 use lobe_core::vec3x8::LANES;
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// A triangle mesh prepared for finding its silhouettes: planes of triangles, edges with the triangles on both sides, and a
 /// hierarchy of the edges.
@@ -46,6 +48,8 @@ pub struct SilhouetteMesh {
     left_out: Vec<[u32; 2]>,
     /// Of a shared mesh, by how much rounding moves its corners at its places. Any of its edges may be a silhouette then.
     blur: Option<f32>,
+    /// Forms for a whole sky, made for the first one.
+    levels: OnceLock<Option<Box<Levels>>>,
 }
 
 /// Simplified forms are not drawn for receivers nearer than this many radii of their patch: some of these receivers would need one
@@ -187,6 +191,7 @@ impl SilhouetteMesh {
             own,
             left_out,
             blur,
+            levels: OnceLock::new(),
         };
         mesh.fit();
         mesh
@@ -212,6 +217,7 @@ impl SilhouetteMesh {
 
     /// Computes planes, flat edges, boxes and cones from the positions.
     fn fit(&mut self) {
+        self.levels = OnceLock::new();
         let Self {
             positions,
             triangles,
@@ -286,6 +292,65 @@ impl SilhouetteMesh {
         self.is_closed
     }
 
+    /// The forms for a whole sky, made from the positions now: those of meshes with simplified forms that save enough.
+    pub(crate) fn levels(&self) -> Option<&Levels> {
+        if self.patches.is_empty() {
+            return None;
+        }
+        self.levels.get_or_init(|| Levels::new(self).map(Box::new)).as_deref()
+    }
+
+    /// Corners, and the triangles of the mesh itself between them.
+    pub(crate) fn fine_triangles(&self) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let mut is_fine = vec![false; self.triangles.len()];
+        let edges = self.edges.iter().enumerate().filter(|(i, _)| !self.tag(*i).is_coarse());
+        edges.flat_map(|(_, edge)| edge.triangles()).for_each(|t| is_fine[t as usize] = true);
+        let fine = self.triangles.iter().zip(is_fine).filter(|(_, is_fine)| *is_fine).map(|(t, _)| *t);
+        (self.positions.iter().map(|p| p.truncate()).collect(), fine.collect())
+    }
+
+    /// A mesh of edges in this order, for which others keep a hierarchy: planes and corners.
+    pub(crate) fn of_edges(corners: &[Vec3], triangles: &[[u32; 3]], mut edges: Vec<Edge>, is_closed: bool) -> Self {
+        let places = topology::by_first_use(triangles.len(), edges.iter().flat_map(|e| e.triangles()));
+        edges.iter_mut().for_each(|edge| edge.renumber(&places));
+        let mut triangles = topology::placed(triangles, &places);
+        let places = topology::by_first_use(corners.len(), triangles.iter().flatten().copied());
+        triangles.iter_mut().flatten().for_each(|corner| *corner = places[*corner as usize]);
+        let used = triangles.iter().flatten().max().map_or(0, |last| *last as usize + 1);
+        let mut positions: Vec<Vec4> = topology::placed(corners, &places).iter().map(|p| p.extend(0.0)).collect();
+        positions.truncate(used);
+        let mut mesh = Self {
+            is_closed,
+            object: 0,
+            planes: vec![[0.0; 4]; triangles.len()],
+            positions,
+            sources: Vec::new(),
+            triangle_count: triangles.len(),
+            triangles,
+            edges,
+            tree: Tree::default(),
+            coarse_tree: Tree::default(),
+            tags: Vec::new(),
+            patches: Vec::new(),
+            triangle_patches: Vec::new(),
+            own: Vec::new(),
+            left_out: Vec::new(),
+            blur: None,
+            levels: OnceLock::new(),
+        };
+        mesh.fit();
+        mesh
+    }
+
+    /// An edge for a hierarchy; none for one that is never a silhouette.
+    pub(crate) fn shape(&self, edge: usize) -> Option<Shape> {
+        let edge = self.edges[edge];
+        let normal = |t: u32| Vec3::from_slice(&self.planes[t as usize]);
+        let corners = self.corners(edge.triangle());
+        let ends = edge.ends().map(|k| corners[k]);
+        (!edge.is_flat()).then(|| (ends, normal(edge.triangle()), edge.other().map(normal), 0.0))
+    }
+
     /// Gives the object another number.
     pub fn set_object(&mut self, object: u32) {
         self.object = object;
@@ -324,6 +389,7 @@ impl SilhouetteMesh {
             + size_of_val(&self.triangle_patches[..])
             + size_of_val(&self.own[..])
             + size_of_val(&self.left_out[..])
+            + self.levels.get().and_then(Option::as_ref).map_or(0, |levels| levels.bytes())
     }
 
     /// The tree of the mesh's edges, and that of edges with simplified forms.

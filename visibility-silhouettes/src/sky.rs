@@ -4,6 +4,7 @@ use crate::blockers::{AnyHit, SilhouetteBlockers};
 use crate::edge_list::{CLOSED, COARSE, Columns, ENDS, EdgeList, ID, MARKS, PLANES, SOMETIMES};
 use crate::hull::{Fineness, Hull, Memory, UNSURE};
 use crate::lists::Meshes;
+use crate::look::{LookMemory, Looker};
 use crate::select::side;
 use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
@@ -19,9 +20,9 @@ const PARTS: usize = 2;
 const DETAIL: f32 = 0.05;
 
 /// Numbers of an edge whose step is known: its ends, the step, and the bits of its number.
-const KNOWN: usize = 8;
-const STEP: usize = 6;
-const NAME: usize = 7;
+pub(crate) const KNOWN: usize = 8;
+pub(crate) const STEP: usize = 6;
+pub(crate) const NAME: usize = 7;
 
 /// Working memory of [`SilhouetteBlockers`] before a sky.
 #[derive(Clone, Debug)]
@@ -41,6 +42,7 @@ pub struct SkySilhouetteScratch<H> {
     found: Columns<KNOWN>,
     arcs: SkyArcs,
     memory: Memory,
+    look: LookMemory,
     hits: H,
 }
 
@@ -152,6 +154,7 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
             found: Columns::default(),
             arcs: SkyArcs::default(),
             memory: Memory::default(),
+            look: LookMemory::default(),
             hits: self.hits.scratch(),
         }
     }
@@ -168,33 +171,40 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
         let hull = Hull::of_sky(&scratch.origins, &scratch.normals, self.sky_scale(tile.meridians));
         scratch.divide();
         // Of any number of leaves.
-        let _ = self.meshes.list(&hull, usize::MAX, &mut scratch.memory, &mut scratch.edges);
+        let (_, rest) = self.before_sky();
+        let _ = rest.list(&hull, usize::MAX, &mut scratch.memory, &mut scratch.edges);
     }
 
     fn draw(&self, tile: &SkyTile<'_>, number: usize, buffer: &mut SkyBuffer, scratch: &mut Self::Scratch) -> bool {
-        if scratch.edges.is_empty() {
+        let (levels, rest) = self.before_sky();
+        if scratch.edges.is_empty() && levels.is_empty() {
             return false;
         }
         let scale = self.sky_scale(tile.meridians);
         let part = scratch.places[number] / PART;
-        if !scratch.parts[part].is_listed {
+        if !scratch.edges.is_empty() && !scratch.parts[part].is_listed {
             self.list_part(tile, part, scratch);
         }
-        let look = Look {
-            meshes: &self.meshes,
-            meridians: tile.meridians,
-            horizon: tile.horizons[number],
-            origin: scratch.origins[number],
-            scale: scale.unwrap_or_default(),
-        };
-        let SkySilhouetteScratch { parts, found, arcs, .. } = scratch;
+        let scale = scale.unwrap_or_default();
+        let (horizon, origin) = (tile.horizons[number], scratch.origins[number]);
+        let SkySilhouetteScratch { edges, parts, found, arcs, look: memory, .. } = scratch;
+        let look = Look { meshes: rest, meridians: tile.meridians, horizon, origin, scale };
+        let looker = Looker { origin, horizon, meridians: tile.meridians, scale };
         let Part { known, open, .. } = &parts[part];
         arcs.clear();
-        arcs.reserve(known.len() + open.len());
         dispatch!(Level::new(), simd => {
-            let mut is_coarse = look.draw_known(simd, known, look.origin, arcs);
-            look.find(simd, open, found);
-            is_coarse |= look.draw_known(simd, found, Vec3::ZERO, arcs);
+            let mut is_coarse = false;
+            if !edges.is_empty() {
+                arcs.reserve(known.len() + open.len());
+                is_coarse |= look.draw_known(simd, known, origin, arcs);
+                look.find(simd, open, found);
+                is_coarse |= look.draw_known(simd, found, Vec3::ZERO, arcs);
+            }
+            for levels in levels {
+                looker.find(simd, levels, memory, found);
+                arcs.reserve(found.len());
+                is_coarse |= look.draw_known(simd, found, Vec3::ZERO, arcs);
+            }
             buffer.draw(simd, tile.meridians, arcs);
             is_coarse
         })
@@ -207,7 +217,7 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
 
 /// Steps of edges by the sides of their triangles, in half surfaces. Of closed surfaces only the triangles count that face one way.
 #[inline(always)]
-fn in_halves<S: Simd>(simd: S, step: f32x8<S>, names: f32x8<S>) -> f32x8<S> {
+pub(crate) fn in_halves<S: Simd>(simd: S, step: f32x8<S>, names: f32x8<S>) -> f32x8<S> {
     let mark = u32x8::splat(simd, CLOSED);
     (names.bitcast::<u32x8<S>>() & mark).simd_eq(mark).select(step, step + step)
 }

@@ -22,7 +22,7 @@ pub(crate) struct Edge {
 
 impl Edge {
     /// The side of a triangle, and the triangle on its other side.
-    fn new(side: &Side, second: u32) -> Self {
+    pub(crate) fn new(side: &Side, second: u32) -> Self {
         Self { first: 8 * side.triangle + 2 * side.corner + u32::from(side.down), second }
     }
 
@@ -136,6 +136,10 @@ impl Side {
     pub(crate) fn is_down(&self) -> bool {
         self.down
     }
+
+    pub(crate) fn triangle(&self) -> u32 {
+        self.triangle
+    }
 }
 
 /// The sides of all triangles in the order of their ends: by the first end by counting, then the few of each by comparison.
@@ -221,7 +225,7 @@ pub(crate) fn edges(triangles: &mut [[u32; 3]]) -> Vec<Edge> {
 }
 
 /// Pairs sides that have the same ends; sides that run up come first.
-fn pairs(sides: &[Side], mut push: impl FnMut(Edge)) {
+pub(crate) fn pairs(sides: &[Side], mut push: impl FnMut(Edge)) {
     let (up, down) = sides.split_at(sides.partition_point(|side| !side.down));
     for k in 0..up.len().max(down.len()) {
         match (up.get(k), down.get(k)) {

@@ -122,6 +122,41 @@ impl Tree {
         number as u32
     }
 
+    /// A tree over leaves in this order. Bounds are there after [`fit`](Self::fit).
+    pub(crate) fn over(leaves: &[Range<usize>]) -> Self {
+        let mut tree = Self::default();
+        if !leaves.is_empty() {
+            tree.add_over(leaves);
+        }
+        tree
+    }
+
+    fn add_over(&mut self, leaves: &[Range<usize>]) -> u32 {
+        let mut size = 1;
+        while size * WIDE < leaves.len() {
+            size *= WIDE;
+        }
+        let number = self.nodes.len();
+        self.nodes.push(Node { len: leaves.len().div_ceil(size) as u8, ..EMPTY });
+        for (k, part) in leaves.chunks(size).enumerate() {
+            if let [leaf] = part {
+                self.nodes[number].first[k] = leaf.start as u32;
+                self.nodes[number].count[k] = leaf.len() as u8;
+            } else {
+                self.nodes[number].first[k] = self.add_over(part);
+            }
+        }
+        number as u32
+    }
+
+    /// The edges of each leaf, in their order.
+    pub(crate) fn leaves(&self) -> Vec<Range<usize>> {
+        let mut all: Vec<_> =
+            self.nodes.iter().flat_map(|node| (0..usize::from(node.len)).filter_map(|k| node.edges(k))).collect();
+        all.sort_by_key(|leaf| leaf.start);
+        all
+    }
+
     /// Appends the nodes of another tree; the number of its root.
     fn append(&mut self, other: Self) -> u32 {
         let base = self.nodes.len() as u32;

@@ -174,6 +174,26 @@ impl Meridians {
         !first.simd_eq(last)
     }
 
+    /// Which of eight boxes may hold edges that cross a meridian: their middles as seen from the receiver, and half their sides.
+    #[inline(always)]
+    pub fn may_cross_boxes<S: Simd>(
+        &self,
+        simd: S,
+        horizon: &Horizon,
+        middle: Vec3x8<S>,
+        half: Vec3x8<S>,
+    ) -> mask32x8<S> {
+        let ([x, y, _], _) = horizon.pole().axes();
+        let scale = self.resolution.rows as f32 * 0.25;
+        let sides = [half.x, half.y, half.z];
+        // No wider than a circle around the box, seen along the pole.
+        let off = (sides[x] * sides[x] + sides[y] * sides[y]).sqrt() * 1.000_01;
+        let (p, s) = spread(simd, [x, y], middle, off);
+        let first = ((p - s + 2.0) * scale - 0.5).ceil();
+        let last = ((p + s + 2.0) * scale - 0.5).ceil();
+        !first.simd_eq(last)
+    }
+
     /// Where on their rows eight directions are, in samples from the pole: z of the pole's frame, and the distance from its axis.
     #[inline(always)]
     pub(crate) fn place<S: Simd>(&self, simd: S, z: f32x8<S>, across: f32x8<S>) -> f32x8<S> {
@@ -244,6 +264,41 @@ mod tests {
             let back = meridians.direction(f64::from(rows), f64::from(place));
             assert!((back.z - v.z).abs() < 1e-5, "{v} {back}");
         }
+    }
+
+    /// Points of a box that no meridian is said to cross lie between the same rows.
+    #[test]
+    fn boxes_between_meridians_are_crossed_by_none() {
+        let meridians = Meridians::new(SkyResolution::new(64, 64));
+        let mut random = Random::new(9);
+        let mut between = 0;
+        for case in 0..4000 {
+            let pole = crate::sky::Pole::ALL[case % 6];
+            let up = pole.world(Vec3::Z);
+            let horizon = Horizon::new(&lobe_core::Receiver::on_surface(Vec3::ZERO, up, up), false);
+            let middle = random.axis().as_vec3();
+            let size = random.log_uniform(1e-3, 1.0) as f32;
+            let half = random.axis().as_vec3().abs() * size;
+            let ([x, y, _], _) = pole.axes();
+            dispatch!(Level::new(), simd => {
+                let may = meridians.may_cross_boxes(simd, &horizon, Vec3x8::splat(simd, middle), Vec3x8::splat(simd, half));
+                if may.any_true() {
+                    return;
+                }
+                between += 1;
+                let place = |v: Vec3| -> f32 {
+                    let rows: [f32; 8] =
+                        meridians.rows_before(simd, f32x8::splat(simd, v[x]), f32x8::splat(simd, v[y])).into();
+                    rows[0] % 64.0
+                };
+                for corner in 0..8 {
+                    let sign = [0, 1, 2].map(|axis| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 });
+                    let p = middle + half * Vec3::from_array(sign);
+                    assert_eq!(place(p), place(middle), "case {case}: {middle} {half}");
+                }
+            });
+        }
+        assert!((1000..3000).contains(&between), "{between}");
     }
 
     /// Wedges have the solid angles that are said of them.

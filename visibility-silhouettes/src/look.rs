@@ -1,0 +1,144 @@
+//! The silhouettes of forms of a mesh that one receiver sees before a whole sky.
+
+use crate::edge_list::{Block, CLOSED, COARSE, COLUMNS, Columns, ENDS, EdgePacket, PLANES};
+use crate::hull::UNSURE;
+use crate::levels::Levels;
+use crate::sky::{KNOWN, NAME, STEP, in_halves};
+use crate::tree::Node;
+use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
+use glam::Vec3;
+use lobe_core::vec3x8::Vec3x8;
+use visibility_mask::sky::{Horizon, Meridians};
+
+/// Memory that receivers use one after the other.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LookMemory {
+    list: Vec<u16>,
+    seen: Vec<bool>,
+    stack: Vec<u32>,
+}
+
+/// A receiver before a sky.
+pub(crate) struct Looker<'a> {
+    pub(crate) origin: Vec3,
+    pub(crate) horizon: Horizon,
+    pub(crate) meridians: &'a Meridians,
+    /// [`Fineness::scale`](crate::hull::Fineness::scale).
+    pub(crate) scale: f32,
+}
+
+impl Looker<'_> {
+    /// Lists the silhouettes that may cross a meridian above the horizon.
+    #[inline(always)]
+    pub(crate) fn find<S: Simd>(&self, simd: S, levels: &Levels, memory: &mut LookMemory, out: &mut Columns<KNOWN>) {
+        let LookMemory { list, seen, stack } = memory;
+        levels.choose(self.origin, self.scale, list, seen);
+        out.clear();
+        let closed = if levels.is_closed() { CLOSED } else { 0 };
+        for form in list {
+            let nodes = levels.tree(*form).nodes();
+            stack.clear();
+            stack.extend((!nodes.is_empty()).then_some(0));
+            let is_coarse = !levels.is_fine(*form);
+            while let Some(number) = stack.pop() {
+                let node = &nodes[number as usize];
+                let mut met = self.meets(simd, node);
+                while met != 0 {
+                    let k = met.trailing_zeros() as usize & 7;
+                    met &= met - 1;
+                    let (first, count) = (node.first[k], node.count[k]);
+                    if count == 0 {
+                        stack.push(first);
+                        continue;
+                    }
+                    let (block, [_, other]) = levels.leaf(first);
+                    if seen[usize::from(*other)] {
+                        let is_coarse = is_coarse || (*other != 0 && !levels.is_fine(*other));
+                        let name = closed | if is_coarse { COARSE } else { 0 };
+                        self.silhouettes(simd, (levels, block), (first, count), name, out);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The children of a node that may have silhouettes above the horizon that cross a meridian, as bits.
+    #[inline(always)]
+    fn meets<S: Simd>(&self, simd: S, node: &Node) -> u32 {
+        let half = node.vectors(simd, 3);
+        let to = node.vectors(simd, 0).minus(self.origin);
+        let reach = self.origin.abs().element_sum();
+        let far = to.abs() + half;
+        let far = far.dot(far).sqrt();
+        let unsure = (far + reach) * (2.0 * UNSURE);
+        let normal = self.horizon.normal();
+        let most = to.dot_one(normal) + half.dot_one(normal.abs());
+        let mut outside = most.simd_lt(-unsure);
+        let axis = node.vectors(simd, 6);
+        let along = to.dot(axis).abs() - half.dot(axis.abs()) - unsure;
+        outside |= along.simd_gt(far * f32x8::simd_from(simd, node.bounds[9]));
+        let there = (1 << node.len) - 1;
+        if outside.to_bitmask() as u32 & there == there {
+            return 0;
+        }
+        outside |= !self.meridians.may_cross_boxes(simd, &self.horizon, to, half);
+        !outside.to_bitmask() as u32 & there
+    }
+
+    /// Appends the silhouettes among eight edges.
+    #[inline(always)]
+    fn silhouettes<S: Simd>(
+        &self,
+        simd: S,
+        (levels, block): (&Levels, &Block<COLUMNS>),
+        (first, count): (u32, u8),
+        name: u32,
+        out: &mut Columns<KNOWN>,
+    ) {
+        let x = self.origin;
+        let reach = UNSURE * x.abs().element_sum();
+        let zero = f32x8::splat(simd, 0.0);
+        let lanes = mask32x8::from_bitmask(simd, (1 << count) - 1);
+        let (one, unsure_one) = side(simd, block, PLANES[0], x, reach);
+        let (other, unsure_other) = side(simd, block, PLANES[1], x, reach);
+        let mut step = other - one;
+        let mut ask = ((unsure_one | unsure_other) & lanes).to_bitmask();
+        if ask != 0 {
+            let mut steps: [f32; 8] = step.into();
+            while ask != 0 {
+                let lane = ask.trailing_zeros() & 7;
+                ask &= ask - 1;
+                let [one, other] = levels.sides(first + lane, x);
+                steps[lane as usize] = other - one;
+            }
+            step = f32x8::simd_from(simd, steps);
+        }
+        let keep = lanes & !step.simd_eq(zero);
+        if !keep.any_true() {
+            return;
+        }
+        out.reserve(8);
+        let name = f32x8::splat(simd, f32::from_bits(name));
+        out.put3(0, keep, ends(simd, block, ENDS[0]).minus(x));
+        out.put3(3, keep, ends(simd, block, ENDS[1]).minus(x));
+        out.put(STEP, keep, in_halves(simd, step, name));
+        out.put(NAME, keep, name);
+        out.end(keep);
+    }
+}
+
+#[inline(always)]
+fn ends<S: Simd>(simd: S, block: &Block<COLUMNS>, column: usize) -> Vec3x8<S> {
+    Vec3x8::new(block.column(simd, column), block.column(simd, column + 1), block.column(simd, column + 2))
+}
+
+/// The sides of eight planes on which a point lies, and a mask of those that f32 cannot decide.
+#[inline(always)]
+fn side<S: Simd>(simd: S, block: &Block<COLUMNS>, column: usize, x: Vec3, reach: f32) -> (f32x8<S>, mask32x8<S>) {
+    let (normal, d) = (ends(simd, block, column), block.column(simd, column + 3));
+    let value = normal.dot_one(x) + d;
+    let [zero, plus, minus] = [f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0), f32x8::splat(simd, -1.0)];
+    let is_there = normal.abs().dot_one(Vec3::ONE).simd_gt(zero);
+    let unsure = is_there & value.abs().simd_le(d.abs() * UNSURE + reach);
+    (value.simd_gt(zero).select(plus, value.simd_lt(zero).select(minus, zero)), unsure)
+}
