@@ -219,7 +219,9 @@ impl<'a> FrameBlockers<'a> {
             }
             let parts = GpuParts { spheres: self.spheres, maps: self.maps.as_ref(), silhouettes: silhouettes.as_ref() };
             let shader = gpu.occluded(tables, &parts, traced, &blockers)?;
-            shader.set_look_again(look_again(self.of_own));
+            // Software drivers would end the many loops over a map's texels.
+            let is_short = shader.gpu().is_software() && parts.maps.is_some();
+            shader.set_look_again(if is_short { LookAgain::Never } else { look_again(self.of_own) });
             return work.with(shader);
         }
         #[cfg(not(feature = "gpu"))]

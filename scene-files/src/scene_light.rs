@@ -60,15 +60,28 @@ struct Own<'s> {
     value: Value<'s>,
 }
 
+impl Own<'_> {
+    /// The lights as far as their range.
+    fn ranged(self, t: &mut Table<'_>) -> Result<Self, SceneError> {
+        let Some(range) = t.get("range").map(|v| v.positive()).transpose()? else { return Ok(self) };
+        let ranged = |light| match light {
+            Light::Sphere(light) => SpotLight::everywhere(light, range).into(),
+            Light::Spot(light) => SpotLight { range, ..light }.into(),
+            other => other,
+        };
+        Ok(Self { lights: self.lights.into_iter().map(ranged).collect(), ..self })
+    }
+}
+
 impl SceneLights {
     /// Appends a light and its motion.
     pub(crate) fn read(&mut self, mut t: Table<'_>, around: &Around<'_>) -> Result<(), SceneError> {
         let kind = t.require("kind")?;
         let world = around.bounds.sphere();
         let own = match kind.string()? {
-            "sphere" => sphere(&mut t, around, None, &["radiance", "flux"])?,
-            "point" => sphere(&mut t, around, Some(POINT), &["intensity", "flux", "radiance"])?,
-            "spot" => spot(&mut t, around)?,
+            "sphere" => sphere(&mut t, around, None, &["radiance", "flux"])?.ranged(&mut t)?,
+            "point" => sphere(&mut t, around, Some(POINT), &["intensity", "flux", "radiance"])?.ranged(&mut t)?,
+            "spot" => spot(&mut t, around)?.ranged(&mut t)?,
             "spheres" => {
                 let list = t.require("spheres")?;
                 let origins = Origins::of(around.origin, list.first_place()?);
@@ -315,6 +328,9 @@ fn read_spot(t: &mut Table<'_>) -> Result<[f32; 2], SceneError> {
 mod tests {
     use crate::context::Context;
     use crate::scene_file;
+    use glam::Vec3;
+    use lobe_core::Receiver;
+    use shading::LightLobes as _;
     use std::path::Path;
 
     #[test]
@@ -331,5 +347,29 @@ mod tests {
         };
         let usual = of("1", &mut context);
         assert!(["1e30", "1e-30", "3"].iter().all(|length| of(length, &mut context) == usual));
+    }
+
+    /// A point and a spot whose light ends where they say; other kinds have no such key.
+    #[test]
+    fn lights_may_have_a_range() {
+        let parse = |light: &str| {
+            let floor = "[[objects]]\nplane = { point = [0, 0, 0], normal = [0, 1, 0] }\n[[lights]]\n";
+            scene_file::parse(Path::new("test.toml"), &format!("{floor}{light}"), &mut Context::default())
+        };
+        let point = "kind = \"point\"\ncenter = [0, 1, 0]\nintensity = 2\n";
+        let spot = "kind = \"spot\"\ncenter = [0, 1, 0]\nintensity = 2\ndirection = [0, -1, 0]\nangle = 40\n";
+        for light in [point, spot] {
+            let seen = |text: &str, far: f32| {
+                let at = Receiver::on_surface(Vec3::NEG_Y * far, Vec3::Y, Vec3::Y);
+                let (scene, _) = parse(text).expect("a scene");
+                scene.lights[0].seen_from(&at).radiance.x
+            };
+            let ranged = format!("{light}range = 4\n");
+            assert_eq!(seen(&ranged, 3.1), 0.0);
+            let part = seen(&ranged, 1.0) / seen(light, 1.0);
+            assert!((part - (1.0 - 0.5_f32.powi(4))).abs() < 1e-5, "{part}");
+        }
+        assert!(parse(&format!("{point}range = 0\n")).is_err());
+        assert!(parse("kind = \"sun\"\ndirection = [0, -1, 0]\nirradiance = 1\nrange = 3\n").is_err());
     }
 }

@@ -108,6 +108,9 @@ fn new_light(item: &LightItem, origin: DVec3) -> Result<Table, SaveError> {
             let [inner, outer] = spot.cos.map(|cos| number(cos.clamp(-1.0, 1.0).acos().to_degrees()));
             put(&mut table, "angle", outer);
             put(&mut table, "inner", inner);
+            if spot.range.is_finite() {
+                put(&mut table, "range", number(spot.range));
+            }
         }
         Light::Flat(flat) if flat.two_sided => put(&mut table, "two_sided", Value::from(true)),
         _ => {}
@@ -144,7 +147,9 @@ fn light(table: &mut dyn TableLike, (old, new): (&LightItem, &LightItem), origin
     let units = match &new.light {
         Light::Sphere(light) => ball(table, light.sphere, origin),
         Light::Spot(spot) => {
-            put(table, "direction", vector(spot.axis));
+            if table.get("kind").and_then(Item::as_str) == Some("spot") {
+                put(table, "direction", vector(spot.axis));
+            }
             ball(table, spot.light.sphere, origin)
         }
         Light::Flat(flat) => {
