@@ -92,7 +92,7 @@ class Light:
         center: _Vector, radius: float, *, radiance: Optional[_Color] = None, flux: Optional[_Color] = None
     ) -> Light: ...
     @staticmethod
-    def point(center: _Vector, *, intensity: _Color, radius: float = 0.01) -> Light: ...
+    def point(center: _Vector, *, intensity: _Color, radius: float = 0.01, range: Optional[float] = None) -> Light: ...
     @staticmethod
     def spot(
         center: _Vector,
@@ -102,6 +102,7 @@ class Light:
         angle: float,
         inner: float = 0.0,
         radius: float = 0.01,
+        range: Optional[float] = None,
     ) -> Light: ...
     @staticmethod
     def lamp(

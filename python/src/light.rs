@@ -63,17 +63,26 @@ impl Light {
         })
     }
 
-    /// A small sphere, by its intensity.
+    /// A small sphere, by its intensity. With a `range` its light is less by the factor `1 - (distance/range)^4`, and ends there.
     #[staticmethod]
-    #[pyo3(signature = (center, *, intensity, radius = 0.01))]
-    fn point(center: &Bound<'_, PyAny>, intensity: &Bound<'_, PyAny>, radius: f64) -> PyResult<Self> {
-        let sphere = Self::sphere_of(center, radius)?;
-        Self::checked(SphereLight::with_intensity(sphere, color("intensity", intensity)?))
+    #[pyo3(signature = (center, *, intensity, radius = 0.01, range = None))]
+    fn point(
+        center: &Bound<'_, PyAny>,
+        intensity: &Bound<'_, PyAny>,
+        radius: f64,
+        range: Option<f64>,
+    ) -> PyResult<Self> {
+        let light = SphereLight::with_intensity(Self::sphere_of(center, radius)?, color("intensity", intensity)?);
+        match range {
+            None => Self::checked(light),
+            Some(range) => Self::checked(SpotLight::everywhere(light, positive("range", range)?)),
+        }
     }
 
-    /// A small sphere that shines into a cone: fully within `inner` degrees of the axis, not at all beyond `angle`.
+    /// A small sphere that shines into a cone: fully within `inner` degrees of the axis, not at all beyond `angle`. Its `range` is as a
+    /// point's.
     #[staticmethod]
-    #[pyo3(signature = (center, direction, *, intensity, angle, inner = 0.0, radius = 0.01))]
+    #[pyo3(signature = (center, direction, *, intensity, angle, inner = 0.0, radius = 0.01, range = None))]
     fn spot(
         center: &Bound<'_, PyAny>,
         direction: &Bound<'_, PyAny>,
@@ -81,13 +90,15 @@ impl Light {
         angle: f64,
         inner: f64,
         radius: f64,
+        range: Option<f64>,
     ) -> PyResult<Self> {
+        let range = range.map_or(Ok(f32::INFINITY), |range| positive("range", range))?;
         let light = SphereLight::with_intensity(Self::sphere_of(center, radius)?, color("intensity", intensity)?);
         let outer = within("angle", angle, 1e-3, 90.0)?;
         let inner = within("inner", inner, 0.0, angle)?;
         let axis = crate::args::direction("direction", direction)?;
         let cos = [inner, outer].map(|degrees| degrees.to_radians().cos());
-        Self::checked(SpotLight { light, axis, cos, range: f32::INFINITY })
+        Self::checked(SpotLight { light, axis, cos, range })
     }
 
     /// A lamp as programs for modelling have it, by its intensity: a sphere, or with `facing` a disc that turns to each receiver, as

@@ -247,7 +247,11 @@ def test_lights():
     sun = cl.Light.sun((0, -1, 0), irradiance=3)
     assert sun.center is None and sun.direction == (0, -1, 0)
     assert cl.Light.point((0, 1, 0), intensity=1) == cl.Light.point([0, 1, 0], intensity=(1, 1, 1))
-    for light in (sphere, disc, polygon, tube, spot, sun, cl.Light.ambient(0.3)):
+    ranged = cl.Light.point((0, 1, 0), intensity=1, range=5)
+    assert ranged != cl.Light.point((0, 1, 0), intensity=1)
+    with pytest.raises(ValueError, match="range"):
+        cl.Light.point((0, 1, 0), intensity=1, range=0)
+    for light in (sphere, disc, polygon, tube, spot, sun, ranged, cl.Light.ambient(0.3)):
         scene = cl.Scene(size=(8, 8), camera=CAMERA)
         scene.add_mesh(*quad((0, 0, 0), (4, 0, 0), (0, 0, -4)))
         scene.add_light(light)
