@@ -1,6 +1,6 @@
 //! `lobes bake`.
 
-use crate::args::BakeArgs;
+use crate::args::{BakeArgs, ClockArgs};
 use crate::console::{self, STOP, counted, note, progress, say};
 use crate::failure::Failure;
 use crate::files;
@@ -37,8 +37,8 @@ fn bake_file(args: &BakeArgs) -> Result<(), Failure> {
     let load = start.elapsed().as_secs_f64();
     let animation = baker.renderer().animation();
     let moments = match args.frames {
-        Some(ends) => moment::sequence(args.clock(), ends, animation)?,
-        None => vec![moment::single(args.clock(), animation)?],
+        Some(ends) => moment::sequence(args.clock, ends, animation)?,
+        None => vec![moment::single(args.clock, animation)?],
     };
     let stamp = BakeStamp::new(args, &baker);
     let is_sequence = args.frames.is_some();
@@ -138,9 +138,7 @@ impl BakeStamp {
             file: PathBuf::new(),
             output: PathBuf::new(),
             frames: None,
-            frame: None,
-            time: None,
-            fps: None,
+            clock: ClockArgs::default(),
             clip: None,
             threads: None,
             quiet: false,

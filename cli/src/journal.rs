@@ -142,7 +142,7 @@ impl Steps for Journal {
             self.waiting = Vec::new();
             if !self.quiet {
                 let path = self.path.display();
-                note(format_args!("lobes: warning: {path}: {error}; an interrupted bake begins anew"));
+                note(format_args!("lobes: warning: {path}: {error}; an interrupted bake begins again"));
             }
         }
     }

@@ -1,5 +1,6 @@
 //! The requested moments of an animation.
 
+use crate::args::ClockArgs;
 use crate::failure::Failure;
 use cosine_lobes::scene::Animation;
 
@@ -10,14 +11,6 @@ pub(crate) struct Moment {
     pub(crate) frame: Option<u32>,
     /// Seconds.
     pub(crate) time: f32,
-}
-
-/// The options that name moments.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Clock {
-    pub(crate) frame: Option<u32>,
-    pub(crate) time: Option<f32>,
-    pub(crate) fps: Option<f32>,
 }
 
 /// Number of the animation's last frame: the last one that is not after its end.
@@ -31,7 +24,7 @@ fn at(frame: u32, fps: f32) -> f32 {
 }
 
 /// The one moment that is requested; the first one when none is.
-pub(crate) fn single(args: Clock, animation: &Animation) -> Result<Moment, Failure> {
+pub(crate) fn single(args: ClockArgs, animation: &Animation) -> Result<Moment, Failure> {
     let fps = args.fps.unwrap_or(animation.fps());
     match (args.frame, args.time) {
         (Some(frame), _) => {
@@ -55,7 +48,7 @@ pub(crate) fn single(args: Clock, animation: &Animation) -> Result<Moment, Failu
 }
 
 /// The frames from the first to before the second.
-pub(crate) fn sequence(args: Clock, ends: (u32, u32), animation: &Animation) -> Result<Vec<Moment>, Failure> {
+pub(crate) fn sequence(args: ClockArgs, ends: (u32, u32), animation: &Animation) -> Result<Vec<Moment>, Failure> {
     let fps = args.fps.unwrap_or(animation.fps());
     if ends.1 - 1 > last_frame(animation, fps) {
         let all = frames(animation, fps);

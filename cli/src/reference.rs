@@ -22,7 +22,7 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let view = &args.view;
     files::distinct(&args.output, &view.file)?;
     let (mut scene, animation) = input::view(view)?;
-    let moment = moment::single(view.clock(), &animation)?;
+    let moment = moment::single(view.clock, &animation)?;
     let points = u64::from(scene.width) * u64::from(scene.height) * u64::from(view.samples().usual());
     if points > MAX_POINTS {
         return Err(Failure::new(format_args!(

@@ -28,8 +28,8 @@ fn pictures(args: &RenderArgs) -> Result<(), Failure> {
     let (scene, animation) = seconds(&mut figures.load, || input::view(&args.view))?;
     let window = args.window(scene.width, scene.height)?;
     let moments = match args.frames {
-        Some(ends) => moment::sequence(args.view.clock(), ends, &animation)?,
-        None => vec![moment::single(args.view.clock(), &animation)?],
+        Some(ends) => moment::sequence(args.view.clock, ends, &animation)?,
+        None => vec![moment::single(args.view.clock, &animation)?],
     };
     // Another picture sees the same points only where lights alone move.
     let is_still = (0..scene.objects.len()).all(|o| !animation.moves_object(o)) && !animation.moves_camera();

@@ -1,6 +1,6 @@
 //! The origin of a sequence's pictures, as a line that their files carry.
 
-use crate::args::{Device, RenderArgs, ViewArgs};
+use crate::args::{ClockArgs, Device, RenderArgs, ViewArgs};
 use crate::console::note;
 use crate::fingerprint::Fingerprint;
 use cosine_lobes::read_stamp;
@@ -19,9 +19,7 @@ impl Stamp {
         let view = ViewArgs {
             file: None,
             size: None,
-            frame: None,
-            time: None,
-            fps: None,
+            clock: ClockArgs::default(),
             clip: None,
             threads: None,
             quiet: false,

@@ -31,7 +31,7 @@ const MAX_POINTS: u64 = 1 << 22;
 pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     let view = &args.view;
     let (mut scene, animation) = input::view(view)?;
-    let moment = moment::single(view.clock(), &animation)?;
+    let moment = moment::single(view.clock, &animation)?;
     let samples = view.samples.unwrap_or(1);
     let points = u64::from(scene.width) * u64::from(scene.height) * u64::from(samples);
     if points > MAX_POINTS {

@@ -1,6 +1,6 @@
+use super::clock::ClockArgs;
 use super::model::ModelArgs;
-use super::values::{fps, frames, positive, share, time, tolerance, whole};
-use crate::moment::Clock;
+use super::values::{frames, positive, share, tolerance, whole};
 use clap::{Args, ValueEnum};
 use cosine_lobes::renderer::Settings;
 use cosine_lobes::shading::Accuracy;
@@ -80,17 +80,8 @@ pub(crate) struct BakeArgs {
     #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with_all = ["frame", "time"])]
     pub(crate) frames: Option<(u32, u32)>,
 
-    /// The animation's frame N: the moment N / fps, from 0 (its state as loaded)
-    #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]
-    pub(crate) frame: Option<u32>,
-
-    /// The animation's moment in seconds, from 0
-    #[arg(long, value_name = "T", conflicts_with_all = ["frame", "fps"], value_parser = time)]
-    pub(crate) time: Option<f32>,
-
-    /// Frames a second for --frame and --frames, instead of the file's (24 where it does not say)
-    #[arg(long, value_name = "F", value_parser = fps)]
-    pub(crate) fps: Option<f32>,
+    #[command(flatten)]
+    pub(crate) clock: ClockArgs,
 
     /// The glTF file's clip of that name or number (from 0) whose moments are baked, instead of its first
     #[arg(long, value_name = "CLIP")]
@@ -123,11 +114,6 @@ pub(crate) enum Form {
 }
 
 impl BakeArgs {
-    /// The options that name moments.
-    pub(crate) fn clock(&self) -> Clock {
-        Clock { frame: self.frame, time: self.time, fps: self.fps }
-    }
-
     /// The settings of the baker.
     pub(crate) fn settings(&self) -> bake::BakeSettings {
         bake::BakeSettings {

@@ -2,6 +2,7 @@
 
 mod bake;
 mod check;
+mod clock;
 mod compare;
 mod figures;
 mod merge;
@@ -17,6 +18,7 @@ mod view;
 
 pub(crate) use self::bake::BakeArgs;
 pub(crate) use self::check::CheckArgs;
+pub(crate) use self::clock::ClockArgs;
 pub(crate) use self::compare::CompareArgs;
 pub(crate) use self::figures::{Figure, FiguresArgs};
 pub(crate) use self::merge::MergeArgs;

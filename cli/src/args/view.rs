@@ -1,6 +1,6 @@
+use super::clock::ClockArgs;
 use super::model::ModelArgs;
-use super::values::{exposure, fps, size, time, whole};
-use crate::moment::Clock;
+use super::values::{exposure, size, whole};
 use clap::Args;
 use cosine_lobes::render_cpu::PixelSamples;
 use std::path::PathBuf;
@@ -28,17 +28,8 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_name = "E", value_parser = exposure, allow_negative_numbers = true)]
     pub(crate) exposure: Option<f32>,
 
-    /// The animation's frame N: the moment N / fps, from 0 (its state as loaded)
-    #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]
-    pub(crate) frame: Option<u32>,
-
-    /// The animation's moment in seconds, from 0
-    #[arg(long, value_name = "T", conflicts_with_all = ["frame", "fps"], value_parser = time)]
-    pub(crate) time: Option<f32>,
-
-    /// Frames a second for --frame and --frames, instead of the file's (24 where it does not say)
-    #[arg(long, value_name = "F", value_parser = fps)]
-    pub(crate) fps: Option<f32>,
+    #[command(flatten)]
+    pub(crate) clock: ClockArgs,
 
     /// The glTF file's clip of that name or number (from 0) instead of its first; a scene file names its own
     #[arg(long, value_name = "CLIP", requires = "file")]
@@ -61,11 +52,6 @@ pub(crate) struct ViewArgs {
 }
 
 impl ViewArgs {
-    /// The options that name moments.
-    pub(crate) fn clock(&self) -> Clock {
-        Clock { frame: self.frame, time: self.time, fps: self.fps }
-    }
-
     /// The camera rays of a picture's pixels.
     pub(crate) fn samples(&self) -> PixelSamples {
         self.samples.map_or(PixelSamples::Edges(EDGE_SAMPLES), PixelSamples::Uniform)
