@@ -20,7 +20,7 @@ pub(crate) const PLANE_DISC: f32 = 1.0;
 pub(crate) const PLANE_TUBE: f32 = 2.0;
 /// Its corners are the same for all receivers.
 pub(crate) const PLANE_SKY: f32 = 3.0;
-/// Receivers nearer to a tube's middle line than so many radii may see one end before the other.
+/// Receivers nearer to a tube's middle line than this number of radii may see one end before the other.
 pub(crate) const TUBE_BESIDE: f32 = 1.05;
 /// Tangent of the angle beyond which a tube goes on unseen.
 pub(crate) const TUBE_FAR: f32 = 60.0;

@@ -99,7 +99,7 @@ fn near_first(lane: u32, whole: UnitSquare) {
         near_square = square_part(whole, 0u, vec2u(2u));
         near_quarter = 1u;
     } else {
-        near_set(whole, -box.xy, box.zw);
+        near_square = square_within(whole, -box.xy, box.zw);
     }
 }
 
@@ -128,20 +128,12 @@ fn near_stays(lane: u32, whole: UnitSquare, count: f32) -> bool {
     let next_high = select(min(box.zw, limit_high), high + 0.5 * size, at_high);
     let next = next_high - next_low;
     let grows = any(at_low) || any(at_high);
-    let is_filled = NEAR_FILLED * count >= f32(row_width * SIDE) || any(size < vec2f(2.0 * THINNEST * light_size(whole)));
+    let is_filled = NEAR_FILLED * count >= f32(row_width * SIDE) || any(size < vec2f(2.0 * THINNEST * whole.disc));
     if (count == 0.0 || !grows && (is_filled || 2.0 * next.x * next.y > size.x * size.y)) {
         return true;
     }
-    near_set(whole, next_low, next_high);
+    near_square = square_within(whole, next_low, next_high);
     return false;
-}
-
-fn near_set(whole: UnitSquare, low: vec2f, high: vec2f) {
-    near_square = whole;
-    let start = max(low, whole.center - whole.half);
-    let end = min(high, whole.center + whole.half);
-    near_square.half = max(0.5 * (end - start), vec2f(THINNEST * light_size(whole)));
-    near_square.center = 0.5 * (start + end);
 }
 
 // The mask that was drawn last, with the window `square`, counts beside those of the whole light, whose window is divided so.

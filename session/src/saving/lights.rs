@@ -124,20 +124,20 @@ fn is_occluded(table: &dyn TableLike) -> bool {
 }
 
 fn spheres(table: &mut dyn TableLike, new: &[LightItem], origin: DVec3) -> Result<(), SaveError> {
-    let balls: Vec<_> = new.iter().filter_map(|item| item.light.sphere()).collect();
+    let all: Vec<_> = new.iter().filter_map(|item| item.light.sphere()).collect();
     let radiance = new[0].light.full_radiance();
     if new.iter().any(|item| item.light.full_radiance() != radiance) {
         return Err(change("lights of one list have one radiance"));
     }
-    let list: Array = balls
+    let list: Array = all
         .iter()
-        .map(|ball| {
-            let [x, y, z] = (ball.center.as_dvec3() + origin).to_array();
-            Value::from_iter([number(x as f32), number(y as f32), number(z as f32), number(ball.radius)])
+        .map(|sphere| {
+            let [x, y, z] = (sphere.center.as_dvec3() + origin).to_array();
+            Value::from_iter([number(x as f32), number(y as f32), number(z as f32), number(sphere.radius)])
         })
         .collect();
     put(table, "spheres", Value::Array(list));
-    let squares: f32 = balls.iter().map(|ball| ball.radius * ball.radius).sum();
+    let squares: f32 = all.iter().map(|sphere| sphere.radius * sphere.radius).sum();
     brightness(table, radiance, None, &[("radiance", 1.0), ("flux", 4.0 * PI * PI * squares)])
 }
 
@@ -145,12 +145,12 @@ fn light(table: &mut dyn TableLike, (old, new): (&LightItem, &LightItem), origin
     let radiance = new.light.full_radiance();
     let mut before = None;
     let units = match &new.light {
-        Light::Sphere(light) => ball(table, light.sphere, origin),
+        Light::Sphere(light) => sphere(table, light.sphere, origin),
         Light::Spot(spot) => {
             if table.get("kind").and_then(Item::as_str) == Some("spot") {
                 put(table, "direction", vector(spot.axis));
             }
-            ball(table, spot.light.sphere, origin)
+            sphere(table, spot.light.sphere, origin)
         }
         Light::Flat(flat) => {
             let corners = flat.corners();
@@ -194,7 +194,7 @@ fn light(table: &mut dyn TableLike, (old, new): (&LightItem, &LightItem), origin
 }
 
 /// Place and radius of a sphere; the units that its brightness may be in.
-fn ball(table: &mut dyn TableLike, sphere: lobe_core::Sphere, origin: DVec3) -> Vec<(&'static str, f32)> {
+fn sphere(table: &mut dyn TableLike, sphere: lobe_core::Sphere, origin: DVec3) -> Vec<(&'static str, f32)> {
     put(table, "center", place(sphere.center, origin));
     if table.contains_key("radius") || (sphere.radius - 0.01).abs() > 1e-6 {
         put(table, "radius", number(sphere.radius));
