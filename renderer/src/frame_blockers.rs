@@ -12,9 +12,11 @@ use visibility_spheres::SphereBlockers;
 #[cfg(feature = "gpu")]
 use {
     crate::backend::GpuParts,
+    glam::Vec3,
     lighting::Light,
     lobe_core::Sphere,
     render_gpu::ShadowCasting,
+    scene::Bounds,
     shading::gpu::GpuLight as _,
     visibility_silhouettes::{AnyHit, GpuSilhouettes},
 };
@@ -168,9 +170,16 @@ impl<'a> FrameBlockers<'a> {
                 light if is_flat => Some(light.gpu_bounds()),
                 light => light.sphere(),
             };
-            let triangles = sphere.filter(|sphere| sphere.radius > 0.0).map(meeting).unwrap_or_default();
+            let mut triangles = sphere.filter(|sphere| sphere.radius > 0.0).map(meeting).unwrap_or_default();
             if !is_flat && !triangles.is_empty() {
                 return None;
+            }
+            if let Light::Flat(flat) = light
+                && triangles.len() > FEW_TRIANGLES
+            {
+                let Bounds { min, max } = self.world.scene().bounds();
+                let margin = PLANE_MARGIN * (max - min).length();
+                triangles.retain(|corners| meets_plane(flat.normal(), flat.as_disc().0, margin, corners));
             }
             cut.push(triangles);
         }
@@ -263,6 +272,20 @@ pub trait ShaderTask {
     /// # Errors
     /// Those of the task.
     fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, RenderError>;
+}
+
+/// Near a flat light so many triangles are not worth a search for those that its plane cuts.
+#[cfg(feature = "gpu")]
+const FEW_TRIANGLES: usize = 16;
+/// The planes up to which surfaces block are as far from a light's own plane as this part of the receiver's height, and less.
+#[cfg(feature = "gpu")]
+const PLANE_MARGIN: f32 = 1e-3;
+
+/// Whether a triangle may be cut by a plane through a point, or by one that is as far from it as `margin`.
+#[cfg(feature = "gpu")]
+fn meets_plane(normal: Vec3, point: Vec3, margin: f32, corners: &[Vec3; 3]) -> bool {
+    let heights = corners.map(|p| normal.dot(p - point));
+    heights.iter().any(|height| *height > -margin) && heights.iter().any(|height| *height < margin)
 }
 
 /// Where masks are drawn again, with the tolerance relative to [own radiance](Settings::own_radiance) or not.

@@ -6,6 +6,7 @@ use crate::fit::{is_flat, side};
 use crate::hull::Fineness;
 use crate::levels::Levels;
 use crate::lists::{Lists, Meshes};
+use crate::near_light::NearLights;
 use crate::penumbra::narrowest;
 
 use crate::project::{Crossing, View, project};
@@ -21,9 +22,6 @@ use visibility_mask::{Blockers, Edges, Mask, UnitSquare, facet_coverage};
 /// The size of details that a tolerance leaves out: this fraction of it, in radii of the light. A root mean square, measured so
 /// that masks differ by less than a quarter of the tolerance in the mean.
 const DETAIL: f32 = 4.0;
-
-/// A sphere that is larger than the shaft's end by this factor contains all triangles that may be cut.
-const AROUND: f32 = 1.001;
 
 /// The smallest cosine between two normals of one plane.
 const ALONG: f64 = 0.999_9;
@@ -154,20 +152,15 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
 
     /// Lists the edges in a shaft.
     fn list(&self, shaft: &Shaft, scratch: &mut SilhouetteScratch<H::Scratch>) {
+        let near = scratch.near.enter(shaft, |sphere, visit| self.hits.triangles_meeting(sphere, visit));
+        scratch.light = shaft.light;
+        scratch.is_clipped = near.is_clipped;
+        // The outlines in which a light cuts triangles continue exact ones only.
+        scratch.is_exact = !near.is_empty();
+        let fineness = if scratch.is_exact { Fineness::default() } else { self.meshes.fineness };
         // Rays start off the surface, and thus slightly outside of the receivers' box.
         let off = self.hits.leave(shaft.receivers.center, Vec3::Y).distance(shaft.receivers.center);
-        scratch.lists.enter(&self.meshes, shaft, 2.0 * off + 1e-6 * shaft.receivers.radius);
-        if scratch.light != shaft.light {
-            scratch.light = shaft.light;
-            scratch.cutting.clear();
-            scratch.is_clipped = false;
-            self.hits.triangles_meeting(shaft.light, &mut |corners| {
-                scratch.is_clipped = true;
-                if Ball::may_clip(shaft.light, corners) {
-                    scratch.cutting.push(corners);
-                }
-            });
-        }
+        scratch.lists.enter(&self.meshes, shaft, 2.0 * off + 1e-6 * shaft.receivers.radius, fineness);
         scratch.is_met = self.hits.enter(shaft, &mut scratch.hits);
         scratch.alike = None;
     }
@@ -202,24 +195,16 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
 
     /// Finds the outlines in which a flat light's plane cuts triangles near it. Returns whether there are any.
     fn clip_by_plane(&self, light: &Outline, scratch: &mut SilhouetteScratch<H::Scratch>) -> bool {
-        if scratch.near_of != scratch.light {
-            scratch.near_of = scratch.light;
-            scratch.near.clear();
-            let around = Sphere { radius: scratch.light.radius * AROUND, ..scratch.light };
-            let near = &mut scratch.near;
-            self.hits.triangles_meeting(around, &mut |corners| near.push(corners));
-        }
         let SilhouetteScratch { near, arcs, silhouettes, outside, origin, .. } = scratch;
         arcs.clear();
-        if !near.is_empty() {
-            let plane = Behind::new(light);
-            arcs.extend(near.iter().filter_map(|corners| {
-                let cut = corners.map(|p| p - *origin);
-                plane.clip(cut, || side(*corners, *origin))
-            }));
-            if !arcs.is_empty() {
-                plane.before(silhouettes, outside);
-            }
+        let plane = Behind::new(light);
+        let cut = near.current().map_or(&[][..], |near| near.cut(&plane, *origin));
+        arcs.extend(cut.iter().filter_map(|corners| {
+            let cut = corners.map(|p| p - *origin);
+            plane.clip(cut, || side(*corners, *origin))
+        }));
+        if !arcs.is_empty() {
+            plane.before(silhouettes, outside);
         }
         !arcs.is_empty()
     }
@@ -231,7 +216,8 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
         let x = scratch.origin;
         let light = scratch.light;
         let sides = |edge| self.meshes.sides(edge, x);
-        let is_drawn = |edge| self.meshes.is_drawn(edge, x, light);
+        let is_exact = scratch.is_exact;
+        let is_drawn = |edge| is_exact || self.meshes.is_drawn(edge, x, light);
         let outline = query.outline.map(Beside::new);
         let outline = outline.as_ref();
         scratch.is_coarse =
@@ -251,13 +237,11 @@ pub struct SilhouetteScratch<H> {
     alike: Option<Alike>,
     /// Whether the receivers of a group are on one side of all triangles near them.
     plane: Option<Plane>,
-    /// Whether triangles reach into the light, those that its surface cuts, and the light for which both are known.
+    /// The triangles near the lights; whether some reach into the light of the shaft, and whether its outlines are exact because of these.
+    near: NearLights,
     is_clipped: bool,
+    is_exact: bool,
     light: Sphere,
-    cutting: Vec<[Vec3; 3]>,
-    /// The triangles near a flat light, which its plane may cut, and the light for which they are known.
-    near: Vec<[Vec3; 3]>,
-    near_of: Sphere,
     /// Start of the current receiver's rays, and its cone to the light.
     origin: Vec3,
     cone: Cone,
@@ -311,11 +295,10 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             alike: None,
             plane: None,
             is_clipped: false,
+            is_exact: false,
             // A light that no caller can mean.
             light: Sphere { center: Vec3::NAN, radius: 0.0 },
-            cutting: Vec::new(),
-            near: Vec::new(),
-            near_of: Sphere { center: Vec3::NAN, radius: 0.0 },
+            near: NearLights::default(),
             origin: Vec3::ZERO,
             cone: Cone { axis: Vec3::Z, one_minus_cos: 0.0, distance: 0.0 },
             facet: None,
@@ -403,7 +386,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         let coverage = if is_hit { Coverage::Dark } else { Coverage::Lit };
         if scratch.alike.is_none() && scratch.lists.is_empty() && scratch.lists.is_shared() {
             // If triangles reach into a light, they may be in front of its near side for some receivers only.
-            let is_free = if query.outline.is_some() { scratch.near.is_empty() } else { !scratch.is_clipped };
+            let is_free = if query.outline.is_some() { !scratch.is_exact } else { !scratch.is_clipped };
             let coverage = (is_free && self.is_plane(at, scratch)).then_some(coverage);
             scratch.alike = Some(Alike { object: at.object, face: at.face, coverage });
         }
@@ -443,7 +426,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             is_outside_known,
             light,
             is_clipped,
-            cutting,
+            near,
             crossings,
             counter,
             fewest,
@@ -463,7 +446,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
                 // The same for all windows of the receiver.
                 arcs.clear();
                 let front = Front { axis: query.cone.axis, distance: view.far };
-                for corners in cutting.iter() {
+                for corners in near.current().map_or(&[][..], |near| &near.cutting) {
                     ball.clip(&front, corners.map(|p| p - *origin), || side(*corners, *origin), arcs);
                 }
                 ball.outside(silhouettes, outside);

@@ -240,6 +240,11 @@ impl Behind {
         Self { axis: light.axis().as_dvec3(), depth: f64::from(light.depth()) }
     }
 
+    /// Its normal, and how far along that it is from the world's origin, if the receiver's rays start at a point.
+    pub(crate) fn placed(&self, origin: Vec3) -> (Vec3, f64) {
+        (self.axis.as_vec3(), self.axis.dot(origin.as_dvec3()) + self.depth)
+    }
+
     fn holds(&self, p: Vec3) -> bool {
         self.axis.dot(p.as_dvec3()) > self.depth
     }

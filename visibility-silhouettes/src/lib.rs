@@ -69,6 +69,7 @@ mod levels;
 mod lists;
 mod look;
 mod mesh;
+mod near_light;
 mod penumbra;
 mod placed;
 mod project;

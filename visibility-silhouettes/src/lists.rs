@@ -119,6 +119,7 @@ impl<'m> Meshes<'m> {
 pub(crate) struct Lists {
     shaft: Shaft,
     margin: f32,
+    fineness: Fineness,
     /// The edges of the whole shaft, if they were listed.
     edges: EdgeList,
     is_whole: bool,
@@ -152,6 +153,7 @@ impl Default for Lists {
         Self {
             shaft: Shaft::new(Sphere::default(), Sphere::default(), LightId(0)),
             margin: 0.0,
+            fineness: Fineness::default(),
             edges: EdgeList::default(),
             is_whole: true,
             cells: vec![Cell::default(); CELLS.pow(3)],
@@ -166,17 +168,18 @@ impl Default for Lists {
 }
 
 impl Lists {
-    /// Begins a shaft whose rays start within `margin` of the receivers.
-    pub(crate) fn enter(&mut self, meshes: &Meshes<'_>, shaft: &Shaft, margin: f32) {
+    /// Begins a shaft whose rays start within `margin` of the receivers, with outlines of a fineness.
+    pub(crate) fn enter(&mut self, meshes: &Meshes<'_>, shaft: &Shaft, margin: f32, fineness: Fineness) {
         self.cells.iter_mut().for_each(|cell| cell.is_listed = false);
         self.made = 0;
         self.seen.clear();
         self.alone = 0;
         self.shaft = *shaft;
         self.margin = margin;
+        self.fineness = fineness;
         let Sphere { center, radius } = shaft.receivers;
         let mut list = |shaft: &Shaft, most| {
-            meshes.list(&Hull::new(shaft, margin, meshes.fineness), most, &mut self.memory, &mut self.edges)
+            meshes.list(&Hull::new(shaft, margin, fineness), most, &mut self.memory, &mut self.edges)
         };
         let first = if radius > 0.0 { SHAFT_LEAVES } else { usize::MAX };
         self.is_whole = list(shaft, first).is_some();
@@ -234,7 +237,7 @@ impl Lists {
             let middle = low + (Vec3::from_array(place.map(|x| x as f32)) + 0.5) * size;
             let ball = Sphere { center: middle, radius: 0.5 * size.length() };
             let shaft = self.shaft.from_receivers(ball).in_box(0.5 * size);
-            Hull::new(&shaft, self.margin, meshes.fineness).narrow(simd, &self.edges, &mut cell.edges);
+            Hull::new(&shaft, self.margin, self.fineness).narrow(simd, &self.edges, &mut cell.edges);
             cell.is_listed = true;
         }
         &cell.edges
@@ -262,9 +265,9 @@ impl Lists {
         let is_alone = self.alone > 0 || near == f32::INFINITY;
         self.alone = self.alone.saturating_sub(1);
         let mut receivers = Sphere { center: at, radius: if is_alone { 0.0 } else { NEIGHBOURS * near.sqrt() } };
-        let (shaft, margin) = (self.shaft, self.margin);
+        let (shaft, margin, fineness) = (self.shaft, self.margin, self.fineness);
         let mut list = |receivers, most| {
-            let hull = Hull::new(&shaft.from_receivers(receivers), margin, meshes.fineness);
+            let hull = Hull::new(&shaft.from_receivers(receivers), margin, fineness);
             meshes.list(&hull, most, &mut self.memory, &mut edges)
         };
         let most = BALL_LEAVES.max(BALL_TIMES * self.single);

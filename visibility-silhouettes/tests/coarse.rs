@@ -4,8 +4,8 @@ mod common;
 
 use common::{Rays, Soup, ball};
 use glam::Vec3;
-use lobe_core::{Cone, Lobe, Receiver, Sphere};
-use shading::{Accuracy, LightId, LightVisibility, Shaft, Visibility};
+use lobe_core::{Cone, FlatShape, Lobe, Outline, Receiver, Sphere};
+use shading::{Accuracy, LightCoverage, LightExtent, LightId, LightVisibility, Shaft, Visibility};
 use visibility_mask::MaskVisibility;
 use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 
@@ -108,4 +108,46 @@ fn forms_are_refitted() {
     assert!(most < 0.03, "{most}");
     assert!(kept[0].refit(&soup.positions));
     assert_eq!(first, share(&kept, &soup));
+}
+
+/// Where a flat light or a sphere of light cuts a body with simplified forms, masks are those of the exact body: the outlines in which the light cuts
+/// triangles do not continue simplified ones.
+#[test]
+fn lights_that_cut_a_body_see_its_exact_outlines() {
+    let soup = body();
+    let exact = [SilhouetteMesh::new(0, &soup.positions, &soup.triangles)];
+    let coarse = [SilhouetteMesh::with_coarse(0, &soup.positions, &soup.triangles)];
+    let center = Vec3::new(0.3, 2.2, 0.2);
+    let corners = [(1, 1), (1, -1), (-1, -1), (-1, 1)].map(|(x, z)| center + 3.0 * Vec3::new(x as f32, 0.0, z as f32));
+    let bounds = Sphere { center, radius: 4.3 };
+    let panel = FlatShape::polygon(&corners, Vec3::NEG_Y, bounds, 1.0);
+    let extent = LightExtent { sides: [3.0 * Vec3::X, 3.0 * Vec3::Z], margin: 0.04 };
+    let pierced = Sphere { center: Vec3::new(0.8, 2.6, 0.3), radius: 0.8 };
+    let shares = |blockers: SilhouetteBlockers<'_, Rays<'_>>, is_flat: bool| {
+        let strategy = MaskVisibility::new(blockers);
+        let mut scratch = strategy.scratch();
+        let mut out = Vec::new();
+        for at in ground().iter().step_by(3).map(|group| &group[0]) {
+            let receivers = Sphere { center: at.position, radius: 0.01 };
+            let light = if is_flat { bounds } else { pierced };
+            let shaft = Shaft::new(receivers, light, LightId(0)).with_extent(is_flat.then_some(extent));
+            let mut visit = LightVisibility::enter(&strategy, &shaft, Accuracy::new(0.01), &mut scratch);
+            let outline = is_flat.then(|| panel.outline(at.position)).flatten();
+            let cone = outline.as_ref().map_or_else(|| Cone::of_sphere(at.position, light), Outline::cone);
+            let lobe = Lobe::new(at.normal, 1.0, Vec3::ONE);
+            out.push(match visit.coverage(at, &cone, outline.as_ref()) {
+                LightCoverage::Lit => 1.0,
+                LightCoverage::Dark => 0.0,
+                LightCoverage::Partial(penumbra) => visit.fraction(&penumbra, lobe, 1.0).x,
+            });
+        }
+        out
+    };
+    for is_flat in [true, false] {
+        let want = shares(SilhouetteBlockers::new(&exact, Rays(&soup)), is_flat);
+        let got = shares(SilhouetteBlockers::new(&coarse, Rays(&soup)).with_tolerance(0.01), is_flat);
+        let partial = want.iter().filter(|v| (0.01..0.99).contains(*v)).count();
+        assert!(partial > 20, "{partial}");
+        assert_eq!(want, got, "{is_flat}");
+    }
 }

@@ -1,0 +1,185 @@
+//! Triangles near lights, and those of them that cut a light or are cut by its plane.
+
+use crate::clip::{Ball, Behind};
+use glam::Vec3;
+use lobe_core::{Sphere, orthonormal_basis};
+use shading::{LightExtent, Shaft};
+
+pub(crate) type Triangle = [Vec3; 3];
+
+/// Lights whose triangles are kept: those of later ones take their places.
+const LIGHTS: usize = 1024;
+/// Triangles as far beside the light as this part of its radius count as near: outlines reach a little beyond it.
+const BESIDE: f32 = 0.1;
+/// The same across a flat light, where its plane ends for each receiver a little nearer.
+const ABOVE: f32 = 0.01;
+/// Triangles as near to the plane as this part of the light's radius count as cut: the plane is a little different for each receiver.
+const MARGIN: f64 = 1e-3;
+
+/// The triangles near the lights of a frame.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct NearLights {
+    lights: Vec<Option<NearLight>>,
+    current: usize,
+}
+
+/// The triangles near one light.
+#[derive(Clone, Debug)]
+pub(crate) struct NearLight {
+    light: Sphere,
+    extent: LightExtent,
+    triangles: Vec<Triangle>,
+    /// Whether triangles reach into the light's sphere, and those that its surface cuts.
+    pub(crate) is_clipped: bool,
+    pub(crate) cutting: Vec<Triangle>,
+    /// The plane of the last query of a flat light, and the triangles that it may cut.
+    plane: Option<(Vec3, f64)>,
+    cut: Vec<Triangle>,
+}
+
+impl NearLights {
+    /// Makes the light of a shaft the current one. `visit` calls its argument for all triangles that may meet a sphere, which is done once for each
+    /// light.
+    pub(crate) fn enter(
+        &mut self,
+        shaft: &Shaft,
+        mut visit: impl FnMut(Sphere, &mut dyn FnMut(Triangle)),
+    ) -> &NearLight {
+        self.current = shaft.id.0 as usize % LIGHTS;
+        if self.lights.len() <= self.current {
+            self.lights.resize_with(self.current + 1, || None);
+        }
+        let is_known = |near: &NearLight| near.light == shaft.light && near.extent == shaft.extent;
+        let place = &mut self.lights[self.current];
+        if !place.as_ref().is_some_and(is_known) {
+            *place = Some(NearLight::new(shaft, &mut visit));
+        }
+        place.get_or_insert_with(|| NearLight::new(shaft, &mut visit))
+    }
+
+    /// The triangles of the light that was entered last.
+    pub(crate) fn current(&mut self) -> Option<&mut NearLight> {
+        self.lights.get_mut(self.current)?.as_mut()
+    }
+}
+
+/// Three directions along and across a light, and how far it reaches along each, with what lies beside it.
+fn sides(light: Sphere, extent: &LightExtent) -> [(Vec3, f32); 3] {
+    let [u, v] = extent.sides;
+    let long = if u.length_squared() < v.length_squared() { v } else { u }.normalize_or(Vec3::X);
+    let normal = u.cross(v).normalize_or(orthonormal_basis(long).0);
+    let reach = |n: Vec3, more: f32| (n, light.radius.min(extent.support(n)) + more * light.radius);
+    [reach(long, BESIDE), reach(normal.cross(long), BESIDE), reach(normal, ABOVE)]
+}
+
+impl NearLight {
+    fn new(shaft: &Shaft, visit: &mut impl FnMut(Sphere, &mut dyn FnMut(Triangle))) -> Self {
+        let Shaft { light, extent, .. } = *shaft;
+        let (mut triangles, mut cutting, mut is_clipped) = (Vec::new(), Vec::new(), false);
+        let sides = sides(light, &extent);
+        visit(Sphere { radius: light.radius * (1.0 + BESIDE), ..light }, &mut |corners| {
+            let misses = |(n, reach): &(Vec3, f32)| {
+                let along = corners.map(|p| n.dot(p - light.center));
+                along.iter().all(|x| *x > *reach) || along.iter().all(|x| *x < -*reach)
+            };
+            if !sides.iter().any(misses) {
+                triangles.push(corners);
+            }
+        });
+        visit(light, &mut |corners| {
+            is_clipped = true;
+            if Ball::may_clip(light, corners) {
+                cutting.push(corners);
+            }
+        });
+        Self { light, extent, triangles, is_clipped, cutting, plane: None, cut: Vec::new() }
+    }
+
+    /// Whether no triangle is near the light.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+
+    /// The triangles that the plane of a flat light may cut, seen from a point.
+    pub(crate) fn cut(&mut self, plane: &Behind, origin: Vec3) -> &[Triangle] {
+        let (axis, offset) = plane.placed(origin);
+        let margin = MARGIN * f64::from(self.light.radius);
+        let is_known = self.plane.is_some_and(|known| known.0 == axis && (known.1 - offset).abs() < 0.5 * margin);
+        if !is_known {
+            self.plane = Some((axis, offset));
+            self.cut.clear();
+            self.cut.extend(self.triangles.iter().filter(|corners| {
+                let heights = corners.map(|p| axis.as_dvec3().dot(p.as_dvec3()) - offset);
+                heights.iter().any(|height| *height > -margin) && heights.iter().any(|height| *height < margin)
+            }));
+        }
+        &self.cut
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lobe_core::FlatShape;
+    use shading::LightId;
+
+    /// As receivers move and lights alternate, no triangle that a plane cuts is missed; others are left out, and each light's are found once.
+    #[test]
+    fn triangles_that_a_plane_cuts_are_kept() {
+        let around = |at: Vec3| -> Vec<Triangle> {
+            (0..400_u16)
+                .map(|k| {
+                    let turn = Vec3::new(f32::from(k).sin(), (1.7 * f32::from(k)).sin(), (2.3 * f32::from(k)).cos());
+                    [Vec3::ZERO, 0.2 * Vec3::X, 0.2 * turn].map(|p| at + turn + p)
+                })
+                .collect()
+        };
+        let lights = [Vec3::new(0.0, 3.0, 0.0), Vec3::new(50.0, 2.0, 1.0)].map(|center| {
+            let normal = (center.normalize() - Vec3::Y * 2.0).normalize();
+            let (u, v) = lobe_core::orthonormal_basis(normal);
+            let corners = [u + v, v - u, -u - v, u - v].map(|p| center + p);
+            let bounds = Sphere { center, radius: 1.5 };
+            (FlatShape::polygon(&corners, normal, bounds, 1.0), around(center))
+        });
+        let (mut near, mut found, mut most, mut cut) = (NearLights::default(), 0, 0, 0);
+        for k in 0..200_u16 {
+            let number = k / 3 % 2;
+            let (shape, triangles) = &lights[usize::from(number)];
+            let origin = shape.bounds().center + Vec3::new(f32::from(k).sin() * 9.0, -2.0, f32::from(k).cos() * 9.0);
+            let Some(outline) = shape.outline(origin) else { continue };
+            let plane = Behind::new(&outline);
+            let shaft = Shaft::new(Sphere::default(), shape.bounds(), LightId(u32::from(number)));
+            near.enter(&shaft, |_, visit| {
+                found += 1;
+                triangles.iter().copied().for_each(visit);
+            });
+            let listed = near.current().expect("entered").cut(&plane, origin).to_vec();
+            most = most.max(listed.len());
+            for corners in triangles {
+                if plane.clip(corners.map(|p| p - origin), || 1.0).is_some() {
+                    cut += 1;
+                    assert!(listed.contains(corners), "{k}");
+                }
+            }
+        }
+        // Near the light, and at its surface.
+        assert!(found == 4 && cut > 1000 && most < 200, "{found} {cut} {most}");
+    }
+
+    /// Of the triangles near a long light only those beside it are kept, however it lies.
+    #[test]
+    fn triangles_far_from_a_long_light_are_left_out() {
+        for k in 0..40_u16 {
+            let along = Vec3::new(f32::from(k).sin(), (1.3 * f32::from(k)).cos(), 0.3).normalize();
+            let (u, v) = lobe_core::orthonormal_basis(along);
+            let light = Sphere { center: Vec3::new(1.0, 2.0, 3.0), radius: 2.0 };
+            let extent = LightExtent { sides: [along * 1.9, Vec3::ZERO], margin: 0.05 };
+            let small = |p: Vec3| [Vec3::ZERO, 0.01 * u, 0.01 * v].map(|q| light.center + p + q);
+            let all = [0.1 * u, -0.2 * v + 1.9 * along, 0.9 * u, -0.8 * v - along].map(small);
+            let shaft = Shaft::new(Sphere::default(), light, LightId(3)).with_extent(Some(extent));
+            let mut near = NearLights::default();
+            let near = near.enter(&shaft, |_, visit| all.into_iter().for_each(visit));
+            assert_eq!(near.triangles, all[..2], "{k}");
+        }
+    }
+}
