@@ -77,10 +77,10 @@ fn rooms_behind_openings_are_lit() {
         let to = LIGHT - x;
         to.dot(v) > 0.0 && to.reject_from_normalized(v).length_squared() < SPHERE * SPHERE
     };
-    // The most of mean and 99th percentile by each light. A small window before a sphere and slits lose points (docs/limits.md).
+    // The most of mean and 99th percentile by each light.
     let openings = [
-        ("window", [-0.6, 0.6, -0.2, 0.8], [[0.007, 0.04], [0.045, 0.45]]),
-        ("small window", [-0.2, 0.2, 0.1, 0.5], [[0.011, 0.06], [0.06, 1.0]]),
+        ("window", [-0.6, 0.6, -0.2, 0.8], [[0.007, 0.04], [0.014, 0.07]]),
+        ("small window", [-0.2, 0.2, 0.1, 0.5], [[0.009, 0.05], [0.014, 0.04]]),
     ];
     for (name, opening, most) in openings {
         let by_square = SQUARES.map(|half| own_errors(opening, square(half), |x, v| meets_square(half, x, v)));

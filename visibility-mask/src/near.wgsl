@@ -48,11 +48,12 @@ fn near_is_little(counts: vec4f, rows: u32) -> bool {
     return frame.look_again > 0u && NEAR_LITTLE * counts.x < counts.y && is_few;
 }
 
-// Whether that is looked at again: of an opening the lit part ends at blockers on two opposite sides, of an ordinary penumbra where the light does.
-// `counts` has the rows with lit samples and those of them that end where the light does, `columns` the same across them.
+// Whether that is looked at again: of an opening the lit part ends at blockers on two opposite sides, of an ordinary penumbra where the light does,
+// of which that is done if it is slight. `counts` has the lit and the emitting samples, the rows with lit samples and those of them that end where the light does, `columns` the same across them.
 fn near_is_opening(counts: vec4f, columns: vec2f) -> bool {
     let is_opening = NEAR_ENDS * counts.w < counts.z || NEAR_ENDS * columns.y < columns.x;
-    return is_opening || frame.look_again > 1u || outline_has_sides();
+    let is_slight = NEAR_SLIGHT * counts.x < counts.y;
+    return is_opening || is_slight || frame.look_again > 1u || outline_has_sides();
 }
 
 // Of the mask that was drawn last the columns with lit samples, and those of them that end where the light does. Requires uniform control flow.

@@ -14,6 +14,9 @@ pub(crate) const FEW: u32 = 3;
 pub(crate) const OF: u32 = 8;
 /// A mask is fine enough if 1/FILLED of its samples is lit.
 pub(crate) const FILLED: u32 = 4;
+/// If less than 1/SLIGHT is lit, masks are drawn again for ordinary penumbrae as well: the light seen through an opening may end at its own
+/// outline.
+pub(crate) const SLIGHT: u32 = 10;
 /// The lit part is an opening's if less than 1/ENDS of its rows, or of its columns, end where the light does.
 pub(crate) const ENDS: u32 = 4;
 /// The most masks for a window.
@@ -43,6 +46,16 @@ impl LitCounts {
     pub(crate) fn are_few(self) -> bool {
         let Self { lit, emitting, lit_rows, rows } = self;
         LITTLE * lit < emitting && (LEAST * lit < emitting || OF * lit_rows < FEW * rows)
+    }
+
+    /// Whether that is looked at again whatever bounds the lit part.
+    pub(crate) fn are_slight(self) -> bool {
+        SLIGHT * self.lit < self.emitting
+    }
+
+    /// Whether no sample is lit.
+    pub(crate) fn are_none(self) -> bool {
+        self.lit == 0
     }
 }
 

@@ -1,3 +1,4 @@
+use crate::contour;
 use crate::counts::Counts;
 use crate::quadtree_cut::{QuadtreeCut, QuadtreeMoments};
 use crate::spread::{Spread, along};
@@ -112,10 +113,12 @@ pub trait Blockers: Sync {
 pub enum LookAgain {
     /// Nowhere: the tolerance is a part of the unshadowed radiance.
     Never,
-    /// In all parts of a sky, and where an opening is seen: the lit part ends at blockers on two opposite sides.
+    /// In all parts of a sky, where an opening is seen, whose lit part ends at blockers on two opposite sides, and where less than a tenth of the
+    /// light is seen.
     #[default]
     Openings,
-    /// In the dark ends of ordinary penumbrae as well, so that the tolerance is a part of the receiver's own radiance. Up to 23 % slower.
+    /// In all dark ends of ordinary penumbrae, and for openings between the samples, so that the tolerance is a part of the receiver's own
+    /// radiance. Up to 23 % slower.
     Everywhere,
 }
 
@@ -312,13 +315,19 @@ impl<B: Blockers> MaskVisibility<B> {
         let depth = self.depth(query);
         let draw = |mask: &mut Mask| self.blockers.splat(query, blockers, mask);
         masks.draw(square, fineness, depth, query.at.normal, query.outline, draw);
-        if self.is_single || self.again == LookAgain::Never || !is_looked_into || !masks.is_little_lit() {
+        if self.is_single || self.again == LookAgain::Never || !is_looked_into {
+            return;
+        }
+        let counts = masks.lit_counts();
+        if !counts.are_few() {
             return;
         }
         // A part of an environment, whose outline knows its sides, ends where the next one begins.
         let is_patch = query.outline.is_some_and(Outline::has_sides);
-        let is_thorough = self.again == LookAgain::Everywhere || is_patch;
-        if !is_thorough && !masks.is_opening() {
+        // Through an opening between samples much of a wide light's radiance may come.
+        let is_hidden = counts.are_none() && square.half.max_element() > contour::WIDE;
+        let is_thorough = self.again == LookAgain::Everywhere || is_patch || is_hidden;
+        if !is_thorough && !counts.are_slight() && !masks.is_opening() {
             return;
         }
         let edges = self.blockers.edge_bounds(query, blockers, square);

@@ -67,6 +67,7 @@ static NEAR: Piece = Piece::new(include_str!("near.wgsl"))
         NEAR_OF = near_masks::OF as f32,
         NEAR_FILLED = near_masks::FILLED as f32,
         NEAR_ENDS = near_masks::ENDS as f32,
+        NEAR_SLIGHT = near_masks::SLIGHT as f32,
         NEAR_ROOM = (near_masks::ROOM_SAMPLES, near_masks::ROOM_ROWS),
         NEAR_MOST = 8_u32,
     ])

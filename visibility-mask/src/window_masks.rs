@@ -64,11 +64,11 @@ impl WindowMasks {
         self.spread.is_some_and(|spread| spread.divides(&self.window))
     }
 
-    /// Whether so little is lit that few samples measure its size.
-    pub(crate) fn is_little_lit(&self) -> bool {
+    /// The numbers of lit samples.
+    pub(crate) fn lit_counts(&self) -> LitCounts {
         let mut counts = LitCounts::default();
         self.masks().iter().for_each(|mask| counts.add(mask));
-        counts.are_few()
+        counts
     }
 
     /// Whether the lit part is that of an opening: it ends at blockers on two opposite sides at least. The lit part of an ordinary penumbra
