@@ -53,7 +53,7 @@ def test_a_moved_object_is_refitted_and_not_built(scene):
 @pytest.mark.parametrize(
     "words, keys",
     [
-        ({"projection": "orthographic", "height": 2.6}, 'projection = "orthographic"\nheight = 2.6'),
+        ({"projection": "orthographic", "height": 2.5}, 'projection = "orthographic"\nheight = 2.5'),
         ({"projection": "panoramic"}, 'projection = "panoramic"'),
     ],
 )
