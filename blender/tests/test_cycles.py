@@ -153,6 +153,23 @@ def textured():
     return look
 
 
+@pytest.mark.parametrize("kind", ["PERSP", "ORTHO", "PANO"])
+def test_the_world_behind(kind):
+    still_life(width=64, height=32, samples=64)
+    stage.cube(0.1, stage.material(), (0, 0, 0.5))
+    stage.world(strength=1.5, image=sky())
+    camera = bpy.context.scene.camera.data
+    camera.type, camera.ortho_scale = kind, 3.0
+    if kind == "PANO":
+        (camera if hasattr(camera, "panorama_type") else camera.cycles).panorama_type = "EQUIRECTANGULAR"
+    bpy.data.objects.remove(bpy.data.objects["plane"])
+    made, view = stage.live()
+    where = made.renderer.layers(["object"], window=view.window)["object"] < 0
+    error = stage.error(stage.render(), stage.render("CYCLES"), where)
+    print(f"world behind, {kind}: {100 * error:.2f} % over {where.sum()} pixels")
+    assert where.sum() > 1500 and error < MOST
+
+
 @pytest.mark.parametrize("fit", ["AUTO", "VERTICAL"])
 def test_an_orthographic_camera(fit):
     still_life()

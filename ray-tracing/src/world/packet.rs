@@ -23,6 +23,33 @@ type Rows = [Row; SIDE];
 /// The least cosine between the rays of a packet and their mean with which planes hold them.
 const LEAST_AHEAD: f32 = 0.2;
 
+/// The rays of a tile of a panorama, projected to a plane across their mean.
+struct Around {
+    mean: Vec3,
+    /// Along the columns.
+    down: Vec3,
+    /// The least and the largest place of each row's rays along `down`.
+    rows: [[f32; 2]; SIDE],
+}
+
+impl Around {
+    /// The places of points along the columns, with room for rounding; none where one is too far aside to be projected.
+    #[inline(always)]
+    fn span(&self, points: [Vec3; 3]) -> Option<[f32; 2]> {
+        let mut span = [f32::INFINITY, f32::NEG_INFINITY];
+        for p in points {
+            let (ahead, place) = (p.dot(self.mean), p.dot(self.down));
+            if ahead * 1e3 <= p.abs().max_element() {
+                return None;
+            }
+            let place = place / ahead;
+            let room = 1e-5 * (1.0 + place.abs());
+            span = [span[0].min(place - room), span[1].max(place + room)];
+        }
+        Some(span)
+    }
+}
+
 /// A ray through each pixel of a tile, and the nearest that each has met.
 pub(crate) struct RayPacket<'r> {
     pub(super) rays: &'r Rays,
@@ -36,6 +63,8 @@ pub(crate) struct RayPacket<'r> {
     sides: [Vec3; 4],
     /// The planes' distances behind the base.
     reach: f32,
+    /// Of a panorama, where there are planes.
+    around: Option<Around>,
     /// Distances; negative for rays that are not wanted.
     pub(super) nearest: Rows,
     pub(super) found: [[u32; SIDE]; SIDE],
@@ -81,6 +110,7 @@ impl<'r> RayPacket<'r> {
             vectors,
             sides,
             reach: 0.0,
+            around: None,
             nearest,
             found: [[NOTHING; SIDE]; SIDE],
             far: f32::INFINITY,
@@ -96,6 +126,7 @@ impl<'r> RayPacket<'r> {
             vectors: [[[0.0; SIDE]; SIDE]; 3],
             sides: [Vec3::ZERO; 4],
             reach: 0.0,
+            around: None,
             nearest: [[-1.0; SIDE]; SIDE],
             found: [[NOTHING; SIDE]; SIDE],
             far: f32::INFINITY,
@@ -136,12 +167,19 @@ impl<'r> RayPacket<'r> {
         let each = || (0..SIDE * SIDE).map(|k| direction(k % SIDE, k / SIDE));
         let mean = each().sum::<Vec3>().normalize_or_zero();
         if each().all(|d| d.dot(mean) > LEAST_AHEAD) {
-            let (x, y) = mean.any_orthonormal_pair();
+            let along = direction(SIDE / 2, SIDE - 1) - direction(SIDE / 2, 0);
+            let y = (along - mean * along.dot(mean)).try_normalize().unwrap_or(mean.any_orthonormal_vector());
+            let x = y.cross(mean);
             let place = |d: Vec3| Vec2::new(d.dot(x), d.dot(y)) / d.dot(mean);
             let low = each().map(place).fold(Vec2::INFINITY, Vec2::min) - 1e-5;
             let high = each().map(place).fold(Vec2::NEG_INFINITY, Vec2::max) + 1e-5;
             let planes = [x - mean * low.x, mean * high.x - x, y - mean * low.y, mean * high.y - y];
             packet.sides = planes.map(Vec3::normalize_or_zero);
+            let rows = core::array::from_fn(|row| {
+                let each = || (0..SIDE).map(|column| place(direction(column, row)).y);
+                [each().fold(f32::INFINITY, f32::min), each().fold(f32::NEG_INFINITY, f32::max)]
+            });
+            packet.around = Some(Around { mean, down: y, rows });
         }
         packet
     }
@@ -270,7 +308,7 @@ impl<'r> RayPacket<'r> {
         self.update_far();
     }
 
-    /// All rows for triangles that lie beyond none of the planes around the rays, no row for the others.
+    /// The rows of a panorama in which triangles may be seen: none for those that lie beyond one of the planes around the rays.
     #[inline(always)]
     fn rows_between_planes(&self, t: &TrianglePacket) -> [[u32; SIDE]; 2] {
         let mut rows = [[0; SIDE], [SIDE as u32; SIDE]];
@@ -279,7 +317,16 @@ impl<'r> RayPacket<'r> {
             let (s, e1, e2) = (at(&t.s), at(&t.e1), at(&t.e2));
             let slack = 1e-6 * (s.abs() + e1.abs() + e2.abs()).element_sum();
             let is_beyond = |n: &Vec3| n.dot(-s).max(n.dot(e1 - s)).max(n.dot(e2 - s)) < -slack;
-            rows[1][l] = if self.sides.iter().any(is_beyond) { 0 } else { SIDE as u32 };
+            if self.sides.iter().any(is_beyond) {
+                rows[1][l] = 0;
+            } else if let Some(around) = &self.around
+                && let Some([low, high]) = around.span([-s, e1 - s, e2 - s])
+            {
+                let may_meet = |row: &[f32; 2]| row[0] <= high && row[1] >= low;
+                let first = around.rows.iter().position(may_meet).unwrap_or(0);
+                let end = around.rows.iter().rposition(may_meet).map_or(0, |last| last + 1);
+                (rows[0][l], rows[1][l]) = (first as u32, end as u32);
+            }
         }
         rows
     }
