@@ -165,11 +165,15 @@ fn document(
     let (mut parts, mut camera, mut moving_camera, mut lights) = (Vec::new(), None, None, Vec::new());
     for &(n, is_visible) in &shown {
         if let Some(which) = root.nodes[n].camera {
-            let found = read_camera(root, which.value(), &reader.worlds[n])?;
-            if camera.is_none() {
-                let projection = found.projection;
-                moving_camera = reader.moving[n].then_some(CameraMover::Node { skeleton: index, node: n, projection });
-                camera = Some(found);
+            match read_camera(root, which.value(), &reader.worlds[n])? {
+                Some(found) if camera.is_none() => {
+                    let projection = found.projection;
+                    moving_camera =
+                        reader.moving[n].then_some(CameraMover::Node { skeleton: index, node: n, projection });
+                    camera = Some(found);
+                }
+                Some(_) => {}
+                None => context.warn(path, "a camera that is neither perspective nor orthographic was left out"),
             }
         }
         if !is_visible {

@@ -146,8 +146,8 @@ pub(crate) fn shown_nodes(root: &Root, extensions: &Extensions) -> Result<Vec<(u
     Ok(shown.into_iter().enumerate().filter_map(|(i, shown)| Some((i, shown?))).collect())
 }
 
-/// A camera at a node with that world matrix. The picture's own sides decide its width.
-pub(crate) fn read_camera(root: &Root, index: usize, world: &Mat4) -> Result<Camera, String> {
+/// A camera at a node with that world matrix, if it is of a known kind. The picture's own sides decide its width.
+pub(crate) fn read_camera(root: &Root, index: usize, world: &Mat4) -> Result<Option<Camera>, String> {
     let camera = root.cameras.get(index).ok_or_else(|| format!("there is no camera {index}"))?;
     let projection = match (&camera.perspective, &camera.orthographic) {
         (Some(p), _) => {
@@ -164,9 +164,9 @@ pub(crate) fn read_camera(root: &Root, index: usize, world: &Mat4) -> Result<Cam
             // Half of the picture.
             Projection::Orthographic { height: 2.0 * o.ymag }
         }
-        (None, None) => return Err(format!("camera {index} is neither perspective nor orthographic")),
+        (None, None) => return Ok(None),
     };
     let camera = node_camera(world, projection);
     camera.validate().map_err(|e| format!("camera {index}: {e}"))?;
-    Ok(camera)
+    Ok(Some(camera))
 }

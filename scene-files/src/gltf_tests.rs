@@ -71,6 +71,8 @@ fn orthographic_cameras_are_read() {
         let message = of(wrong).err().unwrap().to_string();
         assert!(message.contains("camera 0: xmag and ymag must be positive, and zfar beyond znear"), "{message}");
     }
+    let (nodes, empty) = (r#"[{"mesh": 0}, {"camera": 0}]"#, r#", "cameras": [{"type": "orthographic"}]"#);
+    assert_eq!(parse(&triangle(nodes, empty)).unwrap().1, None);
     assert!(
         of(r#""xmag": 1e38, "ymag": 1e38, "znear": 0, "zfar": 9"#)
             .err()
