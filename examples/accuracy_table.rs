@@ -10,7 +10,7 @@ use cosine_lobes::lobe_core::Sphere;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Geometry, Reference, ReferenceJob};
 use cosine_lobes::render_cpu::CpuShader;
-use cosine_lobes::scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade};
+use cosine_lobes::scene::{BlockerSet, Camera, Frame, Mesh, Object, Projection, Proxy, Scene, Shade};
 use cosine_lobes::shading::Accuracy;
 use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_spheres::SphereBlockers;
@@ -50,7 +50,12 @@ fn scene(exponent: f32, half_angle: f32) -> Scene {
     let mut casters = Object::spheres("balls", balls, 0);
     casters.visible = false;
     Scene {
-        camera: Camera { eye, target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 2.0 * (0.5 * view / 12.0).atan() },
+        camera: Camera {
+            eye,
+            target: Vec3::ZERO,
+            up: Vec3::Y,
+            projection: Projection::perspective(2.0 * (0.5 * view / 12.0).atan()),
+        },
         width: WIDTH,
         height: HEIGHT,
         materials: vec![floor],

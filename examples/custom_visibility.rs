@@ -7,7 +7,7 @@ use cosine_lobes::brdf::Material;
 use cosine_lobes::lighting::SphereLight;
 use cosine_lobes::lobe_core::{Cone, Sphere};
 use cosine_lobes::render_cpu::{CpuShader, GBuffer, World};
-use cosine_lobes::scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade};
+use cosine_lobes::scene::{Camera, Frame, Mesh, Object, Projection, Proxy, Scene, Shade};
 use cosine_lobes::shading::{Accuracy, Coverage, DynVisibility, VisibilityQuery};
 use cosine_lobes::visibility_mask::{Blockers, Contour, Mask, MaskVisibility};
 use cosine_lobes::{Output, Picture, srgb_bytes, write_png};
@@ -59,7 +59,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     boxes.iter().for_each(|(center, size)| table.append(&Mesh::cuboid(*center, *size)));
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 8.0, Vec3::NEG_Z * 8.0);
     let scene = Scene {
-        camera: Camera { eye: Vec3::new(1.0, 1.9, 3.6), target: Vec3::Y * 0.3, up: Vec3::Y, vertical_fov: 0.6 },
+        camera: Camera {
+            eye: Vec3::new(1.0, 1.9, 3.6),
+            target: Vec3::Y * 0.3,
+            up: Vec3::Y,
+            projection: Projection::perspective(0.6),
+        },
         width: 640,
         height: 400,
         materials: vec![Material::lambert(Vec3::new(0.7, 0.68, 0.64)), Material::lambert(Vec3::new(0.5, 0.27, 0.13))],

@@ -11,7 +11,7 @@ use cosine_lobes::lobe_core::{LightImage, Sphere};
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Estimate, Geometry, Reference, ReferenceJob};
 use cosine_lobes::render_cpu::{CpuShader, SceneSilhouettes, SurfaceHits};
-use cosine_lobes::scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints};
+use cosine_lobes::scene::{BlockerSet, Camera, Frame, Mesh, Object, Projection, Proxy, Scene, Shade, ShadingPoints};
 use cosine_lobes::shading::Accuracy;
 use cosine_lobes::visibility_mask::{MaskVisibility, Mixture};
 use cosine_lobes::visibility_rays::RayBlockers;
@@ -174,7 +174,7 @@ fn scene(material: &Material, kind: &Kind, blocks: Blocks) -> Scene {
             eye: Vec3::new(0.4, 1.6, 3.2),
             target: Vec3::new(0.0, 0.4, 0.0),
             up: Vec3::Y,
-            vertical_fov: 0.9,
+            projection: Projection::perspective(0.9),
         },
         width: WIDTH,
         height: HEIGHT,

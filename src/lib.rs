@@ -14,7 +14,7 @@
 //! use cosine_lobes::lighting::SphereLight;
 //! use cosine_lobes::lobe_core::Sphere;
 //! use cosine_lobes::renderer::{Renderer, Settings};
-//! use cosine_lobes::scene::{Animation, Camera, Mesh, Object, Proxy, Scene};
+//! use cosine_lobes::scene::{Animation, Camera, Projection, Mesh, Object, Proxy, Scene};
 //!
 //! let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 4.0, Vec3::Z * -4.0);
 //! let sphere = Sphere { center: Vec3::new(0.0, 0.5, 0.0), radius: 0.5 };
@@ -24,7 +24,7 @@
 //!         eye: Vec3::new(0.0, 2.0, 5.0),
 //!         target: Vec3::new(0.0, 0.4, 0.0),
 //!         up: Vec3::Y,
-//!         vertical_fov: 0.6,
+//!         projection: Projection::perspective(0.6),
 //!     },
 //!     width: 64,
 //!     height: 36,

@@ -10,7 +10,7 @@ use cosine_lobes::pictures::Picture;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Geometry, RayShader, Reference, ReferenceJob};
 use cosine_lobes::render_cpu::{CpuShader, SceneSilhouettes, SurfaceHits};
-use cosine_lobes::scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade};
+use cosine_lobes::scene::{BlockerSet, Camera, Frame, Mesh, Object, Projection, Proxy, Scene, Shade};
 use cosine_lobes::shading::{Accuracy, Visibility};
 use cosine_lobes::visibility_mask::{MaskVisibility, Mixture};
 use cosine_lobes::visibility_rays::RayBlockers;
@@ -32,7 +32,7 @@ fn scene(lights: Vec<Light>, material: Material) -> Scene {
             eye: Vec3::new(0.3, 2.2, 3.0),
             target: Vec3::new(0.0, 0.2, 0.0),
             up: Vec3::Y,
-            vertical_fov: 0.8,
+            projection: Projection::perspective(0.8),
         },
         width: SIZE[0],
         height: SIZE[1],
@@ -132,6 +132,70 @@ fn lights_are_those_of_their_true_shapes() {
             }
         }
     }
+}
+
+/// The lobes look along the constant view of parallel rays, and around the eye of a panorama.
+#[test]
+fn other_projections_agree_with_the_reference() {
+    let gold = MetallicRoughness::new(Vec3::new(1.0, 0.8, 0.3), 1.0, 0.35).expect("a metal");
+    let phong = ModifiedPhong { kd: Vec3::splat(0.3), ks: Vec3::splat(0.4), exponent: 50.0 };
+    let sphere = Sphere { center: Vec3::new(-0.2, 2.4, 0.5), radius: 0.3 };
+    let light: Light = SphereLight::new(sphere, Vec3::splat(30.0)).into();
+    for projection in [Projection::Orthographic { height: 3.0 }, Projection::Panoramic] {
+        for (of, material) in [("Phong", phong.into()), ("gold", gold.clone().into())] {
+            let mut scene = scene(vec![light.clone()], material);
+            scene.camera.projection = projection;
+            if projection == Projection::Panoramic {
+                scene.camera.eye = Vec3::new(0.3, 0.6, 1.0);
+            }
+            let truth = truth(&scene, 2048);
+            for by_rays in [false, true] {
+                let e = errors(&scene, &shade(&scene, TOLERANCE, by_rays), &truth);
+                println!("{projection:?}, {of}, rays {by_rays}: penumbra {:?}, lit {:?}", e.penumbra, e.lit);
+                assert!(e.penumbra.pixels > 5 && e.lit.pixels > 100, "{projection:?}: {e:?}");
+                assert!(e.penumbra.mean < 0.005 && e.penumbra.p99 < 0.03, "{projection:?} on {of}: {e:?}");
+                assert!(e.lit.mean < 0.004 && e.dark.mean < 0.002, "{projection:?} on {of}: {e:?}");
+            }
+        }
+    }
+}
+
+/// A parallel view is that of a perspective eye far away, and a pixel of a panorama the middle of a picture in its direction.
+#[test]
+fn other_projections_agree_with_perspective_ones() {
+    let gold = MetallicRoughness::new(Vec3::new(1.0, 0.8, 0.3), 1.0, 0.5).expect("a metal");
+    let sphere = Sphere { center: Vec3::new(-0.2, 2.4, 0.5), radius: 0.3 };
+    let mut scene = scene(vec![SphereLight::new(sphere, Vec3::splat(30.0)).into()], gold.into());
+    let picture = |scene: &Scene| {
+        let gbuffer = GBuffer::new(&World::new(scene), scene.width, scene.height, 1);
+        gbuffer.resolve(&shade(scene, TOLERANCE, false), Vec3::ZERO)
+    };
+    let near = scene.camera;
+    scene.camera.projection = Projection::Orthographic { height: 3.0 };
+    let parallel = picture(&scene);
+    let (distance, toward) = (3000.0, (near.eye - near.target).normalize());
+    let fov = 2.0 * (0.5 * 3.0_f32 / distance).atan();
+    scene.camera = Camera { eye: near.target + distance * toward, projection: Projection::perspective(fov), ..near };
+    let far = picture(&scene);
+    let mean = parallel.iter().map(|pixel| pixel.x).sum::<f32>() / parallel.len() as f32;
+    // Pixels on outlines may see another side.
+    let others = parallel.iter().zip(&far).filter(|(a, b)| (**a - **b).abs().max_element() > 0.02 * mean).count();
+    println!("{others} of {} pixels differ by more than 2 % of the mean", far.len());
+    assert!(mean > 0.05 && others <= 26, "{others} pixels, mean {mean}");
+
+    scene.camera = Camera { eye: Vec3::new(0.3, 0.6, 1.0), projection: Projection::Panoramic, ..near };
+    let (camera, panorama) = (scene.camera, picture(&scene));
+    (scene.width, scene.height) = (1, 1);
+    let mut seen = 0;
+    for pixel in (0..panorama.len()).step_by(37) {
+        let place = [pixel % SIZE[0] as usize, pixel / SIZE[0] as usize].map(|k| k as f32 + 0.5);
+        let direction = camera.direction(place[0], place[1], SIZE[0], SIZE[1]);
+        scene.camera = Camera { target: camera.eye + direction, projection: Projection::perspective(0.5), ..camera };
+        let (one, is) = (picture(&scene)[0], panorama[pixel]);
+        assert!((one - is).abs().max_element() <= 0.01 * one.max_element().max(mean), "{place:?}: {one} {is}");
+        seen += usize::from(one != Vec3::ZERO);
+    }
+    assert!(seen > 25, "{seen}");
 }
 
 /// Lights that show pictures: their shadows have the colours of the hidden part.

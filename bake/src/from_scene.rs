@@ -6,7 +6,7 @@ use brdf::Material;
 use glam::{Mat4, Vec2, Vec3};
 use lobe_core::Sphere;
 use pictures::{Picture, png_bytes, srgb_bytes};
-use scene::{Bounds, Camera, Mesh, Object, Scene, Shape, Surface, TextureMap, TexturePlace, Wrap};
+use scene::{Bounds, Camera, Mesh, Object, Projection, Scene, Shape, Surface, TextureMap, TexturePlace, Wrap};
 use scene_files::{GltfDocument, GltfPart};
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
@@ -82,7 +82,9 @@ pub(crate) fn document(scene: &Scene, plan: &Plan) -> (GltfDocument, Vec<String>
             notes.push(format!("material {number} ({}) has no diffuse part: its surfaces are black", material.name()));
         }
     }
-    made.camera(&scene.camera);
+    if !made.camera(&scene.camera) {
+        notes.push("the panoramic camera is left out: glTF has none".to_owned());
+    }
     made.json["buffers"] = json!([{"byteLength": made.binary.len()}]);
     (GltfDocument { json: made.json.to_string(), buffers: vec![made.binary], images: Vec::new(), parts }, notes)
 }
@@ -240,17 +242,32 @@ impl Made<'_> {
         reference
     }
 
-    fn camera(&mut self, camera: &Camera) {
+    /// Writes the camera; false where glTF has none of its kind.
+    fn camera(&mut self, camera: &Camera) -> bool {
         // Cameras look along −z.
         let back = (camera.eye - camera.target).normalize_or_zero();
         let right = camera.up.cross(back).normalize_or_zero();
         let axes = [right, back.cross(right), back].map(|axis| axis.extend(0.0));
         let matrix = Mat4::from_cols(axes[0], axes[1], axes[2], camera.eye.extend(1.0)).to_cols_array();
         if matrix.iter().any(|x| !x.is_finite()) {
-            return;
+            return true;
         }
-        let perspective = json!({"yfov": camera.vertical_fov, "znear": 0.01});
-        let camera = self.push("cameras", json!({"type": "perspective", "perspective": perspective}));
+        let kind = camera.projection.name();
+        let written = match camera.projection {
+            Projection::Perspective { vertical_fov } => json!({"yfov": vertical_fov, "znear": 0.01}),
+            Projection::Orthographic { height } => {
+                let (half, aspect) = (0.5 * height, self.scene.width as f32 / self.scene.height.max(1) as f32);
+                let bounds = self.scene.bounds();
+                let far =
+                    if bounds.is_empty() { 1.0 } else { camera.distance(bounds.center()).max(0.0) + bounds.radius() };
+                json!({"xmag": half * aspect, "ymag": half, "znear": 0.0, "zfar": 1.01 * far.max(1e-3)})
+            }
+            Projection::Panoramic => return false,
+        };
+        let mut of_kind = json!({"type": kind});
+        of_kind[kind] = written;
+        let camera = self.push("cameras", of_kind);
         self.node(json!({"name": "camera", "camera": camera, "matrix": matrix}));
+        true
     }
 }

@@ -91,7 +91,7 @@ def bake(depsgraph, object, image, *, margin=16, settings=None, notes=None):
     exporter = Exporter(bpy.data.images)
     live = Live(cl, exporter)
     # Baking looks from nowhere: any view will do.
-    view = camera.View((0, 0, 0), (0, 0, -1), (0, 1, 0), 40.0, (8, 8), (0, 0, 8, 8))
+    view = camera.View((0, 0, 0), (0, 0, -1), (0, 1, 0), "perspective", 40.0, (8, 8), (0, 0, 8, 8))
     live.show(exporter.snapshot(depsgraph), view, settings or {})
     notes.extend(live.notes)
     light = _lit(live, positions, normals, texels, covered)

@@ -99,7 +99,7 @@ class Live:
             scene.add_light(light)
         scene.set_environment(world.environment(cl, snapshot.sky, self._sky_picture))
         self._renderer = renderer = cl.Renderer(scene, **settings)
-        self._place = (view.eye, view.forward, view.up, view.fov)
+        self._place = view.place
         self._looks = dict(zip(self._looks, renderer.materials))
         self._things = dict(zip(snapshot.things, zip(renderer.objects, snapshot.things.values())))
         self._handles = dict(zip(lamps, renderer.lights))
@@ -125,10 +125,9 @@ class Live:
         renderer = self._renderer
         if view.frame != renderer.size:
             renderer.set_size(*view.frame)
-        place = (view.eye, view.forward, view.up, view.fov)
-        if place != self._place:
+        if view.place != self._place:
             renderer.set_camera(view.camera(self._cl))
-            self._place = place
+            self._place = view.place
 
     def _edit_looks(self, snapshot):
         """New materials, and changed images of old ones. Materials that nothing uses stay until the renderer is built again."""

@@ -1,6 +1,7 @@
 """Pictures of a viewport, made beside Blender: a coarse one at once, then the sharp one; a new edit stops them."""
 
 import threading
+from dataclasses import replace
 
 from . import camera, picture
 from .notes import Refused
@@ -106,4 +107,4 @@ def reduced(view, divisor):
     x, y, width, height = view.window
     left, top = x // divisor, y // divisor
     right, low = -(-(x + width) // divisor), -(-(y + height) // divisor)
-    return camera.View(view.eye, view.forward, view.up, view.fov, frame, (left, top, right - left, low - top))
+    return replace(view, frame=frame, window=(left, top, right - left, low - top))

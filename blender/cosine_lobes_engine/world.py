@@ -115,15 +115,7 @@ def behind(sky, picture, view):
     """The radiance that each pixel of a view would show without surfaces, `(height, width, 3)` or one colour."""
     if picture is None or not sky.shines:
         return np.float32(sky.color)
-    x, y, width, height = view.window
-    forward, up = np.array(view.forward), np.array(view.up)
-    right = np.cross(forward, up)
-    right /= np.linalg.norm(right)
-    up = np.cross(right, forward)
-    pitch = 2 * math.tan(math.radians(view.fov) / 2) / view.frame[1]
-    across = (np.arange(width) + x + 0.5 - view.frame[0] / 2) * pitch
-    down = (np.arange(height) + y + 0.5 - view.frame[1] / 2) * pitch
-    toward = forward + across[None, :, None] * right - down[:, None, None] * up
+    toward = view.directions()
     azimuth = np.arctan2(toward[..., 1], toward[..., 0]) + sky.turn
     u = (0.5 - azimuth / (2 * math.pi)) % 1.0
     v = np.arccos(np.clip(toward[..., 2] / np.linalg.norm(toward, axis=2), -1, 1)) / math.pi

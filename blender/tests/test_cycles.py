@@ -7,6 +7,7 @@ import math
 
 import bpy
 import numpy as np
+import pytest
 
 import stage
 
@@ -150,6 +151,56 @@ def textured():
     tree.links.new(node.outputs["Alpha"], limit.inputs[0])
     tree.links.new(limit.outputs[0], principled.inputs["Alpha"])
     return look
+
+
+@pytest.mark.parametrize("kind", ["PERSP", "ORTHO", "PANO"])
+def test_the_world_behind(kind):
+    still_life(width=64, height=32, samples=64)
+    stage.cube(0.1, stage.material(), (0, 0, 0.5))
+    stage.world(strength=1.5, image=sky())
+    camera = bpy.context.scene.camera.data
+    camera.type, camera.ortho_scale = kind, 3.0
+    if kind == "PANO":
+        (camera if hasattr(camera, "panorama_type") else camera.cycles).panorama_type = "EQUIRECTANGULAR"
+    bpy.data.objects.remove(bpy.data.objects["plane"])
+    made, view = stage.live()
+    where = made.renderer.layers(["object"], window=view.window)["object"] < 0
+    error = stage.error(stage.render(), stage.render("CYCLES"), where)
+    print(f"world behind, {kind}: {100 * error:.2f} % over {where.sum()} pixels")
+    assert where.sum() > 1500 and error < MOST
+
+
+@pytest.mark.parametrize("fit", ["AUTO", "VERTICAL"])
+def test_an_orthographic_camera(fit):
+    still_life()
+    camera = bpy.context.scene.camera.data
+    camera.type, camera.ortho_scale, camera.sensor_fit = "ORTHO", 4.0 if fit == "AUTO" else 3.0, fit
+    camera.shift_x, camera.shift_y = 6 / 96, -12 / 96
+    stage.cube(look=stage.material(Base_Color=(0.8, 0.3, 0.2)))
+    plastic = stage.material("plastic", Base_Color=(0.8, 0.2, 0.1), Roughness=0.4, Specular_IOR_Level=0.5)
+    stage.sphere(0.4, plastic, (-0.9, -0.4, 0.4), 192, 96)
+    stage.lamp("AREA", (1.5, 1, 3), energy=200, shape="DISK", size=1)
+    stage.lamp("POINT", (-1, -2, 3), energy=200, shadow_soft_size=0.3)
+    assert compared(f"orthographic camera, {fit}") < MOST
+
+
+@pytest.mark.parametrize("part", ["all", "window"])
+def test_a_panoramic_camera(part):
+    still_life(width=96, height=48)
+    stage.aim(bpy.context.scene.camera, (0.2, -1.5, 0.8), (0.2, 1, 0.6))
+    camera = bpy.context.scene.camera.data
+    camera.type = "PANO"
+    own = camera if hasattr(camera, "panorama_type") else camera.cycles
+    own.panorama_type = "EQUIRECTANGULAR"
+    if part == "window":
+        own.longitude_min, own.longitude_max = -math.pi / 2, math.pi / 4
+        own.latitude_min, own.latitude_max = -math.pi / 2, math.pi / 4
+    stage.cube(look=stage.material(Base_Color=(0.8, 0.3, 0.2)), location=(0, 0.4, 0.5))
+    plastic = stage.material("plastic", Base_Color=(0.8, 0.2, 0.1), Roughness=0.4, Specular_IOR_Level=0.5)
+    stage.sphere(0.4, plastic, (-1.1, -1.4, 0.4), 192, 96)
+    stage.lamp("AREA", (1.5, 1, 3), energy=200, size=1)
+    stage.lamp("POINT", (-1, -3, 2.5), energy=200, shadow_soft_size=0.3)
+    assert compared(f"panoramic camera, {part}") < MOST
 
 
 def test_images_and_alpha_under_a_shifted_camera():

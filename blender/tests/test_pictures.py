@@ -120,9 +120,16 @@ def failed(capfd):
 
 def test_scenes_that_cannot_be_rendered(capfd):
     scene = simple()
-    scene.camera.data.type = "ORTHO"
-    assert 'camera "camera" is orthographic' in failed(capfd)
-    scene.camera.data.type = "PERSP"
+    data = scene.camera.data
+    data.type = "PANO"
+    own = data if hasattr(data, "panorama_type") else data.cycles
+    own.panorama_type = "FISHEYE_EQUIDISTANT"
+    assert "of type fisheye equidistant: only equirectangular" in failed(capfd)
+    own.panorama_type, own.longitude_max = "EQUIRECTANGULAR", 1.0
+    assert "no whole part of it" in failed(capfd)
+    own.longitude_max = own.longitude_min
+    assert "an empty range" in failed(capfd)
+    data.type = "PERSP"
     bpy.data.objects.remove(bpy.data.objects["area"])
     assert "the scene has no light" in failed(capfd)
     stage.world((0.2, 0.2, 0.2))

@@ -12,7 +12,7 @@ import stage
 from cosine_lobes_engine import camera as cameras
 from cosine_lobes_engine.engine import CosineLobesEngine, live_of
 from cosine_lobes_engine.export import Touched
-from cosine_lobes_engine.notes import Notes, Refused
+from cosine_lobes_engine.notes import Notes
 from cosine_lobes_engine.worker import Worker, reduced
 
 SIZE = (64, 48)
@@ -36,24 +36,50 @@ def simple():
     return cube, camera
 
 
+@pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])
 @pytest.mark.parametrize("fit", ["AUTO", "HORIZONTAL", "VERTICAL"])
-def test_a_view_from_matrices_is_the_camera_s(fit):
+def test_a_view_from_matrices_is_the_camera_s(fit, kind):
     _, camera = simple()
+    camera.data.type, camera.data.ortho_scale = kind, 5.0
     camera.data.sensor_fit, camera.data.shift_x, camera.data.shift_y = fit, 0.125, -0.25
     context = context_of(camera)
     made = cameras.of_viewport(context.region_data.window_matrix, context.region_data.view_matrix, SIZE)
     wanted = cameras.of_scene(bpy.context.scene, camera, Notes())
-    assert (made.frame, made.window) == (wanted.frame, wanted.window)
-    for name in ("eye", "forward", "up", "fov"):
+    assert (made.frame, made.window, made.projection) == (wanted.frame, wanted.window, wanted.projection)
+    for name in ("eye", "forward", "up", "extent"):
         assert np.allclose(getattr(made, name), getattr(wanted, name), atol=1e-4), name
 
 
-def test_orthographic_views_are_refused():
+def test_orthographic_views_begin_behind_the_eye():
+    """A viewport's planes are as far behind the eye as before it: all between them is seen."""
     _, camera = simple()
-    camera.data.type = "ORTHO"
+    left, right, low, high, far = -2.0, 4.0, -1.5, 3.0, 100.0
+    window = np.diag([2 / (right - left), 2 / (high - low), -1 / far, 1.0])
+    window[:2, 3] = -(right + left) / (right - left), -(high + low) / (high - low)
+    view = cameras.of_viewport(window, camera.matrix_world.inverted(), SIZE)
+    eye, forward = np.array(camera.matrix_world.translation), np.array(view.forward)
+    assert view.projection == "orthographic" and np.allclose(view.eye, eye - far * forward, atol=1e-3)
+    # 48 pixels are 4.5 units; the axis meets the picture a third of its width from the left, and two thirds of its height from the top.
+    assert np.isclose(view.extent / view.frame[1], 4.5 / 48)
+    x, y, width, height = view.window
+    assert (width, height) == SIZE and abs(view.frame[0] / 2 - x - 64 / 3) <= 0.25 and abs(view.frame[1] / 2 - y - 32) <= 0.25
+
+
+def test_an_orthographic_viewport_has_a_picture():
+    _, camera = simple()
+    camera.data.type, camera.data.ortho_scale = "ORTHO", 3.0
+    bpy.context.view_layer.update()
+    worker = Worker(SimpleNamespace(tag_redraw=lambda: None), *live_of())
     context = context_of(camera)
-    with pytest.raises(Refused, match="orthographic"):
-        cameras.of_viewport(context.region_data.window_matrix, context.region_data.view_matrix, SIZE)
+    worker.update(context, bpy.context.evaluated_depsgraph_get(), Touched())
+    first = finished(worker, context)
+    assert worker.message == "" and first[..., :3].max() > 0.1
+    camera.data.ortho_scale = 4.0
+    bpy.context.view_layer.update()
+    second = finished(worker, context_of(camera))
+    assert not np.array_equal(first, second)
+    assert worker._live.renderer.upkeep["hierarchy_builds"] == 1
+    worker.stop()
 
 
 def test_reduced_views_show_the_same_place():

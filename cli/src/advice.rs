@@ -1,7 +1,7 @@
 //! Advice: the strategy that suits an object, and the reason.
 
 use crate::console::counted;
-use cosine_lobes::scene::{Animation, Mesh, Object, Proxy, Scene, Shape, Strategy};
+use cosine_lobes::scene::{Animation, Mesh, Object, Projection, Proxy, Scene, Shape, Strategy};
 use cosine_lobes::shading::LightLobes;
 use cosine_lobes::sphere_sets::SetQuality;
 use glam::{DVec3, Vec3};
@@ -185,7 +185,9 @@ fn is_backdrop(scene: &Scene, animation: &Animation, number: usize, mesh: &Mesh)
     );
     let own = mesh.bounds();
     let slack = 1e-4 * f64::from((own.max - own.min).length());
-    let eye = scene.camera.eye.as_dvec3();
+    let (eye, [.., forward]) = (scene.camera.eye.as_dvec3(), scene.camera.axes());
+    let are_parallel = matches!(scene.camera.projection, Projection::Orthographic { .. });
+    let toward_eye = |a: DVec3| if are_parallel { -forward.as_dvec3() } else { eye - a };
     // Few large triangles look at all of the mesh; many small ones are no backdrop.
     if mesh.triangles.len() * (points.len() + mesh.positions.len()) > 10_000_000 {
         return false;
@@ -194,7 +196,7 @@ fn is_backdrop(scene: &Scene, animation: &Animation, number: usize, mesh: &Mesh)
     mesh.triangles.iter().all(|t| {
         let [a, b, c] = t.map(|i| mesh.positions[i as usize].as_dvec3());
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { return true };
-        let normal = if normal.dot(eye - a) < 0.0 { -normal } else { normal };
+        let normal = if normal.dot(toward_eye(a)) < 0.0 { -normal } else { normal };
         points.iter().all(|(p, radius)| normal.dot(*p - a) - radius >= -slack)
     })
 }

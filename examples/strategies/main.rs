@@ -20,7 +20,7 @@ use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Estimate, Geometry, Reference, ReferenceJob};
 use cosine_lobes::render_cpu::{CpuShader, SceneSilhouettes, SurfaceHits};
 use cosine_lobes::scene::{
-    BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, Shape, Strategy, load_animated,
+    BlockerSet, Camera, Frame, Mesh, Object, Projection, Proxy, Scene, Shade, Shape, Strategy, load_animated,
 };
 use cosine_lobes::shading::{Accuracy, DynVisibility, LightLobes, Unshadowed};
 use cosine_lobes::visibility_mask::MaskVisibility;
@@ -348,7 +348,12 @@ fn built() -> Vec<(&'static str, Scene)> {
     let floor = |object: Object, light: Sphere| {
         let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 20.0, Vec3::NEG_Z * 20.0);
         Scene {
-            camera: Camera { eye: Vec3::new(0.8, 2.4, 3.6), target: Vec3::Y * 0.2, up: Vec3::Y, vertical_fov: 0.6 },
+            camera: Camera {
+                eye: Vec3::new(0.8, 2.4, 3.6),
+                target: Vec3::Y * 0.2,
+                up: Vec3::Y,
+                projection: Projection::perspective(0.6),
+            },
             width: SIZE.0,
             height: SIZE.1,
             materials: vec![Material::lambert(Vec3::splat(0.6)), Material::lambert(Vec3::new(0.7, 0.5, 0.3))],

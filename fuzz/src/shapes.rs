@@ -4,7 +4,7 @@ use crate::bytes::Bytes;
 use cosine_lobes::brdf::Material;
 use cosine_lobes::lobe_core::{Cone, Lobe, Receiver, Sphere, cap_integral};
 use cosine_lobes::render_cpu::{SceneSilhouettes, SurfaceHits, World};
-use cosine_lobes::scene::{Camera, Mesh, Object, Proxy, Scene};
+use cosine_lobes::scene::{Camera, Mesh, Object, Projection, Proxy, Scene};
 use cosine_lobes::shading::{Accuracy, LightCoverage, LightId, LightVisibility, Visibility};
 use cosine_lobes::sphere_sets::{BuildOptions, SphereSet};
 use cosine_lobes::visibility_mask::{Blockers, MaskVisibility};
@@ -66,7 +66,7 @@ pub(crate) fn visibility(data: &[u8]) {
         .collect();
     let object = Object::mesh("soup", mesh.clone(), 0, Proxy::Count(4));
     let scene = Scene {
-        camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 },
+        camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, projection: Projection::perspective(0.6) },
         width: 1,
         height: 1,
         materials: vec![Material::lambert(Vec3::splat(0.5))],

@@ -70,9 +70,19 @@ class LobesWarning(UserWarning):
 
 @final
 class Camera:
-    """A pinhole camera; `fov` is the full vertical field of view in degrees."""
+    """A camera. `projection` is "perspective", with the full vertical field of view `fov` in degrees, "orthographic", with the `height` of the
+    picture in units of the scene, or "panoramic": all directions by longitude and latitude."""
 
-    def __new__(cls, eye: _Vector, target: _Vector, *, up: Optional[_Vector] = None, fov: float = 35.0) -> Camera: ...
+    def __new__(
+        cls,
+        eye: _Vector,
+        target: _Vector,
+        *,
+        up: Optional[_Vector] = None,
+        fov: Optional[float] = None,
+        projection: Literal["perspective", "orthographic", "panoramic"] = "perspective",
+        height: Optional[float] = None,
+    ) -> Camera: ...
     @property
     def eye(self) -> _Triple: ...
     @property
@@ -80,7 +90,13 @@ class Camera:
     @property
     def up(self) -> _Triple: ...
     @property
-    def fov(self) -> float: ...
+    def projection(self) -> Literal["perspective", "orthographic", "panoramic"]: ...
+    @property
+    def fov(self) -> Optional[float]:
+        """In degrees, of a perspective camera."""
+    @property
+    def height(self) -> Optional[float]:
+        """In units of the scene, of an orthographic camera."""
     def __eq__(self, value: object, /) -> bool: ...
 
 @final

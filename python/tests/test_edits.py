@@ -50,6 +50,32 @@ def test_a_moved_object_is_refitted_and_not_built(scene):
     assert np.array_equal(renderer.render(), first)
 
 
+@pytest.mark.parametrize(
+    "words, keys",
+    [
+        ({"projection": "orthographic", "height": 2.5}, 'projection = "orthographic"\nheight = 2.5'),
+        ({"projection": "panoramic"}, 'projection = "panoramic"'),
+    ],
+)
+def test_projections(scene, tmp_path, words, keys):
+    renderer = cl.Renderer(scene)
+    first = renderer.render()
+    camera = cl.Camera(CAMERA.eye, CAMERA.target, **words)
+    assert CAMERA.projection == "perspective" and CAMERA.fov == 40 and CAMERA.height is None
+    assert camera.projection == words["projection"] and camera.fov is None and camera.height == words.get("height")
+    assert eval(repr(camera), {"Camera": cl.Camera}) == camera != CAMERA
+    renderer.edit(camera=camera)
+    assert renderer.camera == camera
+    edited = renderer.render()
+    assert not np.array_equal(edited, first)
+    scene.camera = camera
+    assert scene.camera == camera and np.array_equal(cl.Renderer(scene).render(), edited)
+    file = tmp_path / "scene.toml"
+    file.write_text(f"[camera]\neye = [1.5, 2, 4]\ntarget = [0, 0.4, 0]\n{keys}\n[[objects]]\nsphere = {{ center = [0, 0, 0], radius = 1 }}\n")
+    assert cl.Scene.load(file).camera.projection == camera.projection
+    assert cl.Scene.load(file).camera.height == pytest.approx(camera.height)
+
+
 def test_camera_material_size_and_background(scene):
     renderer = cl.Renderer(scene)
     first = renderer.render()

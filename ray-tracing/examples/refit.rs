@@ -6,7 +6,7 @@ use glam::Vec3;
 use lighting::SphereLight;
 use lobe_core::Sphere;
 use ray_tracing::Hierarchy;
-use scene::{Camera, Mesh, Object, Proxy, Scene, Shape};
+use scene::{Camera, Mesh, Object, Projection, Proxy, Scene, Shape};
 use std::time::Instant;
 
 /// A waving sheet of n × n quads.
@@ -22,7 +22,12 @@ fn main() {
         let quads = (0..n).flat_map(|i| (0..n).map(move |j| i * (n + 1) + j));
         let triangles = quads.flat_map(|k| [[k, k + 1, k + n + 2], [k, k + n + 2, k + n + 1]]).collect();
         let mesh = Mesh { positions: sheet(n, 0.0), triangles, ..Mesh::default() };
-        let camera = Camera { eye: Vec3::splat(20.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.5 };
+        let camera = Camera {
+            eye: Vec3::splat(20.0),
+            target: Vec3::ZERO,
+            up: Vec3::Y,
+            projection: Projection::perspective(0.5),
+        };
         let sphere = Sphere { center: Vec3::Y * 20.0, radius: 1.0 };
         let mut scene = Scene {
             camera,

@@ -35,7 +35,7 @@ pub struct GBuffer {
     /// For each point the number of its pixel's rays that it stands for, of [`samples`](Self::samples) in all; empty where each point
     /// is of one ray.
     pub rays: Vec<u32>,
-    /// For each point the distance from the plane of the eye, along the view direction.
+    /// For each point the distance from the plane of the eye, along the view direction; of a panoramic camera that from the eye.
     pub depths: Vec<f32>,
     /// The materials that points refer to by number: the scene's materials, then one for each point whose surface has textures or vertex
     /// colours. The Monte-Carlo reference takes them from here.

@@ -4,6 +4,7 @@ mod camera_rays;
 mod hierarchy;
 mod instance_tree;
 mod packet;
+mod parallel;
 mod primitive;
 mod query;
 #[cfg(test)]
@@ -16,7 +17,7 @@ mod triangle_packet;
 
 pub(crate) use self::appearance::varied;
 pub(crate) use self::build::build;
-pub(crate) use self::camera_rays::{Rays, SIDE};
+pub(crate) use self::camera_rays::{Bundle, Rays, SIDE};
 pub use self::hierarchy::{Hierarchy, Update};
 pub(crate) use self::packet::{NOTHING, RayPacket};
 use self::primitive::{Corners, Exact, Named};
@@ -70,6 +71,11 @@ impl<'s> World<'s> {
     #[must_use]
     pub const fn scene(&self) -> &'s Scene {
         self.scene
+    }
+
+    /// The rays of the scene's camera through a picture of some size.
+    pub(crate) fn rays(&self, width: u32, height: u32) -> Rays {
+        Rays::new(&self.scene.camera, width, height, &self.hierarchy.bounds())
     }
 
     /// Another number whenever anything that rays meet has moved, come, gone, or begun or ceased to block: no two hierarchies of a

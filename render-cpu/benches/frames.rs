@@ -11,7 +11,9 @@ use lobe_core::{Receiver, Sphere};
 use ray_tracing::World;
 use reference::RayShader;
 use render_cpu::CpuShader;
-use scene::{BlockerSet, Camera, Encoding, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Texture, Wrap};
+use scene::{
+    BlockerSet, Camera, Encoding, Frame, Mesh, Object, Projection, Proxy, Scene, Shade, ShadingPoints, Texture, Wrap,
+};
 use shading::{Accuracy, Unshadowed};
 use std::fmt::Display;
 use visibility_mask::MaskVisibility;
@@ -115,7 +117,12 @@ fn curves(c: &mut Criterion) {
 fn strategies(c: &mut Criterion) {
     let (points, lights, materials) = (points(USUAL.side), USUAL.lights(), [USUAL.material()]);
     let balls = blob(USUAL.spheres);
-    let camera = Camera { eye: Vec3::new(0.0, 4.0, 3.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 };
+    let camera = Camera {
+        eye: Vec3::new(0.0, 4.0, 3.0),
+        target: Vec3::ZERO,
+        up: Vec3::Y,
+        projection: Projection::perspective(0.6),
+    };
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 9.0, Vec3::NEG_Z * 9.0);
     let scene = Scene {
         camera,

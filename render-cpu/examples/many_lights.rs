@@ -12,7 +12,7 @@ use glam::Vec3;
 use lighting::{Light, SphereLight};
 use lobe_core::Sphere;
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, ShadeRequest, SurfaceHits, World};
-use scene::{Camera, Frame, Mesh, Object, Proxy, Scene, ShadingPoints};
+use scene::{Camera, Frame, Mesh, Object, Projection, Proxy, Scene, ShadingPoints};
 use shading::Accuracy;
 use std::error::Error;
 use std::path::Path;
@@ -127,7 +127,7 @@ fn errors(out: &[Vec3], truth: &[Vec3], of: &[Vec3]) -> String {
 fn bunny() -> Result<Scene, Box<dyn Error>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/bunny.toml");
     let (mut scene, _, _) = scene_files::load_animated(path)?;
-    scene.camera.vertical_fov = 30.0_f32.to_radians();
+    scene.camera.projection = Projection::perspective(30.0_f32.to_radians());
     scene.materials = vec![Material::lambert(Vec3::splat(0.5)); scene.materials.len()];
     Ok(scene)
 }
@@ -184,7 +184,7 @@ fn street() -> Scene {
             eye: Vec3::new(1.5, 3.0, 12.0),
             target: Vec3::new(0.0, 1.5, -8.0),
             up: Vec3::Y,
-            vertical_fov: 0.8,
+            projection: Projection::perspective(0.8),
         },
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: vec![object("road", floor), object("street", mesh)],

@@ -13,7 +13,7 @@ use lobe_core::Sphere;
 use ray_tracing::{GBuffer, World};
 use reference::{Geometry, Reference, ReferenceJob};
 use render_cpu::{CpuShader, SceneSilhouettes, SurfaceHits};
-use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, ShadeStats};
+use scene::{BlockerSet, Camera, Frame, Mesh, Object, Projection, Proxy, Scene, ShadeStats};
 use shading::{Accuracy, Visibility};
 use visibility_mask::MaskVisibility;
 use visibility_rays::RayBlockers;
@@ -52,7 +52,7 @@ fn fence() -> Scene {
             eye: Vec3::new(1.0, 1.4, 2.6),
             target: Vec3::new(0.1, 0.2, -0.2),
             up: Vec3::Y,
-            vertical_fov: 0.6,
+            projection: Projection::perspective(0.6),
         },
         width: 320,
         height: 240,

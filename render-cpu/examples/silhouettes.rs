@@ -240,11 +240,16 @@ fn tree() -> Scene {
 }
 
 fn over_floor(mesh: Mesh, light: Vec3) -> Scene {
-    use scene::{Camera, Object, Proxy};
+    use scene::{Camera, Object, Projection, Proxy};
     let mut floor = Mesh::quad(Vec3::ZERO, Vec3::X * 4.0, Vec3::NEG_Z * 4.0);
     floor.remove_degenerate();
     Scene {
-        camera: Camera { eye: Vec3::new(0.5, 1.8, 4.0), target: Vec3::Y * 0.4, up: Vec3::Y, vertical_fov: 0.7 },
+        camera: Camera {
+            eye: Vec3::new(0.5, 1.8, 4.0),
+            target: Vec3::Y * 0.4,
+            up: Vec3::Y,
+            projection: Projection::perspective(0.7),
+        },
         width: SIZE.0,
         height: SIZE.1,
         materials: vec![Material::lambert(Vec3::splat(0.5))],

@@ -14,7 +14,7 @@ use lighting::{Environment, EnvironmentMap, Light};
 use lobe_core::Sphere;
 use oracle::errors;
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SkyShader, SurfaceHits, World};
-use scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints};
+use scene::{Camera, Frame, Mesh, Object, Projection, Proxy, Scene, Shade, ShadingPoints};
 use scene_files::load_objects;
 use shading::Accuracy;
 use std::error::Error;
@@ -79,7 +79,7 @@ fn scene(mesh: Mesh, material: &Material, side: u32) -> Scene {
             eye: Vec3::new(0.8, 1.9, 3.3),
             target: Vec3::new(0.0, 0.5, 0.0),
             up: Vec3::Y,
-            vertical_fov: 0.66,
+            projection: Projection::perspective(0.66),
         },
         width: side,
         height: side,

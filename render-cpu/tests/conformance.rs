@@ -5,7 +5,7 @@ use conformance::{Limits, Setting, Subject, Visitor, check};
 use glam::Vec3;
 use lobe_core::Sphere;
 use render_cpu::{SceneSilhouettes, SurfaceHits, World};
-use scene::{Camera, Mesh, Object, Scene, Shape};
+use scene::{Camera, Mesh, Object, Projection, Scene, Shape};
 use test_scenes::globe;
 use visibility_mask::{MaskVisibility, Mixture};
 use visibility_rays::RayBlockers;
@@ -14,7 +14,7 @@ use visibility_spheres::SphereBlockers;
 
 fn scene(spheres: &[Sphere]) -> Scene {
     Scene {
-        camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 },
+        camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, projection: Projection::perspective(0.6) },
         width: 1,
         height: 1,
         materials: vec![Material::lambert(Vec3::splat(0.5))],

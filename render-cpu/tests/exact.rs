@@ -13,7 +13,7 @@ use ray_tracing::{GBuffer, World};
 use rayon::prelude::*;
 use reference::{Geometry, RayShader, Reference, ReferenceJob};
 use render_cpu::CpuShader;
-use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
+use scene::{BlockerSet, Camera, Frame, Mesh, Object, Projection, Proxy, Scene, Shade, ShadingPoints, Shape};
 use shading::{Accuracy, Visibility};
 use std::collections::HashMap;
 use std::sync::atomic::AtomicBool;
@@ -60,7 +60,7 @@ fn scene(mut mesh: Mesh, half: f32, turn: Quat) -> Scene {
             eye: turn * Vec3::new(1.4, 1.5, 3.2),
             target: turn * Vec3::new(0.1, 0.45, 0.0),
             up: turn * Vec3::Y,
-            vertical_fov: 0.42,
+            projection: Projection::perspective(0.42),
         },
         width: 200,
         height: 150,

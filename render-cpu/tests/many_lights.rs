@@ -6,7 +6,7 @@ use glam::Vec3;
 use lighting::{Light, SphereLight};
 use lobe_core::{Lobe, Receiver, Sphere};
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, ShadeRequest, SurfaceHits, World};
-use scene::{Camera, Frame, GROUP, Mesh, Object, Proxy, Scene, ShadingPoints};
+use scene::{Camera, Frame, GROUP, Mesh, Object, Projection, Proxy, Scene, ShadingPoints};
 use shading::{Accuracy, Coverage, Shaft, Visibility, VisibilityQuery};
 use visibility_mask::MaskVisibility;
 use visibility_silhouettes::SilhouetteBlockers;
@@ -26,7 +26,12 @@ fn scene(material: Material) -> Scene {
     }
     let object = |name: &str, mesh: Mesh| Object::mesh(name, mesh, 0, Proxy::None);
     let mut scene = Scene {
-        camera: Camera { eye: Vec3::new(0.0, 3.5, 2.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.8 },
+        camera: Camera {
+            eye: Vec3::new(0.0, 3.5, 2.0),
+            target: Vec3::ZERO,
+            up: Vec3::Y,
+            projection: Projection::perspective(0.8),
+        },
         materials: vec![material],
         objects: vec![object("floor", Mesh::quad(Vec3::ZERO, Vec3::X * 9.0, Vec3::NEG_Z * 9.0)), object("wires", mesh)],
         ..Scene::default()

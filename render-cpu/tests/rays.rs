@@ -8,7 +8,7 @@ use lobe_core::{Cone, Receiver, Sphere};
 use ray_tracing::{GBuffer, World};
 use reference::{Geometry, Reference, ReferenceJob};
 use render_cpu::CpuShader;
-use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, ShadingPoints};
+use scene::{BlockerSet, Camera, Frame, Mesh, Object, Projection, Proxy, Scene, ShadingPoints};
 use shading::{Accuracy, Coverage, LightId, Shaft, Visibility, VisibilityQuery};
 use test_scenes::globe;
 use visibility_mask::{Blockers, Mask, MaskVisibility};
@@ -17,7 +17,12 @@ use visibility_rays::RayBlockers;
 fn scene(meshes: Vec<Mesh>, light: Sphere) -> Scene {
     let object = |(i, mesh)| Object::mesh(format!("mesh {i}"), mesh, 0, Proxy::None);
     Scene {
-        camera: Camera { eye: Vec3::new(1.0, 2.0, 4.0), target: Vec3::Y * 0.5, up: Vec3::Y, vertical_fov: 0.6 },
+        camera: Camera {
+            eye: Vec3::new(1.0, 2.0, 4.0),
+            target: Vec3::Y * 0.5,
+            up: Vec3::Y,
+            projection: Projection::perspective(0.6),
+        },
         width: 64,
         height: 48,
         materials: vec![Material::lambert(Vec3::splat(0.5))],

@@ -10,7 +10,7 @@ use lighting::{Environment, EnvironmentMap, Light};
 use lobe_core::Sphere;
 use oracle::{Error, errors};
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SkyShader, SurfaceHits, World};
-use scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints};
+use scene::{Camera, Frame, Mesh, Object, Projection, Proxy, Scene, Shade, ShadingPoints};
 use shading::Accuracy;
 use test_scenes::globe;
 use visibility_mask::MaskVisibility;
@@ -51,7 +51,7 @@ fn scene(things: Vec<Mesh>, material: Material) -> Scene {
             eye: Vec3::new(0.4, 3.0, 4.6),
             target: Vec3::new(0.0, 0.5, 0.0),
             up: Vec3::Y,
-            vertical_fov: 0.6,
+            projection: Projection::perspective(0.6),
         },
         width: 20,
         height: 16,

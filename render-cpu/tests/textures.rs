@@ -9,8 +9,8 @@ use ray_tracing::{GBuffer, World};
 use reference::{Geometry, Reference, ReferenceJob};
 use render_cpu::CpuShader;
 use scene::{
-    BlockerSet, Camera, Channel, Encoding, Frame, Mesh, Object, Proxy, Scene, Shade, Shape, Surface, Texture,
-    TextureMap,
+    BlockerSet, Camera, Channel, Encoding, Frame, Mesh, Object, Projection, Proxy, Scene, Shade, Shape, Surface,
+    Texture, TextureMap,
 };
 use shading::Accuracy;
 use visibility_mask::MaskVisibility;
@@ -20,7 +20,12 @@ use visibility_rays::RayBlockers;
 fn floor(material: Material, surface: Surface) -> Scene {
     let mesh = Mesh::quad(Vec3::ZERO, Vec3::X * 4.0, Vec3::NEG_Z * 4.0);
     Scene {
-        camera: Camera { eye: Vec3::new(0.5, 2.0, 6.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.7 },
+        camera: Camera {
+            eye: Vec3::new(0.5, 2.0, 6.0),
+            target: Vec3::ZERO,
+            up: Vec3::Y,
+            projection: Projection::perspective(0.7),
+        },
         width: 96,
         height: 64,
         materials: vec![material],

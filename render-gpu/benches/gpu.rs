@@ -10,7 +10,7 @@ use glam::Vec3;
 use lighting::{Light, SphereLight};
 use lobe_core::{Receiver, Sphere};
 use render_gpu::{Gpu, GpuOptions, GpuShader, GpuWorld, Occlusion};
-use scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadeStats, ShadingPoints, Shape};
+use scene::{Camera, Frame, Mesh, Object, Projection, Proxy, Scene, Shade, ShadeStats, ShadingPoints, Shape};
 use shading::Accuracy;
 use visibility_rays::GpuRays;
 use visibility_shadowmap::{MapOptions, ShadowMap, ShadowMapBlockers};
@@ -112,7 +112,12 @@ fn curves(c: &mut Criterion, gpu: &Gpu) {
         .expect("a map");
     let maps = ShadowMapBlockers::new(vec![map]).pack();
     let scene = Scene {
-        camera: Camera { eye: Vec3::new(0.0, 4.0, 3.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 },
+        camera: Camera {
+            eye: Vec3::new(0.0, 4.0, 3.0),
+            target: Vec3::ZERO,
+            up: Vec3::Y,
+            projection: Projection::perspective(0.6),
+        },
         width: 64,
         height: 64,
         materials: vec![Material::lambert(Vec3::ONE)],

@@ -15,7 +15,7 @@ use self::gather::{Gathered, gather};
 use self::tree::Tree;
 use crate::memory::Memory;
 use crate::{Gpu, GpuError};
-use scene::Scene;
+use scene::{Bounds, Scene};
 use wgpu::BufferUsages;
 
 /// Stacks of kernels are multiples of this.
@@ -123,6 +123,14 @@ impl GpuWorld {
     /// Units of the hierarchy a world unit.
     pub(crate) const fn scale(&self) -> f32 {
         self.scale
+    }
+
+    /// A box around everything, in world units.
+    pub(crate) fn bounds(&self) -> Bounds {
+        self.tree.as_ref().map_or(Bounds::EMPTY, |tree| {
+            let [min, max] = tree.bounds().map(|corner| corner / self.scale);
+            Bounds { min, max }
+        })
     }
 
     pub(crate) const fn gpu(&self) -> &Gpu {

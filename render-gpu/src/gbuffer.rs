@@ -2,7 +2,7 @@
 
 #[cfg(test)]
 mod tests;
-mod view;
+pub(crate) mod view;
 
 pub use self::view::TILE;
 
@@ -148,7 +148,7 @@ impl GpuGBuffer {
     ) -> Result<GpuPoints<'_>, GpuError> {
         let inside = |r: &Range<u32>, size: u32| r.start <= r.end && r.end <= size;
         assert!(inside(&columns, width) && inside(&rows, height), "window outside the image");
-        let view = GpuView::new(camera, [width, height], &columns, &rows, self.world.scale());
+        let view = GpuView::new(camera, [width, height], [&columns, &rows], &self.world.bounds(), self.world.scale());
         let tiles = view.tiles();
         let count = u64::from(tiles[0]) * u64::from(tiles[1]) * u64::from(TILE * TILE);
         self.points.sized(self.world.gpu(), count * size_of::<GpuReceiver>() as u64)?;

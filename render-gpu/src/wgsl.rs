@@ -1,8 +1,9 @@
 //! Pieces of this crate's own kernels.
 
 use crate::bvh::{BLOCKS, BLOCKS_ALIKE, FLAT, SPHERE, VISIBLE};
+use crate::gbuffer::view;
 use crate::kernels::queue;
-use lobe_core::wgsl::{GEOMETRY, LOBE, Piece};
+use lobe_core::wgsl::{GEOMETRY, LOBE, Piece, SPECIAL};
 use lobe_core::wgsl_numbers;
 use scene::rounding;
 use visibility_mask::wgsl as masks;
@@ -23,7 +24,9 @@ pub static BVH: Piece = Piece::new(include_str!("kernels/bvh.wgsl"))
     ])
     .needs(&[&GEOMETRY]);
 /// The kernel of visible points.
-pub static TRACE: Piece = Piece::new(include_str!("kernels/trace.wgsl")).needs(&[&BVH]);
+pub static TRACE: Piece = Piece::new(include_str!("kernels/trace.wgsl"))
+    .numbers(wgsl_numbers![PARALLEL = view::PARALLEL, PANORAMIC = view::PANORAMIC])
+    .needs(&[&BVH, &SPECIAL]);
 /// Answers the strategies' ray queries.
 pub static ANY_HIT: Piece =
     Piece::new(include_str!("kernels/any_hit.wgsl")).numbers(wgsl_numbers![BLUR = rounding::BLUR]).needs(&[&BVH]);

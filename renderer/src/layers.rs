@@ -60,7 +60,7 @@ pub struct Layers {
     pub lights: Vec<Vec<Vec3>>,
     /// Unit shading normals, the mean of a pixel's rays.
     pub normals: Vec<Vec3>,
-    /// Distance from the plane of the eye; infinite if the pixel sees nothing.
+    /// Distance from the plane of the eye, of a panoramic camera from the eye; infinite if the pixel sees nothing.
     pub depths: Vec<f32>,
     /// The object that a pixel shows, as a place in [`objects`](crate::Renderer::objects): that of the pixel's first ray that meets
     /// anything. [`NO_OBJECT`](Self::NO_OBJECT) if no ray does.

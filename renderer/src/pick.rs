@@ -29,7 +29,7 @@ pub struct Pick {
     pub material: MaterialHandle,
     /// The point that is shaded: position, normals, direction toward the eye.
     pub receiver: Receiver,
-    /// Distance from the eye, in units of the scene.
+    /// Distance from the eye, in units of the scene; of an orthographic camera from the plane through the eye.
     pub distance: f32,
 }
 
@@ -74,7 +74,7 @@ impl Renderer {
             light: light.map(|light| LightHandle(self.light_handles.at(light))),
             material: MaterialHandle(self.material_handles.at(self.scene.objects[object].material)),
             receiver,
-            distance: receiver.position.distance(self.scene.camera.eye),
+            distance: self.scene.camera.distance(receiver.position),
         })
     }
 

@@ -6,7 +6,7 @@ use glam::Vec3;
 use lighting::{Light, SphereLight};
 use lobe_core::Sphere;
 use renderer::{Plan, Renderer, Settings};
-use scene::{Animation, Camera, Mesh, Object, Proxy, Scene, Strategy};
+use scene::{Animation, Camera, Mesh, Object, Projection, Proxy, Scene, Strategy};
 
 const SIZE: u32 = 24;
 
@@ -18,7 +18,7 @@ fn lamp(y: f32) -> Light {
 fn scene(blocker: Object) -> Scene {
     let mut scene = scene::builtin();
     let eye = Vec3::new(0.0, 0.8, 0.0);
-    scene.camera = Camera { eye, target: Vec3::ZERO, up: Vec3::NEG_Z, vertical_fov: 0.9 };
+    scene.camera = Camera { eye, target: Vec3::ZERO, up: Vec3::NEG_Z, projection: Projection::perspective(0.9) };
     (scene.width, scene.height) = (SIZE, SIZE);
     scene.lights = vec![lamp(6.0)];
     scene.environment = None;
@@ -79,7 +79,12 @@ fn floors_that_nothing_is_behind_cost_nothing() {
 fn floors_block_from_the_moment_that_something_is_behind() {
     let mut base = scene(table());
     // Seen from below the table's height, beside it.
-    base.camera = Camera { eye: Vec3::new(0.0, 3.0, 6.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.9 };
+    base.camera = Camera {
+        eye: Vec3::new(0.0, 3.0, 6.0),
+        target: Vec3::ZERO,
+        up: Vec3::Y,
+        projection: Projection::perspective(0.9),
+    };
     let mut edited = Renderer::new(base.clone(), Animation::default(), Settings::default()).unwrap();
     let light = edited.lights().next().unwrap().0;
     for (y, below) in [(3.0, false), (-0.5, true), (0.05, true), (2.0, false), (-2.0, true)] {

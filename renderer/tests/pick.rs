@@ -6,7 +6,7 @@ use lighting::{EnclosedLight, FlatLight, Light, SphereLight, TubeLight};
 use lobe_core::{Random, Receiver, Sphere};
 use ray_tracing::World;
 use renderer::{LayerSet, LightHandle, Renderer, Settings, Window};
-use scene::{Animation, Mesh, Object, Proxy, Scene, Strategy};
+use scene::{Animation, Mesh, Object, Projection, Proxy, Scene, Strategy};
 use test_scenes::{floor_and_ball, globe, material};
 
 /// A floor, a sphere, a mesh, and lamps, two of which are visible.
@@ -30,6 +30,34 @@ fn stage() -> Scene {
 fn renderer(scene: Scene, strategy: Option<Strategy>) -> Renderer {
     let settings = Settings { strategy, layers: LayerSet { objects: true, ..LayerSet::NONE }, ..Settings::default() };
     Renderer::new(scene, Animation::default(), settings).expect("a scene")
+}
+
+/// The point under a pixel is on that pixel's ray, and its distance is the length of the ray.
+#[test]
+fn picks_by_other_projections() {
+    let mut scene = stage();
+    scene.camera.eye = Vec3::new(0.5, 1.5, 3.0);
+    for projection in [scene.camera.projection, Projection::Orthographic { height: 4.0 }, Projection::Panoramic] {
+        scene.camera.projection = projection;
+        let mut edited = renderer(scene.clone(), None);
+        let mut seen = 0;
+        for (x, y) in [(10, 40), (48, 30), (60, 27), (80, 50)] {
+            let Some(pick) = edited.pick(x, y) else { continue };
+            let at = [x, y].map(|k| k as f32 + 0.5);
+            let start = scene.camera.start(at[0], at[1], 96, 54);
+            let ray = scene.camera.direction(at[0], at[1], 96, 54);
+            let want = start + pick.distance * ray;
+            assert!(
+                (pick.receiver.position - want).length() < 1e-4,
+                "{projection:?}: {} {want}",
+                pick.receiver.position
+            );
+            assert!((pick.receiver.view + ray).length() < 1e-4);
+            assert!(!edited.reflectance(x, y).is_empty());
+            seen += 1;
+        }
+        assert!(seen >= 2, "{projection:?}");
+    }
 }
 
 #[test]

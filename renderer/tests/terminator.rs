@@ -5,7 +5,7 @@ use glam::Vec3;
 use lighting::SphereLight;
 use lobe_core::Sphere;
 use renderer::{Renderer, Settings};
-use scene::{Animation, Camera, Object, Proxy, Scene, Strategy, Terminator};
+use scene::{Animation, Camera, Object, Projection, Proxy, Scene, Strategy, Terminator};
 use test_scenes::globe;
 
 /// A globe with a lamp beside it, so that light ends across the picture's middle.
@@ -13,7 +13,7 @@ fn picture(n: u32, terminator: Terminator, strategy: Strategy) -> Vec<Vec3> {
     let globe = Object::mesh("globe", globe(n, Vec3::ZERO, 1.0, true), 0, Proxy::None);
     let lamp = Sphere { center: Vec3::new(9.0, 2.0, 1.0), radius: 0.5 };
     let scene = Scene {
-        camera: Camera { eye: Vec3::Z * 6.0, vertical_fov: 0.3, ..Camera::default() },
+        camera: Camera { eye: Vec3::Z * 6.0, projection: Projection::perspective(0.3), ..Camera::default() },
         width: 96,
         height: 96,
         materials: vec![Material::lambert(Vec3::ONE)],

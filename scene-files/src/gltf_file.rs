@@ -1,4 +1,4 @@
-//! glTF 2.0: triangle meshes of the shown scene, moved by a clip, with base materials and a perspective camera.
+//! glTF 2.0: triangle meshes of the shown scene, moved by a clip, with base materials and a camera.
 
 use crate::context::Context;
 use crate::gltf_animation::{clip_name, find_clip, play};
@@ -167,13 +167,13 @@ fn document(
         if let Some(which) = root.nodes[n].camera {
             match read_camera(root, which.value(), &reader.worlds[n])? {
                 Some(found) if camera.is_none() => {
-                    let vertical_fov = found.vertical_fov;
+                    let projection = found.projection;
                     moving_camera =
-                        reader.moving[n].then_some(CameraMover::Node { skeleton: index, node: n, vertical_fov });
+                        reader.moving[n].then_some(CameraMover::Node { skeleton: index, node: n, projection });
                     camera = Some(found);
                 }
                 Some(_) => {}
-                None => context.warn(path, "orthographic cameras are not supported"),
+                None => context.warn(path, "a camera that is neither perspective nor orthographic was left out"),
             }
         }
         if !is_visible {

@@ -4,7 +4,7 @@ use crate::gltf_extensions::Extensions;
 use glam::{DMat4, DQuat, DVec3, Mat4, Quat, Vec3};
 use gltf::json::{Index, Node, Root};
 use scene::motion::{Bone, Clock, FineLocal, Local, Skeleton, node_camera};
-use scene::{Camera, MAX_COORDINATE};
+use scene::{Camera, MAX_COORDINATE, Projection};
 
 /// All nodes, at rest.
 pub(crate) fn skeleton(root: &Root) -> Result<Skeleton, String> {
@@ -146,15 +146,27 @@ pub(crate) fn shown_nodes(root: &Root, extensions: &Extensions) -> Result<Vec<(u
     Ok(shown.into_iter().enumerate().filter_map(|(i, shown)| Some((i, shown?))).collect())
 }
 
-/// A perspective camera at a node with that world matrix.
+/// A camera at a node with that world matrix, if it is of a known kind. The picture's own sides decide its width.
 pub(crate) fn read_camera(root: &Root, index: usize, world: &Mat4) -> Result<Option<Camera>, String> {
     let camera = root.cameras.get(index).ok_or_else(|| format!("there is no camera {index}"))?;
-    let Some(p) = &camera.perspective else { return Ok(None) };
-    let planes_fit = p.znear > 0.0 && p.zfar.is_none_or(|far| far > p.znear);
-    if !planes_fit || p.aspect_ratio.is_some_and(|a| a.is_nan() || a <= 0.0) {
-        return Err(format!("camera {index}: planes and aspect ratio must be positive, and far beyond near"));
-    }
-    let camera = node_camera(world, p.yfov);
+    let projection = match (&camera.perspective, &camera.orthographic) {
+        (Some(p), _) => {
+            let planes_fit = p.znear > 0.0 && p.zfar.is_none_or(|far| far > p.znear);
+            if !planes_fit || p.aspect_ratio.is_some_and(|a| a.is_nan() || a <= 0.0) {
+                return Err(format!("camera {index}: planes and aspect ratio must be positive, and far beyond near"));
+            }
+            Projection::perspective(p.yfov)
+        }
+        (None, Some(o)) => {
+            if !(o.xmag > 0.0 && o.ymag > 0.0 && o.znear >= 0.0 && o.zfar > o.znear) {
+                return Err(format!("camera {index}: xmag and ymag must be positive, and zfar beyond znear"));
+            }
+            // Half of the picture.
+            Projection::Orthographic { height: 2.0 * o.ymag }
+        }
+        (None, None) => return Ok(None),
+    };
+    let camera = node_camera(world, projection);
     camera.validate().map_err(|e| format!("camera {index}: {e}"))?;
     Ok(Some(camera))
 }

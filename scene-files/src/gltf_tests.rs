@@ -3,7 +3,7 @@ use crate::gltf_file;
 use crate::part::Part;
 use brdf::{Brdf, Material, MetallicRoughness};
 use glam::Vec3;
-use scene::Camera;
+use scene::{Camera, Projection};
 use std::path::Path;
 
 /// A triangle (0,0,0), (1,0,0), (0,1,0) as f32 positions in a data URI, with more top-level keys.
@@ -46,9 +46,40 @@ fn camera_follows_its_node() {
     let camera = r#", "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}]"#;
     let nodes = r#"[{"mesh": 0}, {"camera": 0, "translation": [0, 3, 0], "rotation": [0, 0.70710678, 0, 0.70710678]}]"#;
     let camera = parse(&triangle(nodes, camera)).unwrap().1.unwrap();
-    assert_eq!((camera.eye, camera.vertical_fov), (Vec3::new(0.0, 3.0, 0.0), 0.7));
+    assert_eq!((camera.eye, camera.projection), (Vec3::new(0.0, 3.0, 0.0), Projection::perspective(0.7)));
     // Turned by 90° about y, −z becomes −x.
     assert!(((camera.target - camera.eye).normalize() - Vec3::NEG_X).length() < 1e-6);
+}
+
+#[test]
+fn orthographic_cameras_are_read() {
+    let of = |numbers: &str| {
+        let camera = format!(r#", "cameras": [{{"type": "orthographic", "orthographic": {{{numbers}}}}}]"#);
+        let nodes = r#"[{"mesh": 0}, {"camera": 0, "translation": [0, 3, 0], "scale": [2, 2, 2]}]"#;
+        parse(&triangle(nodes, &camera)).map(|read| read.1)
+    };
+    let camera = of(r#""xmag": 3, "ymag": 1.5, "znear": 0, "zfar": 9"#).unwrap().unwrap();
+    // Half of the picture.
+    assert_eq!((camera.eye, camera.projection), (Vec3::Y * 3.0, Projection::Orthographic { height: 3.0 }));
+    for wrong in [
+        r#""xmag": 0, "ymag": 1, "znear": 0, "zfar": 9"#,
+        r#""xmag": 1, "ymag": 0, "znear": 0, "zfar": 9"#,
+        r#""xmag": 1, "ymag": -2, "znear": 0, "zfar": 9"#,
+        r#""xmag": 1, "ymag": 1, "znear": 3, "zfar": 3"#,
+        r#""xmag": 1, "ymag": 1, "znear": -1, "zfar": 3"#,
+    ] {
+        let message = of(wrong).err().unwrap().to_string();
+        assert!(message.contains("camera 0: xmag and ymag must be positive, and zfar beyond znear"), "{message}");
+    }
+    let (nodes, empty) = (r#"[{"mesh": 0}, {"camera": 0}]"#, r#", "cameras": [{"type": "orthographic"}]"#);
+    assert_eq!(parse(&triangle(nodes, empty)).unwrap().1, None);
+    assert!(
+        of(r#""xmag": 1e38, "ymag": 1e38, "znear": 0, "zfar": 9"#)
+            .err()
+            .unwrap()
+            .to_string()
+            .contains("camera height is")
+    );
 }
 
 #[test]

@@ -5,9 +5,10 @@ use crate::toml_reader::{Table, Value};
 use crate::turns::{linear_turn, one_axis, smooth_turn};
 use glam::{DVec3, Mat4, Vec3};
 use scene::motion::{
-    CameraKeys, Clock, Interpolation, Keyed, MAX_SECONDS, Meaning, Origins, Placement, Track, fine_rotation, rotation,
+    CameraKeys, Clock, Interpolation, Keyed, MAX_SECONDS, Meaning, Origins, Placement, ProjectionKeys, Track,
+    fine_rotation, rotation,
 };
-use scene::{Camera, MAX_COORDINATE, SceneError};
+use scene::{Camera, MAX_COORDINATE, Projection, SceneError};
 
 /// `keys`, `interpolate` and `loop` of an object, a light or the camera.
 pub(crate) struct Keys<'s> {
@@ -183,10 +184,19 @@ impl<'s> Keys<'s> {
         let eye = self.vectors("eye", own.eye, origin)?;
         let target = self.vectors("target", own.target, origin)?;
         let up = self.vectors("up", own.up, DVec3::ZERO)?;
-        let (times, fovs) = self.values("fov", own.vertical_fov, |v| v.number().map(f32::to_radians))?;
-        let fov = self.track(times, &fovs, 1);
+        let projection = match own.projection {
+            Projection::Perspective { vertical_fov } => {
+                let (times, fovs) = self.values("fov", vertical_fov, |v| v.number().map(f32::to_radians))?;
+                ProjectionKeys::Perspective(self.track(times, &fovs, 1))
+            }
+            Projection::Orthographic { height } => {
+                let (times, heights) = self.values("height", height, |v| v.number())?;
+                ProjectionKeys::Orthographic(self.track(times, &heights, 1))
+            }
+            Projection::Panoramic => ProjectionKeys::Panoramic,
+        };
         let times = self.times.clone();
-        let keys = CameraKeys { clock: self.finish()?, eye, target, up, fov };
+        let keys = CameraKeys { clock: self.finish()?, eye, target, up, projection };
         for time in times {
             keys.at(time).validate().map_err(|e| place.error(format!("at {time} s: {e}")))?;
         }

@@ -1,7 +1,7 @@
 use crate::context::Context;
 use crate::{load_animated, scene_file};
 use glam::{Quat, Vec3};
-use scene::{Animation, Proxy, Scene, Shape};
+use scene::{Animation, Projection, Proxy, Scene, Shape};
 use std::path::Path;
 
 fn parse(text: &str) -> (Scene, Animation) {
@@ -115,7 +115,8 @@ fn lights_and_the_camera_move() {
     assert_eq!((animation.duration(), animation.fps()), (10.0, 30.0));
     animation.seek(1.0, &mut scene);
     assert!(close(scene.camera.eye, Vec3::new(1.0, 0.0, 5.0)));
-    assert!((scene.camera.vertical_fov - 45_f32.to_radians()).abs() < 1e-6);
+    let Projection::Perspective { vertical_fov } = scene.camera.projection else { panic!("{:?}", scene.camera) };
+    assert!((vertical_fov - 45_f32.to_radians()).abs() < 1e-6);
     let centers: Vec<Vec3> = scene.lights.iter().map(|l| l.sphere().expect("a sphere").center).collect();
     assert!(close(centers[0], Vec3::new(0.0, 3.0, 3.0)) && close(centers[1], Vec3::new(0.0, 3.0, 2.0)), "{centers:?}");
     assert_eq!(scene.lights[1].sphere().expect("a sphere").radius, 0.2);

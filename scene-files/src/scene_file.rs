@@ -11,7 +11,7 @@ use crate::toml_reader::{Source, Table, Value};
 use glam::{DVec3, Vec3};
 use lighting::Light;
 use scene::motion::{CameraKeys, CameraMover, MAX_SECONDS};
-use scene::{Animation, Bounds, Camera, MAX_COORDINATE, Scene, SceneError, Strategy};
+use scene::{Animation, Bounds, Camera, MAX_COORDINATE, Projection, Scene, SceneError, Strategy};
 use shading::LightLobes;
 use std::cell::RefCell;
 use std::path::Path;
@@ -166,20 +166,15 @@ fn read_camera(value: Value<'_>, origin: DVec3) -> Result<(Camera, Option<Camera
     let mut t = value.table()?;
     let (eye, target) = (t.require("eye")?, t.require("target")?);
     let up = t.get("up");
-    let fov = t.get("fov");
-    let degrees = fov.map_or(Ok(DEFAULT_FOV), |v| v.number())?;
+    let projection = read_projection(&mut t, value)?;
     let camera = Camera {
         eye: eye.relative(origin)?,
         target: target.relative(origin)?,
         up: up.map_or(Ok(Vec3::Y), |v| v.direction())?,
-        vertical_fov: degrees.to_radians(),
+        projection,
     };
     let keys = Keys::read(&mut t)?;
     t.finish()?;
-    if !(degrees > 0.0 && degrees < 180.0) {
-        let place = fov.unwrap_or(value);
-        return Err(place.error(format!("{degrees} must lie between 0 and 180 degrees")));
-    }
     let far = |v: Vec3| v.abs().max_element() > MAX_COORDINATE;
     let place = match (far(camera.eye), far(camera.target) || camera.eye == camera.target) {
         (true, _) => eye,
@@ -188,4 +183,44 @@ fn read_camera(value: Value<'_>, origin: DVec3) -> Result<(Camera, Option<Camera
     };
     camera.validate().map_err(|e| place.error(e))?;
     Ok((camera, keys.map(|keys| keys.camera(camera, origin)).transpose()?))
+}
+
+/// The keys `projection`, `fov` and `height` of a camera.
+fn read_projection<'s>(t: &mut Table<'s>, camera: Value<'s>) -> Result<Projection, SceneError> {
+    let (kind, fov, height) = (t.get("projection"), t.get("fov"), t.get("height"));
+    let name = kind.map_or(Ok("perspective"), |v| v.string())?;
+    let none = |value: Option<Value<'_>>| match value {
+        Some(v) => Err(v.error(format!(
+            "is of another projection than \"{name}\": fov is of \"perspective\", height of \"orthographic\""
+        ))),
+        None => Ok(()),
+    };
+    let projection = match name {
+        "perspective" => {
+            none(height)?;
+            let degrees = fov.map_or(Ok(DEFAULT_FOV), |v| v.number())?;
+            if !(degrees > 0.0 && degrees < 180.0) {
+                let place = fov.unwrap_or(camera);
+                return Err(place.error(format!("{degrees} must lie between 0 and 180 degrees")));
+            }
+            return Ok(Projection::perspective(degrees.to_radians()));
+        }
+        "orthographic" => {
+            none(fov)?;
+            let height = height.ok_or_else(|| camera.error("an orthographic camera needs a height in units"))?;
+            let projection = Projection::Orthographic { height: height.number()? };
+            projection.validate().map_err(|e| height.error(e))?;
+            projection
+        }
+        "panoramic" => {
+            none(fov.or(height))?;
+            Projection::Panoramic
+        }
+        other => {
+            let place = kind.unwrap_or(camera);
+            let expected = "expected \"perspective\", \"orthographic\" or \"panoramic\"";
+            return Err(place.error(format!("found \"{other}\": {expected}")));
+        }
+    };
+    Ok(projection)
 }

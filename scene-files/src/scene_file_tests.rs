@@ -3,7 +3,7 @@ use crate::{SCHEMA_EXAMPLE, load, load_with_warnings, scene_file};
 use brdf::Material;
 use glam::Vec3;
 use lighting::Light;
-use scene::{Proxy, Scene, SceneError, Shape, Strategy};
+use scene::{Projection, Proxy, Scene, SceneError, Shape, Strategy};
 use shading::LightLobes;
 use std::path::Path;
 
@@ -56,6 +56,32 @@ fn the_example_is_a_valid_scene_with_every_key() {
 }
 
 #[test]
+fn projections() {
+    let camera = |keys: &str| {
+        let text = with(&format!("[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\n{keys}"));
+        parse(&text).unwrap().camera.projection
+    };
+    assert_eq!(camera("projection = \"perspective\"\nfov = 90"), Projection::perspective(90_f32.to_radians()));
+    assert_eq!(camera("projection = \"perspective\""), camera(""));
+    assert_eq!(camera("projection = \"orthographic\"\nheight = 2.5"), Projection::Orthographic { height: 2.5 });
+    assert_eq!(camera("projection = \"panoramic\""), Projection::Panoramic);
+}
+
+#[test]
+fn an_orthographic_height_has_keys() {
+    let keys = "keys = [{ time = 0 }, { time = 2, height = 6 }]";
+    let text = with(&format!(
+        "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nprojection = \"orthographic\"\nheight = 2\n{keys}"
+    ));
+    let (mut scene, animation) = scene_file::parse(Path::new("test.toml"), &text, &mut Context::default()).unwrap();
+    animation.seek(1.0, &mut scene);
+    assert_eq!(scene.camera.projection, Projection::Orthographic { height: 4.0 });
+    let wrong = |from: &str, to: &str| parse(&text.replace(from, to)).expect_err(to).to_string();
+    assert!(wrong("height = 6", "height = -6").contains("at 2 s: camera height is -6"));
+    assert!(wrong("height = 6", "fov = 6").contains("fov"));
+}
+
+#[test]
 fn defaults() {
     let scene = parse(&with("")).unwrap();
     assert_eq!((scene.width, scene.height), (960, 540));
@@ -93,6 +119,25 @@ fn bad_input_is_refused_in_one_line_with_its_place() {
     refused(&camera("fov = 0"), 6, &["between 0 and 180"]);
     refused(&camera("fov = 180"), 6, &["between 0 and 180"]);
     refused(&camera("fov = nan"), 6, &["finite"]);
+    for (height, line, message) in [
+        ("0", 7, "more than 0"),
+        ("-1", 7, "more than 0"),
+        ("nan", 7, "finite"),
+        ("inf", 7, "finite"),
+        ("\"high\"", 7, "string"),
+    ] {
+        refused(&camera(&format!("projection = \"orthographic\"\nheight = {height}")), line, &[message]);
+    }
+    refused(&camera("projection = \"orthographic\""), 3, &["needs a height"]);
+    refused(
+        &camera("projection = \"orthographic\"\nheight = 2\nfov = 30"),
+        8,
+        &["another projection", "\"orthographic\""],
+    );
+    refused(&camera("height = 2"), 6, &["another projection", "\"perspective\""]);
+    refused(&camera("projection = \"panoramic\"\nfov = 30"), 7, &["another projection", "\"panoramic\""]);
+    refused(&camera("projection = \"fisheye\""), 6, &["fisheye", "\"panoramic\""]);
+    refused(&camera("projection = 3"), 6, &["string"]);
     refused(&camera("up = [0, 0, 0]"), 6, &["length zero"]);
     refused(&camera("up = [0, 0, -2]"), 6, &["parallel"]);
     refused(&camera("up = [0, 1]"), 6, &["[x, y, z]", "2 values"]);

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test")]
 
 use glam::{DQuat, DVec3, Vec3};
-use scene::{Animation, Proxy, Scene, SceneError, Shape};
+use scene::{Animation, Projection, Proxy, Scene, SceneError, Shape};
 use std::f32::consts::FRAC_1_SQRT_2;
 use std::fmt::Write as _;
 
@@ -326,13 +326,20 @@ fn morph_weights_add_displacements_of_places_and_normals() {
 }
 
 #[test]
-fn a_camera_moves_with_its_node() {
+fn cameras_move_with_their_nodes() {
+    let perspective = r#"{"type": "perspective", "perspective": {"yfov": 0.6, "znear": 0.1}}"#;
+    let orthographic = r#"{"type": "orthographic", "orthographic": {"xmag": 4, "ymag": 2, "znear": 0, "zfar": 50}}"#;
+    a_camera_moves_with_its_node(perspective, Projection::perspective(0.6));
+    a_camera_moves_with_its_node(orthographic, Projection::Orthographic { height: 4.0 });
+}
+
+fn a_camera_moves_with_its_node(camera: &str, projection: Projection) {
     let mut d = Document::default();
     let p = d.vectors(&CORNERS);
     let (t, v) = (d.floats(&[0.0, 1.0], "SCALAR"), d.floats(&[0.0, 0.0, 4.0, 3.0, 0.0, 4.0], "VEC3"));
     let text = d.text(&format!(
         r#""meshes": [{{"primitives": [{{"attributes": {{"POSITION": {p}}}}}]}}],
-"cameras": [{{"type": "perspective", "perspective": {{"yfov": 0.6, "znear": 0.1}}}}],
+"cameras": [{camera}],
 "nodes": [{{"mesh": 0}}, {{"camera": 0}}],
 "animations": [{{"channels": [{{"sampler": 0, "target": {{"node": 1, "path": "translation"}}}}],
 "samplers": [{{"input": {t}, "output": {v}}}]}}]"#
@@ -341,7 +348,7 @@ fn a_camera_moves_with_its_node() {
     assert!(!animation.is_still() && animation.rig(1).is_none());
     animation.seek(0.5, &mut scene);
     let camera = scene.camera;
-    assert_eq!((camera.eye, camera.vertical_fov), (Vec3::new(1.5, 0.0, 4.0), 0.6));
+    assert_eq!((camera.eye, camera.projection), (Vec3::new(1.5, 0.0, 4.0), projection));
     assert!((camera.target - camera.eye).normalize().distance(Vec3::NEG_Z) < 1e-6);
 }
 

@@ -3,7 +3,7 @@ use crate::deformer::{BoundSphere, Deformer, scaled};
 use crate::mesh::MAX_COORDINATE;
 use crate::placement::Placement;
 use crate::skeleton::{Carrier, Skeleton};
-use crate::{Camera, Object, Proxy, Scene, Shape};
+use crate::{Camera, Object, Projection, Proxy, Scene, Shape};
 use glam::{DVec3, Mat4, Vec3};
 use lighting::Light;
 use lobe_core::Sphere;
@@ -120,14 +120,14 @@ pub enum LightPlace {
 pub enum CameraMover {
     /// By key frames.
     Keys(Box<CameraKeys>),
-    /// A node of a glTF file, and the field of view.
+    /// A node of a glTF file, and the projection.
     Node {
         /// The number of the skeleton in the animation.
         skeleton: usize,
         /// The number of the node in the skeleton.
         node: usize,
-        /// Full, in radians.
-        vertical_fov: f32,
+        /// How it maps the scene to its picture.
+        projection: Projection,
     },
 }
 
@@ -241,9 +241,7 @@ impl Animation {
         let camera = match &self.camera {
             None => return,
             Some(CameraMover::Keys(keys)) => keys.at(time),
-            &Some(CameraMover::Node { skeleton, node, vertical_fov }) => {
-                node_camera(&worlds[skeleton][node], vertical_fov)
-            }
+            &Some(CameraMover::Node { skeleton, node, projection }) => node_camera(&worlds[skeleton][node], projection),
         };
         if camera.validate().is_ok() {
             scene.camera = camera;
@@ -332,11 +330,11 @@ fn tamed(time: f32) -> f32 {
 
 /// The view of a glTF camera whose node has that world matrix.
 #[must_use]
-pub fn node_camera(world: &Mat4, vertical_fov: f32) -> Camera {
+pub fn node_camera(world: &Mat4, projection: Projection) -> Camera {
     let eye = world.transform_point3(Vec3::ZERO);
     let forward = world.transform_vector3(Vec3::NEG_Z).normalize_or_zero();
     let up = world.transform_vector3(Vec3::Y).normalize_or_zero();
     // Far enough for the direction to survive f32.
     let target = eye + forward * eye.length().max(1.0);
-    Camera { eye, target, up, vertical_fov }
+    Camera { eye, target, up, projection }
 }

@@ -20,7 +20,7 @@ impl Animation {
     /// ```
     /// use scene::Animation;
     /// use scene::motion::CameraMover;
-    /// let camera = CameraMover::Node { skeleton: 0, node: 3, vertical_fov: 0.6 };
+    /// let camera = CameraMover::Node { skeleton: 0, node: 3, projection: scene::Projection::perspective(0.6) };
     /// let animation = Animation { camera: Some(camera), ..Animation::default() };
     /// assert_eq!(animation.validate().unwrap_err().to_string(), "camera: there is no skeleton 0 of 0");
     /// ```
@@ -62,7 +62,7 @@ impl Animation {
             Some(CameraMover::Node { skeleton, node, .. }) => self.check_node(*skeleton, *node),
             Some(CameraMover::Keys(keys)) => {
                 [&keys.eye, &keys.target, &keys.up].into_iter().try_for_each(|track| width(track, 3))?;
-                width(&keys.fov, 1)
+                keys.projection.track().map_or(Ok(()), |track| width(track, 1))
             }
         }
     }

@@ -1,6 +1,6 @@
 use crate::motion::{
     Body, Bone, CameraKeys, CameraMover, Carrier, Clock, Deformer, FineLocal, Keyed, LightMover, LightPlace, Local,
-    Mover, Origins, Placement, Skeleton, Track, Turn,
+    Mover, Origins, Placement, ProjectionKeys, Skeleton, Track, Turn,
 };
 use crate::{Animation, Mesh};
 use glam::{DMat4, DVec3, Mat4, Vec3};
@@ -39,7 +39,7 @@ fn camera() -> CameraKeys {
         eye: vector(Vec3::Z),
         target: vector(Vec3::ZERO),
         up: vector(Vec3::Y),
-        fov: Track::constant(&[0.6]),
+        projection: ProjectionKeys::Perspective(Track::constant(&[0.6])),
     }
 }
 
@@ -116,7 +116,10 @@ fn each_fault_is_named() {
         (|a| a.lights[0].placement = LightPlace::Node { skeleton: 0, node: 2 }, "light 1: there is no node 2 of 2"),
         (
             |a| {
-                a.camera = Some(CameraMover::Keys(Box::new(CameraKeys { fov: Track::constant(&[1.0; 2]), ..camera() })))
+                a.camera = Some(CameraMover::Keys(Box::new(CameraKeys {
+                    projection: ProjectionKeys::Orthographic(Track::constant(&[1.0; 2])),
+                    ..camera()
+                })))
             },
             "camera: a track has 2 numbers a key: expected 1",
         ),

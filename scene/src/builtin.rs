@@ -1,4 +1,4 @@
-use crate::{Camera, Encoding, Mesh, Object, Proxy, Scene, Surface, Texture, TextureMap};
+use crate::{Camera, Encoding, Mesh, Object, Projection, Proxy, Scene, Surface, Texture, TextureMap};
 use brdf::{Lambert, MetallicRoughness, ModifiedPhong, Phong};
 use core::f32::consts::TAU;
 use glam::{Quat, Vec3};
@@ -50,7 +50,7 @@ pub fn builtin() -> Scene {
             eye: Vec3::new(0.3, 2.7, 8.8),
             target: Vec3::new(0.1, 0.95, 0.0),
             up: Vec3::Y,
-            vertical_fov: 28.0_f32.to_radians(),
+            projection: Projection::perspective(28.0_f32.to_radians()),
         },
         width: 960,
         height: 540,

@@ -1,8 +1,8 @@
 //! The motion of a camera.
 
-use crate::Camera;
 use crate::placement::{Clock, sample};
 use crate::track::Track;
+use crate::{Camera, Projection};
 use glam::Vec3;
 
 /// Times beyond this are refused: eleven days.
@@ -19,8 +19,44 @@ pub struct CameraKeys {
     pub target: Track,
     /// As [`Camera::up`]: three numbers.
     pub up: Track,
-    /// As [`Camera::vertical_fov`]: one number.
-    pub fov: Track,
+    /// As [`Camera::projection`].
+    pub projection: ProjectionKeys,
+}
+
+/// A projection over time: it keeps its kind.
+#[derive(Clone, Debug)]
+pub enum ProjectionKeys {
+    /// The full vertical field of view in radians: one number.
+    Perspective(Track),
+    /// The height in units of the scene: one number.
+    Orthographic(Track),
+    /// Without a number.
+    Panoramic,
+}
+
+impl ProjectionKeys {
+    /// The projection at a time of the keys' clock, in seconds.
+    #[must_use]
+    pub fn at(&self, time: f32) -> Projection {
+        let number = |track| -> f32 {
+            let [number] = sample(track, time);
+            number
+        };
+        match self {
+            Self::Perspective(track) => Projection::perspective(number(track)),
+            Self::Orthographic(track) => Projection::Orthographic { height: number(track) },
+            Self::Panoramic => Projection::Panoramic,
+        }
+    }
+
+    /// Its numbers over time, where it has any.
+    #[must_use]
+    pub const fn track(&self) -> Option<&Track> {
+        match self {
+            Self::Perspective(track) | Self::Orthographic(track) => Some(track),
+            Self::Panoramic => None,
+        }
+    }
 }
 
 impl CameraKeys {
@@ -29,7 +65,7 @@ impl CameraKeys {
     pub fn at(&self, time: f32) -> Camera {
         let time = self.clock.local(time);
         let vector = |track| Vec3::from_array(sample(track, time));
-        let [vertical_fov] = sample(&self.fov, time);
-        Camera { eye: vector(&self.eye), target: vector(&self.target), up: vector(&self.up), vertical_fov }
+        let projection = self.projection.at(time);
+        Camera { eye: vector(&self.eye), target: vector(&self.target), up: vector(&self.up), projection }
     }
 }

@@ -1,6 +1,6 @@
 //! Checks of everything that a renderer relies on, for a whole scene and for each item.
 
-use crate::{Camera, Mesh, Object, Proxy, Scene, SceneError, Shape, Surface};
+use crate::{Camera, Mesh, Object, Projection, Proxy, Scene, SceneError, Shape, Surface};
 use brdf::Material;
 use glam::Vec3;
 use lighting::Light;
@@ -177,6 +177,16 @@ fn check_emission(number: usize, surface: &Surface) -> Result<(), SceneError> {
 /// Points of a sphere are off its surface by up to 1e-7 of its radius: seen from too near they are noise.
 fn check_seen(camera: &Camera, sphere: &Sphere) -> Result<(), SceneError> {
     let radius = f64::from(sphere.radius);
+    if let Projection::Orthographic { height } = camera.projection {
+        return if radius <= MAX_RADIUS_SEEN * f64::from(height) {
+            Ok(())
+        } else {
+            Err(SceneError::invalid(format!(
+                "sphere of radius {radius:e} is seen in a picture {height:.3e} high: expected at least {:.3e}, or a plane",
+                radius / MAX_RADIUS_SEEN
+            )))
+        };
+    }
     let height = (sphere.center.as_dvec3().distance(camera.eye.as_dvec3()) - radius).abs();
     if radius <= MAX_RADIUS_SEEN * height {
         return Ok(());
@@ -193,6 +203,16 @@ const MAX_RADIUS_SEEN: f64 = 2e6;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn spheres_are_seen_in_pictures_that_are_not_too_small() {
+        let sphere = Sphere { center: Vec3::ZERO, radius: 1000.0 };
+        let camera = |height| Camera { projection: Projection::Orthographic { height }, ..Camera::default() };
+        // How near the eye is does not matter.
+        assert!(check_seen(&camera(1.0), &sphere).is_ok());
+        let refused = check_seen(&camera(1e-4), &sphere).expect_err("too small").to_string();
+        assert!(refused.contains("1.000e-4 high: expected at least 5.000e-4"), "{refused}");
+    }
 
     #[test]
     fn triangles_can_be_numbered() {

@@ -62,7 +62,7 @@ pub use crate::animation::{Animation, Pose, Rig};
 pub use crate::animation_edits::{KeyFrame, KeyFrames};
 pub use crate::bounds::Bounds;
 pub use crate::builtin::builtin;
-pub use crate::camera::Camera;
+pub use crate::camera::{Camera, Projection};
 pub use crate::cancel::Cancel;
 pub use crate::clock::{Stopwatch, set_clock};
 pub use crate::duplicates::Duplicates;

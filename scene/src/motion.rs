@@ -14,7 +14,7 @@
 use crate::Animation;
 
 pub use crate::animation::{Body, CameraMover, LightMover, LightPlace, Mover, node_camera};
-pub use crate::camera_keys::{CameraKeys, MAX_SECONDS};
+pub use crate::camera_keys::{CameraKeys, MAX_SECONDS, ProjectionKeys};
 pub use crate::creases::Split;
 pub use crate::deformer::{BoundSphere, Deformer};
 pub use crate::origins::Origins;

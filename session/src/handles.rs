@@ -160,7 +160,7 @@ impl Drag {
             Grip::Aim => {
                 let radius = AIM * arrow;
                 // The far side of the sphere, where the handle is there.
-                let is_far = direction.is_some_and(|d| d.dot(projection.camera().eye - center) < 0.0);
+                let is_far = direction.is_some_and(|d| d.dot(projection.toward_eye(*center)) < 0.0);
                 let near = projection.on_sphere(pointer, *center, radius) - center;
                 let ray = projection.direction(pointer);
                 let far = near - 2.0 * near.dot(ray) * ray;
@@ -188,7 +188,12 @@ mod tests {
     use scene::Camera;
 
     fn handles() -> Handles {
-        let camera = Camera { eye: Vec3::new(1.0, 2.0, 5.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.7 };
+        let camera = Camera {
+            eye: Vec3::new(1.0, 2.0, 5.0),
+            target: Vec3::ZERO,
+            up: Vec3::Y,
+            projection: scene::Projection::perspective(0.7),
+        };
         let direction = Vec3::new(0.3, -1.0, 0.2).normalize();
         Handles::new(Projection::new(camera, Vec2::new(640.0, 360.0)), Vec3::new(0.3, 0.6, -0.2))
             .with_size(Some(0.4))

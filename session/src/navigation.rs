@@ -3,7 +3,7 @@
 use crate::Projection;
 use core::f32::consts::PI;
 use glam::{Quat, Vec2, Vec3};
-use scene::{Bounds, Camera};
+use scene::{Bounds, Camera, Projection as Kind};
 
 /// The view comes no nearer to the camera's `up` than this, in radians.
 const POLE: f32 = 0.05;
@@ -41,9 +41,17 @@ pub fn panned(camera: Camera, size: Vec2, pixels: Vec2) -> Camera {
     Camera { eye: camera.eye + shift, target: camera.target + shift, ..camera }
 }
 
-/// The camera at another distance from its target: times a factor.
+/// The camera at another distance from its target: times a factor. An orthographic camera stays where it is, and the height of its picture
+/// changes by the factor.
 #[must_use]
 pub fn zoomed(camera: Camera, factor: f32) -> Camera {
+    if let Kind::Orthographic { height } = camera.projection {
+        let projection = Kind::Orthographic { height: height * factor };
+        return Camera {
+            projection: if projection.validate().is_ok() { projection } else { camera.projection },
+            ..camera
+        };
+    }
     let offset = (camera.eye - camera.target) * factor;
     // Nearer the direction would be lost in rounding; farther coordinates would.
     let nearest = 1e-4 * (1.0 + camera.target.length());
@@ -54,14 +62,27 @@ pub fn zoomed(camera: Camera, factor: f32) -> Camera {
     Camera { eye: camera.target + offset, ..camera }
 }
 
-/// The camera moved back or forward, and aimed, so that a box fills the picture; it keeps its direction.
+/// The camera moved back or forward, and aimed, so that a box fills the picture; it keeps its direction. The picture of an orthographic
+/// camera changes its height instead, and a panoramic camera sees the box as one of 90° does.
 #[must_use]
 pub fn framed(camera: Camera, bounds: Bounds, size: Vec2) -> Camera {
     let [right, up, forward] = Projection::new(camera, size).axes();
-    let tan_y = (0.5 * camera.vertical_fov).tan();
-    let tan_x = tan_y * size.x / size.y.max(1.0);
     let (center, half) = (bounds.center(), 0.5 * bounds.size());
     let corner = |i: u32| half * Vec3::from_array([0, 1, 2].map(|k| if i >> k & 1 == 0 { -1.0 } else { 1.0 }));
+    let aspect = size.x / size.y.max(1.0);
+    let tan_y = match camera.projection {
+        Kind::Perspective { vertical_fov } => (0.5 * vertical_fov).tan(),
+        Kind::Orthographic { height } => {
+            let needed = |q: Vec3| (q.dot(right).abs() / aspect).max(q.dot(up).abs());
+            let wanted = Kind::Orthographic { height: 2.1 * (0..8).map(corner).map(needed).fold(0.0, f32::max) };
+            let projection = if wanted.validate().is_ok() { wanted } else { Kind::Orthographic { height } };
+            // All of the box is before the eye.
+            let distance = camera.eye.distance(camera.target).max(1.05 * half.length());
+            return Camera { eye: center - distance * forward, target: center, projection, ..camera };
+        }
+        Kind::Panoramic => 1.0,
+    };
+    let tan_x = tan_y * aspect;
     let needed = |q: Vec3| (q.dot(right).abs() / tan_x).max(q.dot(up).abs() / tan_y) - q.dot(forward);
     let distance = (0..8).map(corner).map(needed).fold(0.0, f32::max);
     let usual = camera.eye.distance(camera.target);
@@ -76,7 +97,29 @@ mod tests {
     const SIZE: Vec2 = Vec2::new(640.0, 360.0);
 
     fn camera() -> Camera {
-        Camera { eye: Vec3::new(1.0, 2.0, 5.0), target: Vec3::new(0.2, 0.5, 0.0), up: Vec3::Y, vertical_fov: 0.7 }
+        Camera { eye: Vec3::new(1.0, 2.0, 5.0), target: Vec3::new(0.2, 0.5, 0.0), ..Camera::default() }
+    }
+
+    fn orthographic() -> Camera {
+        Camera { projection: Kind::Orthographic { height: 3.0 }, ..camera() }
+    }
+
+    fn height(camera: Camera) -> f32 {
+        let Kind::Orthographic { height } = camera.projection else { panic!("{camera:?}") };
+        height
+    }
+
+    #[test]
+    fn zoom_changes_the_height_of_an_orthographic_picture() {
+        let before = orthographic();
+        let near = zoomed(before, 0.5);
+        assert_eq!((near.eye, near.target, height(near)), (before.eye, before.target, 1.5));
+        let mut camera = before;
+        (0..2000).for_each(|_| camera = zoomed(camera, 0.9));
+        camera.validate().unwrap();
+        (0..4000).for_each(|_| camera = zoomed(camera, 1.1));
+        camera.validate().unwrap();
+        assert_eq!(height(zoomed(before, f32::NAN)), 3.0);
     }
 
     #[test]
@@ -108,11 +151,12 @@ mod tests {
 
     #[test]
     fn the_target_follows_a_pan() {
-        let before = camera();
-        let pixels = Vec2::new(40.0, -25.0);
-        let after = Projection::new(panned(before, SIZE, pixels), SIZE);
-        let moved = after.pixel(before.target).unwrap() - 0.5 * SIZE;
-        assert!(moved.distance(pixels) < 0.05, "{moved}");
+        for before in [camera(), orthographic()] {
+            let pixels = Vec2::new(40.0, -25.0);
+            let after = Projection::new(panned(before, SIZE, pixels), SIZE);
+            let moved = after.pixel(before.target).unwrap() - 0.5 * SIZE;
+            assert!(moved.distance(pixels) < 0.05, "{moved}");
+        }
     }
 
     #[test]
@@ -130,19 +174,23 @@ mod tests {
     #[test]
     fn a_framed_box_fills_the_picture() {
         let bounds = Bounds { min: Vec3::new(-3.0, 0.0, -1.0), max: Vec3::new(1.0, 2.0, 2.0) };
-        let after = framed(camera(), bounds, SIZE);
-        after.validate().unwrap();
-        let projection = Projection::new(after, SIZE);
-        let mut most = 0.0_f32;
-        for i in 0..8 {
-            let side = |k: usize| if i >> k & 1 == 0 { bounds.min[k] } else { bounds.max[k] };
-            let pixel = projection.pixel(Vec3::new(side(0), side(1), side(2))).unwrap();
-            let from_middle = (pixel - 0.5 * SIZE).abs() / (0.5 * SIZE);
-            most = most.max(from_middle.max_element());
+        let panoramic = Camera { projection: Kind::Panoramic, ..camera() };
+        for (camera, least) in [(camera(), 0.8), (orthographic(), 0.9), (panoramic, 0.2)] {
+            let after = framed(camera, bounds, SIZE);
+            after.validate().unwrap();
+            let projection = Projection::new(after, SIZE);
+            let mut most = 0.0_f32;
+            for i in 0..8 {
+                let side = |k: usize| if i >> k & 1 == 0 { bounds.min[k] } else { bounds.max[k] };
+                let pixel = projection.pixel(Vec3::new(side(0), side(1), side(2))).unwrap();
+                let from_middle = (pixel - 0.5 * SIZE).abs() / (0.5 * SIZE);
+                most = most.max(from_middle.max_element());
+            }
+            assert!(most > least && most <= 1.0, "{most}");
         }
-        assert!(most > 0.8 && most <= 1.0, "{most}");
         // One without an extent is looked at from as far as before.
         let point = framed(camera(), Bounds::EMPTY.with_point(Vec3::ONE), SIZE);
         assert!((point.eye.distance(point.target) - camera().eye.distance(camera().target)).abs() < 1e-5);
+        assert_eq!(height(framed(orthographic(), Bounds::EMPTY.with_point(Vec3::ONE), SIZE)), 3.0);
     }
 }

@@ -13,7 +13,7 @@ use crate::{LightItem, MaterialItem, ObjectItem, Snapshot, lamp};
 use brdf::Material;
 use core::fmt;
 use glam::Vec3;
-use scene::SceneError;
+use scene::{Projection, SceneError};
 use scene_files::{Disk, Files};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -128,8 +128,21 @@ fn camera(to: &mut dyn TableLike, before: &Snapshot, now: &Snapshot) {
     if old.up != new.up {
         put(to, "up", vector(new.up));
     }
-    if old.vertical_fov != new.vertical_fov {
-        put(to, "fov", number(new.vertical_fov.to_degrees()));
+    if old.projection == new.projection {
+        return;
+    }
+    let is_other = old.projection.name() != new.projection.name();
+    if is_other {
+        put(to, "projection", Value::from(new.projection.name()));
+    }
+    let (key, value) = match new.projection {
+        Projection::Perspective { vertical_fov } => ("fov", Some(vertical_fov.to_degrees())),
+        Projection::Orthographic { height } => ("height", Some(height)),
+        Projection::Panoramic => ("", None),
+    };
+    ["fov", "height"].into_iter().filter(|other| *other != key).for_each(|other| drop(to.remove(other)));
+    if let Some(value) = value {
+        put(to, key, number(value));
     }
 }
 
@@ -209,7 +222,14 @@ fn check(path: &Path, text: &str, now: &Snapshot) -> Result<(), SaveError> {
     if [scene.width, scene.height] != now.size || scene.lights.len() != now.lights.len() {
         return wrong("picture, or other lights");
     }
-    let is_same_camera = is_near(scene.camera.eye, now.camera.eye) && is_near(scene.camera.target, now.camera.target);
+    let is_same_projection = match (scene.camera.projection, now.camera.projection) {
+        (Projection::Perspective { vertical_fov: a }, Projection::Perspective { vertical_fov: b })
+        | (Projection::Orthographic { height: a }, Projection::Orthographic { height: b }) => (a - b).abs() <= 1e-4 * b,
+        (a, b) => a == b,
+    };
+    let is_same_camera = is_same_projection
+        && is_near(scene.camera.eye, now.camera.eye)
+        && is_near(scene.camera.target, now.camera.target);
     if !is_same_camera && !animation.moves_camera() {
         return wrong("camera");
     }

@@ -6,7 +6,7 @@
 use glam::{Mat4, Quat, Vec3};
 use lighting::Light;
 use renderer::{Renderer, Settings};
-use scene::{Camera, Strategy};
+use scene::{Camera, Projection, Strategy};
 use session::{Editor, NewLight, Primitive, SaveError, Session, Snapshot, gloss, lamp, save};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -120,6 +120,32 @@ fn nothing_changed_leaves_the_file_as_it_is() {
     let Opened { editor, before } = open(&path);
     save(&path, &before, editor.scene()).unwrap();
     assert_eq!(fs::read_to_string(&path).unwrap(), TEXT);
+}
+
+/// A camera's projection with its number: changed, and exchanged for others.
+#[test]
+fn projections_are_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, TEXT);
+    let Opened { mut editor, mut before } = open(&path);
+    let kinds = [
+        (Projection::Orthographic { height: 4.0 }, "projection = \"orthographic\"", "height = 4.0"),
+        (Projection::Orthographic { height: 2.5 }, "projection = \"orthographic\"", "height = 2.5"),
+        (Projection::Panoramic, "projection = \"panoramic\"", ""),
+        (Projection::perspective(1.0), "projection = \"perspective\"", "fov = 57.29"),
+    ];
+    for (projection, name, number) in kinds {
+        editor.set_camera(Camera { projection, ..editor.scene().camera });
+        settle(&mut editor);
+        before = save(&path, &before, editor.scene()).unwrap();
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(text.contains(name) && text.contains(number), "{text}");
+        let count = ["fov", "height ="].map(|key| text.matches(key).count());
+        assert_eq!(count[0], usize::from(number.starts_with("fov")), "{text}");
+        // The picture has a height, too.
+        assert_eq!(count[1], 1 + usize::from(number.starts_with("height")), "{text}");
+        assert!(text.contains("# the eye"), "{text}");
+    }
 }
 
 /// Ambient light that objects hide is one environment, whose lights stand where the first of its tables does.

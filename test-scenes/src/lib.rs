@@ -9,7 +9,7 @@ use core::f32::consts::PI;
 use glam::Vec3;
 use lighting::SphereLight;
 use lobe_core::Sphere;
-use scene::{Camera, Mesh, Object, Proxy, Scene, Shape};
+use scene::{Camera, Mesh, Object, Projection, Proxy, Scene, Shape};
 
 /// A gray diffuse material.
 #[must_use]
@@ -38,7 +38,12 @@ pub fn floor_and_ball() -> Scene {
         terminator: scene::Terminator::Exact,
     };
     Scene {
-        camera: Camera { eye: Vec3::new(0.0, 3.0, 8.0), target: Vec3::Y, up: Vec3::Y, vertical_fov: 0.6 },
+        camera: Camera {
+            eye: Vec3::new(0.0, 3.0, 8.0),
+            target: Vec3::Y,
+            up: Vec3::Y,
+            projection: Projection::perspective(0.6),
+        },
         width: 50,
         height: 30,
         materials: vec![material()],

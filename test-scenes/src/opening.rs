@@ -1,6 +1,6 @@
 use glam::Vec3;
 use lighting::Light;
-use scene::{Camera, Mesh, Object, Proxy, Scene};
+use scene::{Camera, Mesh, Object, Projection, Proxy, Scene};
 
 /// Half the sides of a [`room`].
 pub const ROOM: Vec3 = Vec3::new(2.0, 1.5, 2.5);
@@ -47,7 +47,7 @@ pub fn room(opening: Opening, light: Light) -> Scene {
             eye: Vec3::new(0.0, 0.2, -2.2),
             target: Vec3::new(0.0, -0.4, 2.0),
             up: Vec3::Y,
-            vertical_fov: 1.3,
+            projection: Projection::perspective(1.3),
         },
         width: 36,
         height: 24,

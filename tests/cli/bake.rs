@@ -152,6 +152,21 @@ fn scenes_and_models_become_files() {
         file["materials"].as_array().unwrap().iter().map(|m| &m["pbrMetallicRoughness"]["baseColorFactor"]).collect();
     assert!(colors.contains(&&json!([0.5, 0.25, 0.125, 1])), "{colors:?}");
     assert!((file["cameras"][0]["perspective"]["yfov"].as_f64().unwrap() - 30.0_f64.to_radians()).abs() < 1e-6);
+    // Other cameras: an orthographic one is read back as it was, a panoramic one gives a warning.
+    for (name, keys) in
+        [("flat", "projection = \"orthographic\"\nheight = 4"), ("around", "projection = \"panoramic\"")]
+    {
+        let (scene, made) = (format!("{name}.toml"), format!("{name}.glb"));
+        fs::write(folder.join(&scene), SCENE.replace("fov = 30.0", keys).replace("size = 20.0", "size = 4.0")).unwrap();
+        let ran = lobes(folder, &["bake", &scene, "-o", &made, "--page", "32"]);
+        let stderr = String::from_utf8(ran.stderr).unwrap();
+        assert!(ran.status.success(), "{stderr}");
+        let lost = "the panoramic camera is left out: glTF has none";
+        assert_eq!(stderr.contains(lost), name == "around", "{stderr}");
+        let (was, is) = [&scene, &made].map(|file| cosine_lobes::scene::load(folder.join(file)).unwrap().camera).into();
+        assert_eq!(was.projection == is.projection, name == "flat");
+        assert!(name == "around" || (was.eye - is.eye).length() < 1e-6);
+    }
     fs::write(folder.join("corner.obj"), "v 0 0 0\nv 1 0 0\nv 0 0 -1\nv 0 1 0\nf 1 2 3\nf 1 4 2\n").unwrap();
     let corner = super::json(folder, &["bake", "corner.obj", "-o", "corner.glb", "--page", "32", "--json", "-q"]);
     assert!(corner["texels"].as_u64().unwrap() > 300, "{corner}");

@@ -138,6 +138,15 @@ fn only_what_has_nothing_behind_it_is_a_backdrop() {
         fs::write(folder.join("screen.toml"), format!("{SCENE}{screen}{keys}")).unwrap();
         assert_eq!(advice("screen.toml"), expected, "{keys}");
     }
+    // Parallel rays come down to the floor although the eye is below it.
+    let below = SCENE
+        .replace("eye = [0.0, 3.0, 8.0]", "eye = [0.0, -0.5, 8.0]")
+        .replace("[0.0, 0.6, 0.0]", "[0.0, -2.0, 0.0]")
+        .replace("size = 20.0 }", "size = 20.0 }\nvisibility = \"rays\"");
+    for (keys, floor) in [("projection = \"orthographic\"\nheight = 6", "none"), ("fov = 30.0", "silhouettes")] {
+        fs::write(folder.join("below.toml"), below.replace("fov = 30.0", keys)).unwrap();
+        assert_eq!(advice("below.toml"), [floor, "spheres"], "{keys}");
+    }
 }
 
 /// A set that an earlier picture left behind speaks against spheres where it is bad, and for them nowhere.

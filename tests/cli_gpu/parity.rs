@@ -6,7 +6,18 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-crate::tests![strategies, settings, paper, shadow_maps, walls, rays, silhouettes, samples_and_threshold, trade];
+crate::tests![
+    strategies,
+    settings,
+    paper,
+    projections,
+    shadow_maps,
+    walls,
+    rays,
+    silhouettes,
+    samples_and_threshold,
+    trade
+];
 
 /// Largest and mean difference, as fractions of the picture's largest value.
 const LARGEST: f32 = 1e-3;
@@ -74,6 +85,21 @@ fn paper() {
     fs::write(folder.path().join("table.toml"), format!("{SCENE}{TABLE}visible = false\n")).unwrap();
     let maps = ["--visibility", "shadow-map", "--depth", "4", "--threshold", "0.01"];
     same(folder.path(), &[&["table.toml", "--method", "paper"], &maps[..]].concat());
+}
+
+/// Cameras without one eye, and around it.
+fn projections() {
+    let folder = folder();
+    for (name, keys) in
+        [("orthographic", "projection = \"orthographic\"\nheight = 4"), ("panoramic", "projection = \"panoramic\"")]
+    {
+        let scene = SCENE.replace("fov = 30.0", keys).replace("[0.0, 3.0, 8.0]", "[0.0, 2.0, 3.0]");
+        let file = format!("{name}.toml");
+        fs::write(folder.path().join(&file), format!("{scene}{TABLE}")).unwrap();
+        for visibility in ["scene", "rays", "shadow-map"] {
+            same(folder.path(), &[&file, "--visibility", visibility, "--samples", "1"]);
+        }
+    }
 }
 
 /// A light that moves past a table's side: the side is in the map, by silhouettes or rays and in the map again.

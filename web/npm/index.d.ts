@@ -44,17 +44,24 @@ export class EditError extends LobesError {}
 /** A picture could not be made. */
 export class RenderError extends LobesError {}
 
-/** A pinhole camera. Immutable. */
+/** How a camera maps the scene to its picture. A panoramic one shows all directions by longitude and latitude. */
+export type Projection = "perspective" | "orthographic" | "panoramic";
+
+/** A camera. Immutable. */
 export class Camera {
   /**
    * @param options.up roughly up; [0, 1, 0] if left out.
-   * @param options.fov the full vertical field of view in degrees, 0.001 to 179.9; 35 if left out.
+   * @param options.projection "perspective" if left out.
+   * @param options.fov of a perspective camera the full vertical field of view in degrees, 0.001 to 179.9; 35 if left out.
+   * @param options.height of an orthographic camera the height of the picture in units of the scene; required.
    */
-  constructor(eye: Vec3, target: Vec3, options?: { up?: Vec3; fov?: number });
+  constructor(eye: Vec3, target: Vec3, options?: { up?: Vec3; projection?: Projection; fov?: number | null; height?: number | null });
   readonly eye: readonly number[];
   readonly target: readonly number[];
   readonly up: readonly number[];
-  readonly fov: number;
+  readonly projection: Projection;
+  readonly fov: number | null;
+  readonly height: number | null;
 }
 
 type Radiant = { radiance: Color; flux?: undefined } | { radiance?: undefined; flux: Color };

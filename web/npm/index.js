@@ -7,19 +7,31 @@ import { Material } from "./material.js";
 
 export { EditError, Light, LobesError, Material, RenderError, SceneError, init };
 
-/** A pinhole camera; `fov` is the full vertical field of view in degrees. Immutable. */
+/** A camera: perspective, orthographic or panoramic. Immutable. */
 export class Camera {
   constructor(eye, target, options = {}) {
-    const { up = [0, 1, 0], fov = 35 } = only(options, "up", "fov");
+    const { up = [0, 1, 0], projection = "perspective", fov, height } = only(options, "up", "projection", "fov", "height");
+    if (!["perspective", "orthographic", "panoramic"].includes(projection)) {
+      throw new RangeError(`projection is ${JSON.stringify(projection)}: expected "perspective", "orthographic" or "panoramic"`);
+    }
     this.eye = vec3("eye", eye);
     this.target = vec3("target", target);
     this.up = vec3("up", up);
-    this.fov = number("fov", fov, 0.001, 179.9);
+    this.projection = projection;
+    this.fov = ofKind("fov", fov ?? undefined, projection, "perspective", 35, 0.001, 179.9);
+    this.height = ofKind("height", height ?? undefined, projection, "orthographic", undefined, 1e-9, 1e9);
     Object.freeze(this);
   }
 }
 
-const cameraOf = ({ eye, target, up, fov }) => new Camera(eye, target, { up, fov });
+/** A number that cameras of one projection have; null for others. */
+function ofKind(name, value, projection, wanted, usual, least, most) {
+  if (projection === wanted) return number(name, value ?? usual, least, most);
+  if (value !== undefined) throw new TypeError(`${name} is of ${wanted} cameras: this one is ${projection}`);
+  return null;
+}
+
+const cameraOf = ({ eye, target, up, projection, fov, height }) => new Camera(eye, target, { up, projection, fov, height });
 
 /** Light from all around: one radiance, or an image in latitude and longitude. Immutable. */
 export class Environment {

@@ -261,6 +261,28 @@ test("edits give the picture of a renderer that begins there, and build nothing 
   assert.deepEqual(last, new Renderer(other, { tolerance: 0.02, method: "lobes" }).render());
 });
 
+test("cameras have projections", () => {
+  const renderer = new Renderer(still());
+  const perspective = renderer.camera;
+  assert.deepEqual([perspective.projection, perspective.height], ["perspective", null]);
+  const pictures = [renderer.render()];
+  for (const options of [{ projection: "orthographic", height: 2.5 }, { projection: "panoramic" }]) {
+    // All of these numbers have single precision.
+    const camera = new Camera(VIEW.eye, [0, 0.5, 0], options);
+    renderer.setCamera(camera);
+    assert.deepEqual(renderer.camera, camera);
+    pictures.push(renderer.render());
+    const scene = still();
+    scene.camera = camera;
+    assert.deepEqual(scene.camera, camera);
+    assert.deepEqual(new Renderer(scene).render(), pictures.at(-1));
+  }
+  assert.notDeepEqual(pictures[0], pictures[1]);
+  assert.notDeepEqual(pictures[1], pictures[2]);
+  renderer.setCamera(perspective);
+  assert.deepEqual(renderer.render(), pictures[0]);
+});
+
 test("animations play", () => {
   const renderer = Renderer.load(files("walk.toml", "assets/fox.glb"), { size: small, tolerance: 0.02 });
   const begin = renderer.render();
@@ -327,6 +349,10 @@ test("bad arguments are refused by name, and change nothing", () => {
     [RangeError, /exponent/, () => scene.addMaterial(Material.phong({ kd: 0.1, exponent: 1e30 }))],
     [TypeError, /^c is no option: expected/, () => Material.halfVector([{ c: 1 }])],
     [RangeError, /^data has 1 rows: expected 2/, () => new Environment({ width: 2, height: 1, data: [1, 1, 1] })],
+    [RangeError, /^projection is "fisheye": expected "perspective", "orthographic" or "panoramic"$/, () => new Camera([0, 0, 1], [0, 0, 0], { projection: "fisheye" })],
+    [TypeError, /^height is undefined: expected a number$/, () => new Camera([0, 0, 1], [0, 0, 0], { projection: "orthographic" })],
+    [RangeError, /^height is 0: expected a number from/, () => new Camera([0, 0, 1], [0, 0, 0], { projection: "orthographic", height: 0 })],
+    [TypeError, /^fov is of perspective cameras: this one is panoramic$/, () => new Camera([0, 0, 1], [0, 0, 0], { projection: "panoramic", fov: 30 })],
     [SceneError, /camera eye and target/, () => renderer.setCamera(new Camera([0, 0, 0], [0, 0, 0]))],
     [SceneError, /^scene\.toml:2:\d+: kind: unknown kind of light/, () => Scene.load('[[lights]]\nkind = "lamp"\n')],
     [SceneError, /nothing\.glb/, () => Scene.load({ "a.toml": "" }, { path: "nothing.glb" })],

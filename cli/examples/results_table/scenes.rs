@@ -5,7 +5,7 @@ use cosine_lobes::brdf::{Lafortune, LafortuneLobe, Lambert, Material, ModifiedPh
 use cosine_lobes::lighting::{Light, SphereLight};
 use cosine_lobes::lobe_core::Sphere;
 use cosine_lobes::render_cpu::{GBuffer, World};
-use cosine_lobes::scene::{BlockerSet, Camera, Mesh, Object, Proxy, Scene};
+use cosine_lobes::scene::{BlockerSet, Camera, Projection, Mesh, Object, Proxy, Scene};
 use glam::{Mat4, Vec3};
 
 /// One line of the table.
@@ -128,7 +128,7 @@ pub(crate) fn light(center: Vec3, radius: f32) -> Light {
 /// The visible part of a floor that fills the picture.
 pub(crate) fn floor_scene(eye: Vec3, target: Vec3, fov: f32, materials: Vec<Material>, lights: Vec<Light>) -> Scene {
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 400.0, Vec3::NEG_Z * 400.0);
-    Scene { camera: Camera { eye, target, up: Vec3::Y, vertical_fov: fov.to_radians() }, width: 256, height: 256, materials, objects: vec![Object::mesh("floor", floor, 0, Proxy::None)], lights, ..Scene::default() }
+    Scene { camera: Camera { eye, target, up: Vec3::Y, projection: Projection::perspective(fov.to_radians()) }, width: 256, height: 256, materials, objects: vec![Object::mesh("floor", floor, 0, Proxy::None)], lights, ..Scene::default() }
 }
 
 /// The cow over a floor, her lowest point at `height`.

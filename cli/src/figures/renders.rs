@@ -244,7 +244,7 @@ pub(super) fn self_shadows(name: &str, studio: &mut Studio) -> Result<Page, Fail
 /// All heights of the object fit into the picture.
 fn widen(scene: &mut Scene) {
     scene.camera.target = Vec3::new(-0.5, 0.85, -0.2);
-    scene.camera.vertical_fov = 42_f32.to_radians();
+    scene.camera.projection = cosine_lobes::scene::Projection::perspective(42_f32.to_radians());
 }
 
 /// The square light of Fig. 19: its middle, half its sides, and its normal.
@@ -338,7 +338,7 @@ pub(super) fn several_lights(name: &str) -> Result<Page, Failure> {
     for count in [4, 6, 11] {
         let (mut scene, blockers) = cube(spiral_lights(count));
         (scene.camera.eye, scene.camera.target) = (Vec3::new(3.0, 3.0, 4.6), Vec3::Y * 0.45);
-        scene.camera.vertical_fov = 27_f32.to_radians();
+        scene.camera.projection = cosine_lobes::scene::Projection::perspective(27_f32.to_radians());
         let picture = shade(&scene, &blockers, &GBuffer::new(&World::new(&scene), 224, 224, SMOOTH), How::default())?;
         cells.push(cell(format!("{count} lights"), "method moments", &picture, 0.6 - (count as f32).log2()));
         let gbuffer = GBuffer::new(&World::new(&scene), 64, 64, 1);

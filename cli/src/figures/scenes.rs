@@ -7,7 +7,7 @@ use cosine_lobes::brdf::{Lafortune, LafortuneLobe, Lambert, Material, ModifiedPh
 use cosine_lobes::lighting::{Light, SphereLight};
 use cosine_lobes::lobe_core::Sphere;
 use cosine_lobes::render_cpu::{GBuffer, World};
-use cosine_lobes::scene::{BlockerSet, Camera, Mesh, Object, Proxy, Scene, ShadingPoints};
+use cosine_lobes::scene::{BlockerSet, Camera, Mesh, Object, Projection, Proxy, Scene, ShadingPoints};
 use glam::{Mat4, Vec3};
 
 /// A scene and its blockers, with a model that is given.
@@ -123,7 +123,7 @@ fn key_light() -> Light {
 pub(crate) fn floor_scene(eye: Vec3, target: Vec3, fov: f32, materials: Vec<Material>, lights: Vec<Light>) -> Scene {
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 400.0, Vec3::NEG_Z * 400.0);
     Scene {
-        camera: Camera { eye, target, up: Vec3::Y, vertical_fov: fov.to_radians() },
+        camera: Camera { eye, target, up: Vec3::Y, projection: Projection::perspective(fov.to_radians()) },
         width: 256,
         height: 256,
         materials,

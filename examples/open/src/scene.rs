@@ -6,7 +6,7 @@ use cosine_lobes::glam::Vec3;
 use cosine_lobes::lighting::Light;
 use cosine_lobes::lobe_core::Sphere;
 use cosine_lobes::renderer::{Device, RenderError, Renderer, Settings};
-use cosine_lobes::scene::{Animation, Camera, Mesh, Object, Proxy, Scene, Strategy};
+use cosine_lobes::scene::{Animation, Camera, Mesh, Object, Projection, Proxy, Scene, Strategy};
 use cosine_lobes::shading::Accuracy;
 use std::sync::Arc;
 
@@ -56,7 +56,12 @@ pub fn scene(width: u32, height: u32) -> Scene {
     let chair = Object::spheres("chair", rods().0.iter().flat_map(shown).collect(), 1);
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 8.0, Vec3::NEG_Z * 8.0);
     Scene {
-        camera: Camera { eye: Vec3::new(1.6, 1.8, 3.4), target: Vec3::Y * 0.6, up: Vec3::Y, vertical_fov: 0.7 },
+        camera: Camera {
+            eye: Vec3::new(1.6, 1.8, 3.4),
+            target: Vec3::Y * 0.6,
+            up: Vec3::Y,
+            projection: Projection::perspective(0.7),
+        },
         width,
         height,
         materials: MATERIALS.map(|material| Material::Custom(Arc::new(material))).into(),

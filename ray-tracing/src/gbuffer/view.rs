@@ -3,7 +3,7 @@
 use super::edges::Marks;
 use super::{GBuffer, TILE};
 use crate::World;
-use crate::world::{NOTHING, RayHits, RayPacket, Rays, SIDE, varied};
+use crate::world::{Bundle, NOTHING, RayHits, RayPacket, Rays, SIDE, varied};
 use brdf::Material;
 use core::ops::Range;
 use glam::{Vec2, Vec3};
@@ -139,7 +139,7 @@ impl<'w> View<'w> {
         assert!(pixels <= 1 << 32, "too many pixels");
         Self {
             world,
-            rays: Rays::new(&world.scene().camera, width, height),
+            rays: world.rays(width, height),
             offsets: sub_pixels(samples),
             across: columns.start / TILE..columns.end.div_ceil(TILE).max(columns.start / TILE),
             down: rows.start / TILE..rows.end.div_ceil(TILE).max(rows.start / TILE),
@@ -314,10 +314,10 @@ impl<'w> View<'w> {
                             continue;
                         }
                         let (place, l) = (Vec2::new(x as f32 + offset.x, y as f32 + offset.y), met.count);
-                        let d = self.rays.direction(place.x, place.y);
+                        let (o, d) = (self.rays.start(place.x, place.y), self.rays.direction(place.x, place.y));
                         met.hits.found[l] = number;
                         for k in 0..3 {
-                            met.hits.directions[k][l] = d[k];
+                            (met.hits.starts[k][l], met.hits.directions[k][l]) = (o[k], d[k]);
                         }
                         met.places[l] = place;
                         met.pixels[l] = (y - self.rows.start) * width + (x - self.columns.start);
@@ -340,12 +340,13 @@ impl<'w> View<'w> {
     fn write<'o>(&self, met: &mut Met, own: &mut Vec<Material>, out: Part<'o>) -> Part<'o> {
         let count = core::mem::take(&mut met.count);
         let (now, rest) = out.split(count);
-        self.world.surfaces(self.rays.level, self.rays.eye, &met.hits, now.receivers);
+        let are_parallel = self.rays.bundle == Bundle::Parallel;
+        self.world.surfaces(self.rays.level, are_parallel, &met.hits, now.receivers);
         now.pixels.copy_from_slice(&met.pixels[..count]);
         let objects = &self.world.scene().objects;
         for ((at, material), depth) in now.receivers.iter().zip(&mut *now.materials).zip(now.depths) {
             *material = objects[at.object as usize].material as u32;
-            *depth = (at.position - self.rays.eye).dot(self.rays.forward);
+            *depth = self.rays.depth(at.position);
         }
         // Before normal maps turn them.
         let smooth = self.has_smooth_terminators.then(|| -> [Vec3; SIDE] {
@@ -357,8 +358,7 @@ impl<'w> View<'w> {
                 if !varied[at.object as usize] {
                     continue;
                 }
-                let appearance =
-                    self.world.appearance(self.rays.eye, met.hits.found[l], self.beside(met.places[l]), at);
+                let appearance = self.world.appearance(met.hits.found[l], self.sides(met.places[l], at), at);
                 if let Some(material) = appearance.material {
                     now.materials[l] = (self.world.scene().materials.len() + own.len()) as u32;
                     own.push(material);
@@ -378,10 +378,10 @@ impl<'w> View<'w> {
         rest
     }
 
-    /// The rays through the ends of the two sides of a ray's part of the pixel, or of all of it where rays may share a point.
-    fn beside(&self, place: Vec2) -> [Vec3; 2] {
+    /// The two sides, at a point, of its ray's part of the pixel, or of all of it where rays may share a point.
+    fn sides(&self, place: Vec2, at: &Receiver) -> [Vec3; 2] {
         let side = if self.marks.is_some() { 1.0 } else { 1.0 / (self.offsets.len() as f32).sqrt() };
-        [self.rays.direction(place.x + side, place.y), self.rays.direction(place.x, place.y + side)]
+        [self.rays.side(place.x + side, place.y, at), self.rays.side(place.x, place.y + side, at)]
     }
 }
 

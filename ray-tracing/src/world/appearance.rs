@@ -78,13 +78,13 @@ struct Patch<'a> {
 }
 
 impl World<'_> {
-    /// The look of a point that a ray from the eye has `found`; turns the normal as the normal map says.
-    /// `beside` are the directions of rays through the ends of the sides of the pixel's part that the ray stands for.
-    pub(crate) fn appearance(&self, eye: Vec3, found: u32, beside: [Vec3; 2], at: &mut Receiver) -> Appearance {
+    /// The look of a point that a ray of the camera has `found`; turns the normal as the normal map says.
+    /// `sides` are those of the pixel's part that the ray stands for, on the surface.
+    pub(crate) fn appearance(&self, found: u32, sides: [Vec3; 2], at: &mut Receiver) -> Appearance {
         let object = &self.scene.objects[at.object as usize];
         let plain = Surface::default();
         let surface = self.scene.surface(object.material).unwrap_or(&plain);
-        let patch = self.patch(eye, found, beside, at);
+        let patch = self.patch(found, sides, at);
         // Most textures use the first set of coordinates.
         let first = if surface.has_textures() { patch.place(0) } else { TexturePlace::default() };
         let place = |set: usize| if set == 0 { first } else { patch.place(set) };
@@ -120,8 +120,7 @@ impl World<'_> {
         Appearance { material, emission }
     }
 
-    fn patch(&self, eye: Vec3, found: u32, beside: [Vec3; 2], at: &Receiver) -> Patch<'_> {
-        let sides = beside.map(|direction| side(eye, at, direction));
+    fn patch(&self, found: u32, sides: [Vec3; 2], at: &Receiver) -> Patch<'_> {
         if found & SPHERE != 0 {
             let ball = self.hierarchy.spheres.primitives[(found & !SPHERE) as usize].sphere;
             let (weights, gradients) = on_sphere(ball, at.position);
@@ -208,15 +207,6 @@ impl Patch<'_> {
         let value = |i: usize| of_vertices[self.vertices[i] as usize];
         (!of_vertices.is_empty()).then(|| value(0) * (1.0 - s - t) + value(1) * s + value(2) * t)
     }
-}
-
-/// From a point to where another ray meets its plane: not farther than the point is from the eye, four times.
-fn side(eye: Vec3, at: &Receiver, direction: Vec3) -> Vec3 {
-    let to = at.position - eye;
-    let distance = to.length();
-    let along = at.face.dot(to) / at.face.dot(direction);
-    let along = if along > 0.0 { along.min(4.0 * distance) } else { 4.0 * distance };
-    direction * along - to
 }
 
 /// Longitude in turns and, from the upper pole down, latitude in half turns, with their gradients.

@@ -11,7 +11,7 @@ use lobe_core::Sphere;
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::triangle::Triangle;
-use scene::{Duplicates, Scene, Shape};
+use scene::{Bounds, Duplicates, Scene, Shape};
 
 /// The triangles and the exact spheres of a scene in two hierarchies, kept from frame to frame.
 ///
@@ -63,6 +63,12 @@ impl Hierarchy {
         let tangents = appearance::tangents(scene);
         let (triangles, spheres) = (triangle_tree(&triangles, scale), sphere_tree(&spheres, scale));
         Self { triangles, spheres, instances: InstanceTree::new(scene), tangents, revision: new_revision() }
+    }
+
+    /// A box around everything.
+    pub(super) fn bounds(&self) -> Bounds {
+        let all = [self.triangles.bounds(), self.spheres.bounds(), self.instances.top().bounds()];
+        all.into_iter().fold(Bounds::EMPTY, Bounds::union)
     }
 
     /// Follows the scene: objects may have moved, come or gone. Boxes are refitted where primitives have moved, and a hierarchy is

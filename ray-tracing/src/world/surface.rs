@@ -11,11 +11,12 @@ use scene::Shape;
 
 type DVec3x8 = [[f64; SIDE]; 3];
 
-/// Eight rays from the eye that have met something.
+/// Eight rays of a camera that have met something.
 #[derive(Debug, Default)]
 pub(crate) struct RayHits {
     /// The primitive that each has met, or [`NOTHING`].
     pub(crate) found: [u32; SIDE],
+    pub(crate) starts: [Row; 3],
     pub(crate) directions: [Row; 3],
 }
 
@@ -51,12 +52,12 @@ fn normalize_or_zero(v: &mut DVec3x8, l: usize) {
 impl World<'_> {
     /// Writes the receivers for as many of the eight rays as `out` is long, as near to the surface as an f32 point can be: in
     /// f64 from barycentric coordinates or on the sphere, then rounded. Normals are on the rays' side.
-    pub(crate) fn surfaces(&self, level: Level, eye: Vec3, rays: &RayHits, out: &mut [Receiver]) {
-        dispatch!(level, _simd => self.surfaces_simd(eye, rays, out));
+    pub(crate) fn surfaces(&self, level: Level, are_parallel: bool, rays: &RayHits, out: &mut [Receiver]) {
+        dispatch!(level, _simd => self.surfaces_simd(are_parallel, rays, out));
     }
 
     #[inline(always)]
-    fn surfaces_simd(&self, eye: Vec3, rays: &RayHits, out: &mut [Receiver]) {
+    fn surfaces_simd(&self, are_parallel: bool, rays: &RayHits, out: &mut [Receiver]) {
         let mut corner: [DVec3x8; 3] = Default::default();
         let mut normals: [DVec3x8; 3] = Default::default();
         let mut smooth = [false; SIDE];
@@ -93,7 +94,6 @@ impl World<'_> {
             }
         }
         let (mut position, mut normal, mut face) = ([[0.0f32; SIDE]; 3], [[0.0f32; SIDE]; 3], [[0.0f32; SIDE]; 3]);
-        let o = eye.as_dvec3().to_array();
         let (mut d, mut e1, mut e2, mut s): (DVec3x8, DVec3x8, DVec3x8, DVec3x8) = Default::default();
         let (mut n, mut p): (DVec3x8, DVec3x8) = Default::default();
         let mut shading = DVec3x8::default();
@@ -102,7 +102,7 @@ impl World<'_> {
                 d[k][l] = f64::from(rays.directions[k][l]);
                 e1[k][l] = corner[1][k][l] - corner[0][k][l];
                 e2[k][l] = corner[2][k][l] - corner[0][k][l];
-                s[k][l] = o[k] - corner[0][k][l];
+                s[k][l] = f64::from(rays.starts[k][l]) - corner[0][k][l];
             }
             set(&mut p, l, cross(&d, &e2, l));
             let inverse = 1.0 / dot(&e1, &p, l);
@@ -137,17 +137,19 @@ impl World<'_> {
         let at = |v: &[Row; 3], l: usize| Vec3::new(v[0][l], v[1][l], v[2][l]);
         for (l, out) in out.iter_mut().enumerate() {
             let number = rays.found[l];
-            let direction = at(&rays.directions, l);
+            let (start, direction) = (at(&rays.starts, l), at(&rays.directions, l));
             let (mut position, mut normal, mut face) = (at(&position, l), at(&normal, l), at(&face, l));
             let mut object = objects[l];
             if number & SPHERE != 0 && number != NOTHING {
                 let sphere = &self.hierarchy.spheres.primitives[(number & !SPHERE) as usize];
-                let t = sphere.intersect(&Ray::new_inf(eye.into(), direction.into()));
-                (position, normal) = sphere.surface(eye, direction, t);
+                let t = sphere.intersect(&Ray::new_inf(start.into(), direction.into()));
+                (position, normal) = sphere.surface(start, direction, t);
                 (face, object) = (normal, sphere.object);
             }
-            // The view is from the rounded position, not the ray's, so that it is consistent with shading.
-            let view = (eye - position).try_normalize().unwrap_or(-direction);
+            // The view is from the rounded position, not the ray's, so that it is consistent with shading; all views are alike where
+            // rays are parallel.
+            let toward = if are_parallel { None } else { (start - position).try_normalize() };
+            let view = toward.unwrap_or(-direction);
             *out = Receiver { position, normal, face, view, object };
         }
     }

@@ -2,12 +2,13 @@
 
 use super::Update;
 use super::primitive::Named;
-use glam::Vec3A;
+use glam::{Vec3, Vec3A};
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::node::CwBvhNode;
 use obvhs::ray::Ray;
+use scene::Bounds;
 
 /// The power of two that brings coordinates up to `size` to about a million.
 pub(crate) fn hierarchy_scale(size: f32) -> f32 {
@@ -43,6 +44,14 @@ impl<T: Copy + Boundable> Tree<T> {
         let mut tree = Self { bvh: Some(bvh), primitives, scale, built_area: 0.0 };
         tree.built_area = tree.fit();
         tree
+    }
+
+    /// A box around all primitives.
+    pub(super) fn bounds(&self) -> Bounds {
+        self.bvh.as_ref().map_or(Bounds::EMPTY, |bvh| {
+            let [min, max] = [bvh.total_aabb.min, bvh.total_aabb.max].map(|corner| Vec3::from(corner) / self.scale);
+            Bounds { min, max }
+        })
     }
 
     /// Follows primitives that have moved. `None` where these are others or a new hierarchy would be much better: then build it.

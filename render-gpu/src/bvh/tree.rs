@@ -77,6 +77,11 @@ impl Tree {
         Ok(tree)
     }
 
+    /// The corners of a box around all primitives.
+    pub(super) fn bounds(&self) -> [Vec3; 2] {
+        [self.nodes[ROOT].low, self.nodes[ROOT].high].map(Vec3::from)
+    }
+
     /// The same hierarchy around primitives that have moved. `None` if the primitives are others, or if a new hierarchy would be
     /// much better.
     pub(super) fn refitted(mut self, primitives: &[GpuPrimitive], names: &[u32]) -> Option<Self> {

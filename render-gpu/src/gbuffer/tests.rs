@@ -47,7 +47,7 @@ fn a_workgroup_is_a_tile() {
 fn places_are_pixels() {
     for (columns, rows) in [(0..20, 0..9), (5..19, 3..17), (8..16, 8..16)] {
         let camera = scene::builtin().camera;
-        let view = GpuView::new(&camera, [20, 17], &columns, &rows, 1.0);
+        let view = GpuView::new(&camera, [20, 17], [&columns, &rows], &scene::Bounds::EMPTY, 1.0);
         let [across, down] = view.tiles();
         let tile = |place: u32| place / (TILE * TILE);
         let pixels: Vec<_> = (0..across * down * TILE * TILE)

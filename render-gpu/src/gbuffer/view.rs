@@ -2,10 +2,14 @@
 
 use bytemuck::{Pod, Zeroable};
 use core::ops::Range;
-use scene::Camera;
+use scene::{Bounds, Camera, Projection};
 
 /// Side in pixels of the tiles in whose order points lie: [`GpuPoints::pixel`](crate::GpuPoints::pixel).
 pub const TILE: u32 = 8;
+
+/// Kinds of rays that differ by their starts, and by longitude and latitude, as trace.wgsl knows them.
+pub(crate) const PARALLEL: u32 = 1;
+pub(crate) const PANORAMIC: u32 = 2;
 
 /// `View` of trace.wgsl: the rays of a camera, and a window of its image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -21,34 +25,64 @@ pub(crate) struct GpuView {
     top: u32,
     columns: [u32; 2],
     rows: [u32; 2],
+    turns: [f32; 2],
+    bundle: u32,
+    padding: u32,
 }
 
 impl GpuView {
-    /// Rays as in `render_cpu`. Lengths are in units of the hierarchy: `scale` of them are one world unit.
+    /// Rays as in `render_cpu`; `bounds` are around all that they may meet. Lengths are in units of the hierarchy: `scale` of them are one
+    /// world unit.
     pub(super) fn new(
         camera: &Camera,
         [width, height]: [u32; 2],
-        columns: &Range<u32>,
-        rows: &Range<u32>,
+        [columns, rows]: [&Range<u32>; 2],
+        bounds: &Bounds,
         scale: f32,
     ) -> Self {
-        let forward = (camera.target - camera.eye).normalize();
-        let right = forward.cross(camera.up).normalize();
-        let up = right.cross(forward);
-        let half = (0.5 * camera.vertical_fov).tan();
+        let [right, up, forward] = camera.axes();
         let (w, h) = (width as f32, height as f32);
         let first = |range: &Range<u32>| range.start / TILE * TILE;
-        Self {
+        let view = Self {
             eye: (camera.eye * scale).into(),
             unit: 1.0 / scale,
-            corner: (forward - right * (w / h * half) + up * half).into(),
             across: (columns.end - first(columns)).div_ceil(TILE),
-            right: (right * (2.0 * half / h)).into(),
             left: first(columns),
-            down: (up * (-2.0 * half / h)).into(),
             top: first(rows),
             columns: [columns.start, columns.end],
             rows: [rows.start, rows.end],
+            ..Self::default()
+        };
+        match camera.projection {
+            Projection::Perspective { vertical_fov } => {
+                let half = (0.5 * vertical_fov).tan();
+                Self {
+                    corner: (forward - right * (w / h * half) + up * half).into(),
+                    right: (right * (2.0 * half / h)).into(),
+                    down: (up * (-2.0 * half / h)).into(),
+                    ..view
+                }
+            }
+            Projection::Orthographic { height: units } => {
+                let half = 0.5 * units;
+                let corner = camera.eye_before(bounds) - right * (w / h * half) + up * half;
+                Self {
+                    eye: (corner * scale).into(),
+                    corner: forward.into(),
+                    right: (right * (units / h * scale)).into(),
+                    down: (up * (-units / h * scale)).into(),
+                    bundle: PARALLEL,
+                    ..view
+                }
+            }
+            Projection::Panoramic => Self {
+                corner: forward.into(),
+                right: right.into(),
+                down: (-up).into(),
+                turns: [4.0 / w, 2.0 / h],
+                bundle: PANORAMIC,
+                ..view
+            },
         }
     }
 
@@ -73,7 +107,7 @@ impl GpuView {
     }
 
     #[cfg(test)]
-    pub(super) const OFFSETS: [usize; 10] = {
+    pub(super) const OFFSETS: [usize; 12] = {
         use core::mem::offset_of;
         [
             offset_of!(Self, eye),
@@ -86,6 +120,8 @@ impl GpuView {
             offset_of!(Self, top),
             offset_of!(Self, columns),
             offset_of!(Self, rows),
+            offset_of!(Self, turns),
+            offset_of!(Self, bundle),
         ]
     };
 }

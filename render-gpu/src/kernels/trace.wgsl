@@ -2,10 +2,12 @@
 
 // The same struct as `gbuffer::GpuView`. Lengths are in the hierarchy's units.
 struct View {
+    // Of parallel rays the start of the one through the image's corner.
     eye: vec3f,
     // World units per unit of the hierarchy.
     unit: f32,
-    // Direction through the image's corner, and its change per pixel to the right and down.
+    // Direction through the image's corner, and its change per pixel to the right and down. Parallel rays have this direction, and their
+    // starts change. In a panorama three unit vectors: forward, to the right and down.
     corner: vec3f,
     // Tiles in a row of the window.
     across: u32,
@@ -17,6 +19,10 @@ struct View {
     // First column and row, and the ones after the last.
     columns: vec2u,
     rows: vec2u,
+    // Quarter turns per pixel of a panorama to the right and down.
+    turns: vec2f,
+    // 0, PARALLEL or PANORAMIC.
+    bundle: u32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -39,14 +45,44 @@ fn trace(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) la
     let end = vec2u(view.columns.y, view.rows.y);
     if all(pixel >= first) && all(pixel < end) {
         let at = vec2f(pixel) + 0.5;
-        let toward = view.corner + view.right * at.x + view.down * at.y;
+        var origin = view.eye;
+        var toward = view.corner;
+        if view.bundle == PARALLEL {
+            origin += view.right * at.x + view.down * at.y;
+        } else if view.bundle == PANORAMIC {
+            toward = around(at);
+        } else {
+            toward += view.right * at.x + view.down * at.y;
+        }
         let direction = toward * (1.0 / sqrt(dot(toward, toward)));
-        let found = nearest(view.eye, direction);
+        let found = nearest(origin, direction);
         if found != NOTHING {
-            out = surface(found, direction);
+            out = surface(found, origin, direction);
         }
     }
     points[(tile.y * view.across + tile.x) * 64u + lane] = out;
+}
+
+// The direction through a point of a panorama: longitude by column, latitude by row.
+fn around(at: vec2f) -> vec3f {
+    let longitude = quarter_turns(at.x * view.turns.x - 2.0);
+    let latitude = quarter_turns(at.y * view.turns.y - 1.0);
+    return (view.corner * longitude.y + view.right * longitude.x) * latitude.y + view.down * latitude.x;
+}
+
+// Sine and cosine of so many quarter turns. Those of WGSL may be off by 5e-4.
+fn quarter_turns(x: f32) -> vec2f {
+    let whole = round(x);
+    let angle = (x - whole) * FRAC_PI_2;
+    let sine = sin_of_octant(angle);
+    let half = sin_of_octant(0.5 * angle);
+    let cosine = 1.0 - 2.0 * half * half;
+    switch u32(i32(whole) & 3) {
+        case 0u: { return vec2f(sine, cosine); }
+        case 1u: { return vec2f(cosine, -sine); }
+        case 2u: { return vec2f(-sine, -cosine); }
+        default: { return vec2f(-cosine, sine); }
+    }
 }
 
 // The nearest visible primitive on a ray, or NOTHING.
@@ -107,14 +143,14 @@ fn meet(number: u32, origin: vec3f, direction: vec3f) -> f32 {
 
 // The receiver at which a ray meets a primitive. The position is computed from the primitive, not along the ray, and then moved
 // onto the surface: only its own rounding is left.
-fn surface(number: u32, direction: vec3f) -> Receiver {
+fn surface(number: u32, origin: vec3f, direction: vec3f) -> Receiver {
     let p = primitives[number];
     var out: Receiver;
     out.object = p.object & OBJECT;
     out.material = p.material;
     var position: vec3f;
     if (p.object & SPHERE) != 0u {
-        let to = p.a - view.eye;
+        let to = p.a - origin;
         let along = dot(to, direction);
         let aside = to - direction * along;
         let half = sqrt(max(p.b.x * p.b.x - dot(aside, aside), 0.0));
@@ -125,7 +161,7 @@ fn surface(number: u32, direction: vec3f) -> Receiver {
         out.normal = select(outward, -outward, dot(outward, direction) > 0.0);
         out.face = out.normal;
     } else {
-        let s = view.eye - p.a;
+        let s = origin - p.a;
         let e1 = p.b - p.a;
         let e2 = p.c - p.a;
         let across = cross(direction, e2);
@@ -150,7 +186,7 @@ fn surface(number: u32, direction: vec3f) -> Receiver {
         }
     }
     out.position = position * view.unit;
-    out.view = unit_or(view.eye - position, -direction);
+    out.view = select(unit_or(origin - position, -direction), -direction, view.bundle == PARALLEL);
     return out;
 }
 

@@ -9,7 +9,7 @@ use lighting::{Light, SphereLight};
 use lobe_core::{Receiver, Sphere};
 use render_cpu::{CpuShader, GBuffer, World};
 use render_gpu::{Gpu, GpuGBuffer, GpuShader, Occlusion};
-use scene::{Camera, Mesh, Object, Proxy, Scene, Shade, Shape};
+use scene::{Camera, Mesh, Object, Projection, Proxy, Scene, Shade, Shape};
 use test_scenes::globe;
 use visibility_mask::{LookAgain, MaskVisibility};
 
@@ -19,6 +19,8 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("points_of_many_triangles", gpu, |gpu| same(gpu, &globes(), 160, 90)),
         trial("points_of_one_pixel", gpu, |gpu| same(gpu, &plain(), 1, 1)),
         trial("points_of_windows", gpu, windows),
+        trial("points_of_parallel_rays", gpu, parallel),
+        trial("points_of_panoramas", gpu, panoramic),
         trial("points_are_shaded_where_they_are", gpu, shaded),
         trial("pictures_are_recorded_for_a_caller", gpu, recorded),
         trial("points_of_nothing", gpu, nothing),
@@ -41,7 +43,12 @@ fn globes() -> Scene {
         Object { visible: false, ..Object::mesh("veil", globe(9, Vec3::Z * 4.0, 0.5, false), 2, Proxy::Count(1)) },
         Object::spheres("row", (0..30).map(|i| sphere(0.3 * i as f32 - 4.5, 0.12)).collect(), 3),
     ];
-    scene.camera = Camera { eye: Vec3::new(0.4, 1.8, 6.5), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 };
+    scene.camera = Camera {
+        eye: Vec3::new(0.4, 1.8, 6.5),
+        target: Vec3::ZERO,
+        up: Vec3::Y,
+        projection: Projection::perspective(0.6),
+    };
     scene
 }
 
@@ -60,7 +67,7 @@ pub(crate) fn large_floor(half: f32) -> Scene {
     let sphere = Sphere { center: turn.transform_point3(Vec3::new(-3.0, 3.4, 1.5)), radius: 0.5 };
     scene.lights = vec![SphereLight::new(sphere, Vec3::splat(90.0)).into()];
     let [eye, target, up] = [Vec3::new(1.0, 1.4, 2.6), Vec3::Y * 0.1, Vec3::Y].map(|v| turn.transform_point3(v));
-    scene.camera = Camera { eye, target, up, vertical_fov: 0.6 };
+    scene.camera = Camera { eye, target, up, projection: Projection::perspective(0.6) };
     scene
 }
 
@@ -163,6 +170,30 @@ fn same(gpu: &Gpu, scene: &Scene, width: u32, height: u32) {
     assert!(found.points > (width * height / 3) as usize, "{found:?}");
     // A few roundings of coordinates as large as the scene.
     assert!(found.off_plane < 3e-7, "{found:?}");
+}
+
+/// From near and far, from between the objects, and of a large floor whose corners are far from the picture.
+fn parallel(gpu: &Gpu) {
+    let (mut scene, eye) = (globes(), Vec3::new(0.4, 1.8, 6.5));
+    for (eye, height) in [(eye, 4.0), (eye * 1000.0, 4.0), (Vec3::new(0.1, 0.4, 0.2), 2.0)] {
+        scene.camera = Camera { eye, projection: Projection::Orthographic { height }, ..scene.camera };
+        same(gpu, &scene, 160, 90);
+    }
+    let mut scene = large_floor(1000.0);
+    scene.camera.projection = Projection::Orthographic { height: 3.0 };
+    let found = check(&mut GpuGBuffer::new(gpu, &scene).expect("geometry"), &scene, 64, 48);
+    assert!(found.points > 2000);
+}
+
+fn panoramic(gpu: &Gpu) {
+    let mut scene = globes();
+    for eye in [Vec3::new(0.4, 0.8, 3.0), Vec3::new(0.1, 0.4, 0.2)] {
+        scene.camera = Camera { eye, projection: Projection::Panoramic, ..scene.camera };
+        for (width, height) in [(160, 80), (17, 9)] {
+            let found = check(&mut GpuGBuffer::new(gpu, &scene).expect("geometry"), &scene, width, height);
+            assert!(found.points > (width * height / 4) as usize, "{found:?}");
+        }
+    }
 }
 
 /// The same points in windows that cut tiles, in `GBuffer`'s order.
@@ -278,7 +309,8 @@ fn nothing(gpu: &Gpu) {
 fn from_inside(gpu: &Gpu) {
     let mut scene = globes();
     for eye in [Vec3::new(-1.0, 0.3, 0.2), Vec3::new(1.2, 0.5, 0.4), sphere(0.0, 0.12).center + 0.01] {
-        scene.camera = Camera { eye, target: Vec3::new(0.3, 0.1, 3.0), up: Vec3::Y, vertical_fov: 2.2 };
+        scene.camera =
+            Camera { eye, target: Vec3::new(0.3, 0.1, 3.0), up: Vec3::Y, projection: Projection::perspective(2.2) };
         let found = check(&mut GpuGBuffer::new(gpu, &scene).expect("geometry"), &scene, 100, 60);
         assert_eq!(found.points, 6000);
     }
@@ -322,7 +354,12 @@ fn motion(gpu: &Gpu) {
 /// No ray enters a closed surface of triangles smaller than pixels, nor passes a grid whose edges are at the rays.
 fn no_cracks(gpu: &Gpu) {
     let mut scene = plain();
-    scene.camera = Camera { eye: Vec3::new(0.3, 0.8, 4.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.45 };
+    scene.camera = Camera {
+        eye: Vec3::new(0.3, 0.8, 4.0),
+        target: Vec3::ZERO,
+        up: Vec3::Y,
+        projection: Projection::perspective(0.45),
+    };
     scene.objects = vec![Object::mesh("globe", globe(250, Vec3::ZERO, 1.0, false), 0, Proxy::None)];
     let mut ours = GpuGBuffer::new(gpu, &scene).expect("geometry");
     let (points, _) = ours.read(&scene.camera, 400, 400, 0..400, 0..400).expect("points");
@@ -336,7 +373,8 @@ fn no_cracks(gpu: &Gpu) {
     let triangles = quads.flat_map(|i| [[i, i + 1, i + n + 2], [i, i + n + 2, i + n + 1]]).collect();
     let grid = Mesh { positions, triangles, ..Mesh::default() };
     scene.objects = vec![Object::mesh("grid", grid, 0, Proxy::None)];
-    scene.camera = Camera { eye: Vec3::Z * 4.0, target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.4 };
+    scene.camera =
+        Camera { eye: Vec3::Z * 4.0, target: Vec3::ZERO, up: Vec3::Y, projection: Projection::perspective(0.4) };
     ours.update(&scene).expect("geometry");
     for size in [255, 256] {
         let (_, pixels) = ours.read(&scene.camera, size, size, 0..size, 0..size).expect("points");

@@ -16,7 +16,7 @@ use ray_tracing::{GBuffer, World};
 use reference::{Geometry, Reference, ReferenceJob};
 use render_cpu::{CpuShader, blockers};
 use render_gpu::{Gpu, GpuGBuffer, GpuShader, GpuWorld, Occlusion, ShadowCasting};
-use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
+use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Projection, Proxy, Scene, Shade, ShadingPoints, Shape};
 use shading::{Accuracy, Coverage, LightLobes, Unshadowed};
 use test_scenes::globe;
 use visibility_mask::{LookAgain, MaskVisibility, Mixture, facet_coverage};
@@ -58,7 +58,12 @@ pub(crate) fn fence() -> Scene {
     let light = Sphere { center, radius: 4.0 * 6.0_f32.to_radians().sin() };
     let eye = Vec3::new(1.0, 1.4, 2.6);
     Scene {
-        camera: Camera { eye, target: Vec3::new(0.1, 0.2, -0.2), up: Vec3::Y, vertical_fov: 0.6 },
+        camera: Camera {
+            eye,
+            target: Vec3::new(0.1, 0.2, -0.2),
+            up: Vec3::Y,
+            projection: Projection::perspective(0.6),
+        },
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::mesh("fence", mesh, 0, Proxy::Count(64))],
         lights: vec![SphereLight::new(light, Vec3::splat(90.0)).into()],
@@ -244,7 +249,7 @@ fn at_terminators(gpu: &Gpu) {
     let mut scene = large_floor(80.0);
     scene.objects.push(Object::mesh("globe", globe(14, Vec3::Y * 0.3, 0.5, true), 0, Proxy::Count(8)));
     scene.lights[0].as_sphere_mut().expect("a sphere").sphere.radius = 1.2;
-    scene.camera.vertical_fov = 0.4;
+    scene.camera.projection = Projection::perspective(0.4);
     let world = World::new(&scene);
     let points = GBuffer::new(&world, 64, 48, 1).points;
     let cut = points.receivers.iter().filter(|at| {

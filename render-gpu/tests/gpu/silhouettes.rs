@@ -104,7 +104,7 @@ fn at_terminators(gpu: &Gpu) {
     let mut scene = large_floor(80.0);
     scene.objects.push(Object::mesh("globe", globe(14, Vec3::Y * 0.3, 0.5, true), 0, Proxy::None));
     scene.lights[0].as_sphere_mut().expect("a sphere").sphere.radius = 1.2;
-    scene.camera.vertical_fov = 0.4;
+    scene.camera.projection = scene::Projection::perspective(0.4);
     compare(gpu, "terminators", &scene, [64, 48]);
 }
 

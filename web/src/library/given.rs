@@ -6,7 +6,7 @@ use glam::{Mat4, UVec2, Vec2, Vec3};
 use lighting::{Environment, EnvironmentMap};
 use lobe_core::Sphere;
 use renderer::{Method, PixelSamples, Settings};
-use scene::{Bounds, Camera, Mesh, Object, Proxy, Strategy};
+use scene::{Bounds, Camera, Mesh, Object, Projection, Proxy, Strategy};
 use serde::{Deserialize, Serialize};
 use shading::Accuracy;
 use std::sync::Arc;
@@ -14,24 +14,47 @@ use std::sync::Arc;
 /// Camera rays of a pixel that an outline crosses, where settings name no number.
 const EDGE_SAMPLES: u32 = 8;
 
-/// A camera; its field of view is the full vertical one, in degrees.
+/// A camera; its field of view is the full vertical one, in degrees. Perspective cameras have one, and orthographic ones a height.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 pub(crate) struct CameraGiven {
     eye: Vec3,
     target: Vec3,
     up: Vec3,
-    fov: f32,
+    projection: ProjectionGiven,
+    fov: Option<f32>,
+    height: Option<f32>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "camelCase")]
+enum ProjectionGiven {
+    Perspective,
+    Orthographic,
+    Panoramic,
 }
 
 impl From<CameraGiven> for Camera {
-    fn from(CameraGiven { eye, target, up, fov }: CameraGiven) -> Self {
-        Self { eye, target, up, vertical_fov: fov.to_radians() }
+    fn from(CameraGiven { eye, target, up, projection, fov, height }: CameraGiven) -> Self {
+        // One without its number is refused as one of NaN.
+        let projection = match projection {
+            ProjectionGiven::Perspective => Projection::perspective(fov.unwrap_or(f32::NAN).to_radians()),
+            ProjectionGiven::Orthographic => Projection::Orthographic { height: height.unwrap_or(f32::NAN) },
+            ProjectionGiven::Panoramic => Projection::Panoramic,
+        };
+        Self { eye, target, up, projection }
     }
 }
 
 impl From<Camera> for CameraGiven {
-    fn from(Camera { eye, target, up, vertical_fov }: Camera) -> Self {
-        Self { eye, target, up, fov: vertical_fov.to_degrees() }
+    fn from(Camera { eye, target, up, projection }: Camera) -> Self {
+        let (projection, fov, height) = match projection {
+            Projection::Perspective { vertical_fov } => {
+                (ProjectionGiven::Perspective, Some(vertical_fov.to_degrees()), None)
+            }
+            Projection::Orthographic { height } => (ProjectionGiven::Orthographic, None, Some(height)),
+            Projection::Panoramic => (ProjectionGiven::Panoramic, None, None),
+        };
+        Self { eye, target, up, projection, fov, height }
     }
 }
 
