@@ -45,7 +45,6 @@ mod page {
 }
 
 /// Seconds since any moment.
-#[cfg(not(feature = "gpu"))]
 pub(crate) fn clock() -> f64 {
     page::now()
 }
@@ -54,7 +53,7 @@ pub(crate) fn clock() -> f64 {
 pub(crate) fn hear_panics() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        scene::set_clock(|| page::now());
+        scene::set_clock(clock);
         std::panic::set_hook(Box::new(|panic| page::complain(&panic.to_string())));
     });
 }
