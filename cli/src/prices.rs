@@ -153,7 +153,7 @@ impl ShaderTask for Shot<'_> {
     type Output = (f64, Vec<Vec3>);
 
     /// The quickest of three.
-    fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, RenderError> {
+    async fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, RenderError> {
         let mut radiance = vec![Vec3::ZERO; self.points.receivers.len()];
         let mut quickest = f64::INFINITY;
         for _ in 0..3 {

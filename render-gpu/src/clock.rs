@@ -74,7 +74,7 @@ impl Clock {
 
     /// Adds the seconds of a submission that is done. Culling and penumbrae count as masks, the classification of points as
     /// lighting.
-    pub(crate) fn read(&self, gpu: &Gpu, stages: &mut StageSeconds) -> Result<(), GpuError> {
+    pub(crate) async fn read(&self, gpu: &Gpu, stages: &mut StageSeconds) -> Result<(), GpuError> {
         let bytes = self.stages.len() as u64 * 16;
         if bytes == 0 {
             return Ok(());
@@ -89,5 +89,6 @@ impl Clock {
                 }
             }
         })
+        .await
     }
 }

@@ -60,7 +60,7 @@ impl GpuPoints<'_> {
     }
 
     /// Waits for the points and reads them back.
-    fn receivers(&self, gpu: &Gpu) -> Result<Vec<GpuReceiver>, GpuError> {
+    async fn receivers(&self, gpu: &Gpu) -> Result<Vec<GpuReceiver>, GpuError> {
         let bytes = u64::from(self.count) * size_of::<GpuReceiver>() as u64;
         if bytes == 0 {
             return Ok(Vec::new());
@@ -73,7 +73,7 @@ impl GpuPoints<'_> {
             gpu.queue().submit([encoder.finish()]);
         })?;
         let mut receivers = Vec::new();
-        gpu.read(staging, bytes, |view| receivers = bytemuck::pod_collect_to_vec(view))?;
+        gpu.read(staging, bytes, |view| receivers = bytemuck::pod_collect_to_vec(view)).await?;
         Ok(receivers)
     }
 }
@@ -189,7 +189,7 @@ impl GpuGBuffer {
     }
 
     /// As [`trace`](Self::trace), but waits for the points and reads them back, as `GBuffer` lists them: only places that have a
-    /// point, with the number of each one's pixel.
+    /// point, with the number of each one's pixel. Not for browsers: they have [`read_async`](Self::read_async).
     ///
     /// # Errors
     /// As [`trace`](Self::trace).
@@ -204,9 +204,27 @@ impl GpuGBuffer {
         columns: Range<u32>,
         rows: Range<u32>,
     ) -> Result<(ShadingPoints, Vec<u32>), GpuError> {
+        pollster::block_on(self.read_async(camera, width, height, columns, rows))
+    }
+
+    /// As [`read`](Self::read), but a browser does not wait: the points are there in a later turn.
+    ///
+    /// # Errors
+    /// As [`trace`](Self::trace).
+    ///
+    /// # Panics
+    /// As [`trace`](Self::trace).
+    pub async fn read_async(
+        &mut self,
+        camera: &Camera,
+        width: u32,
+        height: u32,
+        columns: Range<u32>,
+        rows: Range<u32>,
+    ) -> Result<(ShadingPoints, Vec<u32>), GpuError> {
         let gpu = self.world.gpu().clone();
         let points = self.trace(camera, width, height, columns, rows)?;
-        let receivers = points.receivers(&gpu)?;
+        let receivers = points.receivers(&gpu).await?;
         let (mut out, mut pixels) = (ShadingPoints::default(), Vec::new());
         for (place, at) in receivers.iter().enumerate() {
             let Some(pixel) = points.pixel(place as u32).filter(|_| at.material != NO_MATERIAL) else { continue };

@@ -1,8 +1,9 @@
 use crate::kernel::KernelCache;
+use crate::mail::Mail;
+use crate::scopes::Scopes;
 use crate::{GpuError, KernelLog};
 use shading::gpu::GpuPages;
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
 
 /// Storage buffers that a kernel may have on every adapter.
 const STORAGE_BUFFERS: u32 = 8;
@@ -11,8 +12,9 @@ const STORAGE_BUFFERS: u32 = 8;
 /// paper's tables, and on software devices the light's.
 const BESIDE_PAGES: u32 = 11;
 
-/// How long another thread that waits for the same device may take to pass on a result.
-const TELLING: Duration = Duration::from_secs(10);
+/// Features that are used where they are there. A browser's clock is too coarse for stages, and reading it takes another turn.
+const FEATURES: wgpu::Features =
+    if cfg!(target_arch = "wasm32") { wgpu::Features::empty() } else { wgpu::Features::TIMESTAMP_QUERY };
 
 /// Which adapter to use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,10 +38,11 @@ pub struct Gpu {
     lost: Arc<Mutex<Option<String>>>,
     kernels: KernelLog,
     compiled: KernelCache,
+    scopes: Scopes,
 }
 
 impl Gpu {
-    /// Opens the strongest adapter. The environment variable `WGPU_BACKEND` chooses the backend.
+    /// Opens the strongest adapter. The environment variable `WGPU_BACKEND` chooses the backend; in a browser it is WebGPU.
     ///
     /// # Errors
     /// [`GpuError::NoAdapter`], [`GpuError::NoDevice`].
@@ -54,7 +57,7 @@ impl Gpu {
         let adapter = adapter.map_err(|error| GpuError::NoAdapter { reason: error.to_string() })?;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("render-gpu"),
-            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            required_features: adapter.features() & FEATURES,
             // All that the adapter has: each frame's needs are checked against it.
             required_limits: adapter.limits(),
             ..Default::default()
@@ -73,7 +76,7 @@ impl Gpu {
         Ok(gpu)
     }
 
-    /// As [`new`](Self::new), but waits.
+    /// As [`new`](Self::new), but waits. Not for browsers, where nothing may wait.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -85,7 +88,14 @@ impl Gpu {
     /// caller keeps its own callbacks for a lost device.
     #[must_use]
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        Self { device, queue, lost: Arc::default(), kernels: KernelLog::default(), compiled: KernelCache::default() }
+        Self {
+            device,
+            queue,
+            lost: Arc::default(),
+            kernels: KernelLog::default(),
+            compiled: KernelCache::default(),
+            scopes: Scopes::default(),
+        }
     }
 
     /// The device.
@@ -112,6 +122,11 @@ impl Gpu {
         self.device.adapter_info().device_type == wgpu::DeviceType::Cpu
     }
 
+    /// Whether it may be Mesa's software driver, which needs kernels of a form of its own. A browser's software device is not.
+    pub(crate) fn is_mesa_software(&self) -> bool {
+        !cfg!(target_arch = "wasm32") && self.is_software()
+    }
+
     /// The kernels that were compiled for this device, and those that are being compiled.
     #[must_use]
     pub const fn kernels(&self) -> &KernelLog {
@@ -124,12 +139,13 @@ impl Gpu {
     }
 
     /// The most bytes that a buffer in [pages](shading::gpu::GpuContents::Pages), such as shadow maps, may have for kernels to
-    /// read it. Assumes that a kernel's other buffers are as many as they can be.
+    /// read it. Assumes that a kernel's other buffers are as many as they can be. A device with few buffers, as browsers have them, has
+    /// room for one page; a kernel that needs more buffers is refused.
     #[must_use]
     pub fn room_for_pages(&self) -> u64 {
         let limits = self.device.limits();
-        let pages = limits.max_storage_buffers_per_shader_stage.saturating_sub(BESIDE_PAGES);
-        GpuPages::room(pages, limits.max_storage_buffer_binding_size).min(limits.max_buffer_size)
+        GpuPages::room(pages(limits.max_storage_buffers_per_shader_stage), limits.max_storage_buffer_binding_size)
+            .min(limits.max_buffer_size)
     }
 
     /// Refuses a device that no kernel runs on.
@@ -142,20 +158,20 @@ impl Gpu {
         Ok(())
     }
 
-    /// Runs `work`, and returns the device's errors as a result.
+    /// Runs `work`, and returns the device's errors as a result. In a browser they come later: from the next call, or from
+    /// [`settle`](Self::settle).
     pub(crate) fn scoped<T>(&self, what: &'static str, work: impl FnOnce() -> T) -> Result<T, GpuError> {
-        use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
-        let scopes = [Validation, OutOfMemory, Internal].map(|filter| self.device.push_error_scope(filter));
-        let value = work();
-        // Innermost first.
-        let [validation, memory, internal] = scopes;
-        let internal = pollster::block_on(internal.pop());
-        let memory = pollster::block_on(memory.pop());
-        let validation = pollster::block_on(validation.pop());
-        match internal.or(memory).or(validation) {
-            None => Ok(value),
-            Some(error) => Err(self.explain(what, &error)),
-        }
+        self.scopes.run(&self.device, what, work).map_err(|(what, error)| self.explain(what, &error))
+    }
+
+    /// Waits until it is known whether all work so far was accepted. Natively each call has returned its own errors, and this one
+    /// returns at once. In a browser errors come in a later turn: who only submits awaits this now and then.
+    ///
+    /// # Errors
+    /// That of the first refused piece of work.
+    pub async fn settle(&self) -> Result<(), GpuError> {
+        self.scopes.settle().await.map_err(|(what, error)| self.explain(what, &error))?;
+        self.lost().map_or(Ok(()), |reason| Err(GpuError::Lost { reason }))
     }
 
     fn explain(&self, what: &'static str, error: &wgpu::Error) -> GpuError {
@@ -174,7 +190,7 @@ impl Gpu {
         }
     }
 
-    /// Waits until all submitted work is done.
+    /// Waits until all submitted work is done. In a browser, which polls devices itself, returns at once.
     pub(crate) fn wait(&self) -> Result<(), GpuError> {
         let lost = |error: wgpu::PollError| GpuError::Lost { reason: self.lost().unwrap_or(error.to_string()) };
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(lost)?;
@@ -186,27 +202,50 @@ impl Gpu {
         self.lost.lock().ok().and_then(|lost| lost.clone())
     }
 
-    /// Waits for the bytes that were copied to a read-back buffer.
-    pub(crate) fn read(&self, staging: &wgpu::Buffer, bytes: u64, take: impl FnOnce(&[u8])) -> Result<(), GpuError> {
+    /// Waits for the bytes that were copied to a read-back buffer. Natively the thread waits, and the future is ready at its first
+    /// poll; in a browser it is ready in a later turn.
+    pub(crate) async fn read(
+        &self,
+        staging: &wgpu::Buffer,
+        bytes: u64,
+        take: impl FnOnce(&[u8]),
+    ) -> Result<(), GpuError> {
         let lost = |reason: String| GpuError::Lost { reason: self.lost().unwrap_or(reason) };
-        let (sender, receiver) = std::sync::mpsc::channel();
+        let mail = Mail::default();
+        let sender = mail.clone();
         self.scoped("a read-back", || {
-            staging.slice(..bytes).map_async(wgpu::MapMode::Read, move |result| {
-                // The receiver is gone if waiting has failed.
-                let _ = sender.send(result);
-            });
+            staging.slice(..bytes).map_async(wgpu::MapMode::Read, move |result| sender.send(result));
         })?;
         self.wait()?;
-        // Another thread that waits for this device may be the one that passes on the result.
-        match receiver.recv_timeout(TELLING) {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(lost(error.to_string())),
-            Err(error) => return Err(lost(error.to_string())),
+        let mapped = mail.received().await;
+        // A refused command leaves old bytes.
+        self.settle().await?;
+        match mapped {
+            Some(Ok(())) => {}
+            Some(Err(error)) => return Err(lost(error.to_string())),
+            None => return Err(lost("the device does not answer".to_owned())),
         }
         let view = staging.slice(..bytes).get_mapped_range().map_err(|error| lost(error.to_string()))?;
         take(&view);
         drop(view);
         staging.unmap();
         Ok(())
+    }
+}
+
+/// The pages that a kernel may have on a device that allows so many storage buffers.
+const fn pages(buffers: u32) -> u32 {
+    let rest = buffers.saturating_sub(BESIDE_PAGES);
+    if rest == 0 { 1 } else { rest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn devices_with_few_buffers_have_a_page() {
+        // The least that there is, browsers, desktop drivers, Mesa.
+        assert_eq!([8, 10, 16, 32].map(pages), [1, 1, 5, 21]);
     }
 }

@@ -33,11 +33,13 @@ mod kernel;
 mod kernels;
 mod layout;
 mod log;
+mod mail;
 mod memory;
 mod module;
 mod occlusion;
 mod paper;
 mod pose;
+mod scopes;
 mod shader;
 mod texture_writer;
 #[cfg(test)]

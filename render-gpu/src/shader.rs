@@ -518,7 +518,8 @@ impl GpuShader {
         Ok(buffer)
     }
 
-    /// As [`Shade::shade`], but looks before each slice of points whether a stop is requested, and returns `None` then.
+    /// As [`Shade::shade`], but looks before each slice of points whether a stop is requested, and returns `None` then. Not for
+    /// browsers: they have [`shade_async`](Self::shade_async).
     ///
     /// # Errors
     /// [`GpuError`].
@@ -526,6 +527,24 @@ impl GpuShader {
     /// # Panics
     /// When `out` is not as long as the points.
     pub fn shade_until<M: GpuMaterials, L: GpuLight>(
+        &mut self,
+        points: &ShadingPoints,
+        frame: &Frame<'_, M, L>,
+        out: &mut [Vec3],
+        cancel: Option<&Cancel>,
+    ) -> Result<Option<ShadeStats>, GpuError> {
+        pollster::block_on(self.shade_async(points, frame, out, cancel))
+    }
+
+    /// As [`shade_until`](Self::shade_until), for programs that may not wait: in a browser the future is ready in a later turn.
+    /// Natively its first poll waits and makes it ready.
+    ///
+    /// # Errors
+    /// [`GpuError`].
+    ///
+    /// # Panics
+    /// When `out` is not as long as the points.
+    pub async fn shade_async<M: GpuMaterials, L: GpuLight>(
         &mut self,
         points: &ShadingPoints,
         frame: &Frame<'_, M, L>,
@@ -579,12 +598,13 @@ impl GpuShader {
                 let header = bytemuck::cast_slice(header);
                 *counts += kernels::counts(header);
                 cut = kernels::count(header, CUT);
-            })?;
+            })
+            .await?;
             if cut > 0 {
                 return Err(GpuError::LoopsCut { threads: cut });
             }
             if let Some(clock) = &self.clock {
-                clock.read(&gpu, &mut stats.stages)?;
+                clock.read(&gpu, &mut stats.stages).await?;
             }
         }
         stats.seconds = watch.seconds();

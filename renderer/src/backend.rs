@@ -37,7 +37,7 @@ pub enum Backend {
 const NOT_BUILT: &str = "this program was built without its GPU part (feature `gpu`)";
 
 impl Backend {
-    /// Opens a device.
+    /// Opens a device. Not for a browser's GPU, which no call can wait for: see [`on`](Self::on).
     ///
     /// # Errors
     /// [`RenderError`] if there is none.
@@ -45,14 +45,21 @@ impl Backend {
         match device {
             Device::Cpu => Ok(Self::Cpu),
             #[cfg(feature = "gpu")]
-            Device::Gpu => {
-                let gpu = Gpu::blocking(&GpuOptions::default())?;
-                let shader = GpuShader::new(&gpu, Occlusion::default())?;
-                Ok(Self::Gpu(Box::new(GpuBackend { shader, world: None, maps: None, followed: 0 })))
-            }
+            Device::Gpu => Self::on(&Gpu::blocking(&GpuOptions::default())?),
             #[cfg(not(feature = "gpu"))]
             Device::Gpu => Err(RenderError::NotOnGpu(NOT_BUILT)),
         }
+    }
+
+    /// Shades on an open GPU: one that several renderers use, a window's own, or a browser's, which is opened by
+    /// [`Gpu::new`](render_gpu::Gpu::new).
+    ///
+    /// # Errors
+    /// [`RenderError`] if its limits are too small.
+    #[cfg(feature = "gpu")]
+    pub fn on(gpu: &Gpu) -> Result<Self, RenderError> {
+        let shader = GpuShader::new(gpu, Occlusion::default())?;
+        Ok(Self::Gpu(Box::new(GpuBackend { shader, world: None, maps: None, followed: 0 })))
     }
 
     /// The kind of device.
@@ -194,7 +201,7 @@ impl GpuBackend {
 
 /// A shader for any device.
 pub trait Shader: Shade<Material, Light, Error: Error + Into<RenderError>> {
-    /// Shades with the requested layers until a stop is requested.
+    /// Shades with the requested layers until a stop is requested. The future is ready at its first poll, except on a browser's GPU.
     ///
     /// # Errors
     /// As [`Shade::shade`]; [`RenderError::NotOnGpu`] for layers on a GPU; [`RenderError::Cancelled`].
@@ -204,11 +211,11 @@ pub trait Shader: Shade<Material, Light, Error: Error + Into<RenderError>> {
         frame: &Frame<'_>,
         out: &mut [Vec3],
         request: &ShadeRequest<'_>,
-    ) -> Result<(ShadeStats, PointLayers), RenderError>;
+    ) -> impl Future<Output = Result<(ShadeStats, PointLayers), RenderError>>;
 }
 
 impl<V: Visibility, I: Integrator<V>, K: SkyLighting> Shader for CpuShader<V, I, K> {
-    fn shade_with(
+    async fn shade_with(
         &mut self,
         points: &ShadingPoints,
         frame: &Frame<'_>,
@@ -223,7 +230,7 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> Shader for CpuShader<V, I,
 
 #[cfg(feature = "gpu")]
 impl Shader for GpuShader {
-    fn shade_with(
+    async fn shade_with(
         &mut self,
         points: &ShadingPoints,
         frame: &Frame<'_>,
@@ -233,7 +240,7 @@ impl Shader for GpuShader {
         if request.unshadowed || request.lights || request.counts {
             return Err(RenderError::NotOnGpu(LAYERS));
         }
-        let stats = self.shade_until(points, frame, out, request.cancel)?.ok_or(RenderError::Cancelled)?;
+        let stats = self.shade_async(points, frame, out, request.cancel).await?.ok_or(RenderError::Cancelled)?;
         Ok((stats, PointLayers::default()))
     }
 }

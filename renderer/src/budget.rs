@@ -38,7 +38,7 @@ impl Budget<'_> {
     /// Chooses the most accurate setting of the ladder whose frame takes at most `milliseconds`; the fastest one if all take
     /// longer. Settings are timed on strips of the picture, from the fastest on. A frame's time is that of the visible points, of
     /// everything that is rebuilt for it, and of shading.
-    pub(crate) fn choose(
+    pub(crate) async fn choose(
         &self,
         backend: &mut Backend,
         sky: &mut KeptSky,
@@ -57,7 +57,7 @@ impl Budget<'_> {
                     .with(self.custom, self.settings)
                     .under(sky, &frame, backend, self.settings.method);
             let twice = Twice { points: &points, frame: &frame, cancel: self.cancel };
-            let shading = blockers.shade(backend, self.settings.method, self.tables, twice)?;
+            let shading = blockers.shade_async(backend, self.settings.method, self.tables, twice).await?;
             let total = 1e3 * (fixed + shading * scale);
             if total > f64::from(milliseconds) && chosen.is_some() {
                 break;
@@ -84,13 +84,11 @@ struct Twice<'a> {
 impl ShaderTask for Twice<'_> {
     type Output = f64;
 
-    fn with<S: Shader>(self, shader: &mut S) -> Result<f64, RenderError> {
+    async fn with<S: Shader>(self, shader: &mut S) -> Result<f64, RenderError> {
         let mut out = vec![Vec3::ZERO; self.points.receivers.len()];
         let request = ShadeRequest { cancel: Some(self.cancel), ..ShadeRequest::default() };
-        let mut once = || {
-            let (stats, _) = shader.shade_with(self.points, self.frame, &mut out, &request)?;
-            Ok::<f64, RenderError>(stats.seconds)
-        };
-        Ok(once()?.min(once()?))
+        let (first, _) = shader.shade_with(self.points, self.frame, &mut out, &request).await?;
+        let (second, _) = shader.shade_with(self.points, self.frame, &mut out, &request).await?;
+        Ok(first.seconds.min(second.seconds))
     }
 }

@@ -1,4 +1,5 @@
 use crate::on_objects::OnObjects;
+use crate::turn::at_once;
 use crate::{Backend, CustomStrategy, KeptSky, Method, Plan, RenderError, Settings, Shader, SkyFrame};
 use paper::{PaperIntegrator, PaperVisibility, Tables};
 use render_cpu::{CpuShader, SceneSilhouettes, SkyShader, SurfaceHits, World};
@@ -197,9 +198,25 @@ impl<'a> FrameBlockers<'a> {
     /// Runs `work` with a shader for these blockers. The shader has no code for strategies that are absent; mixtures of any kinds
     /// share one shader.
     ///
+    /// Not for a browser's GPU, which no call can wait for: see [`shade_async`](Self::shade_async).
+    ///
     /// # Errors
     /// Those of the work; [`RenderError::NotOnGpu`] for a method that a GPU does not support, `RenderError::Gpu` from the device.
     pub fn shade<W: ShaderTask>(
+        self,
+        backend: &mut Backend,
+        method: Method,
+        tables: Option<&Tables>,
+        work: W,
+    ) -> Result<W::Output, RenderError> {
+        at_once(self.shade_async(backend, method, tables, work))?
+    }
+
+    /// As [`shade`](Self::shade). The future is ready at its first poll, except on a browser's GPU.
+    ///
+    /// # Errors
+    /// Those of [`shade`](Self::shade).
+    pub async fn shade_async<W: ShaderTask>(
         self,
         backend: &mut Backend,
         method: Method,
@@ -231,7 +248,7 @@ impl<'a> FrameBlockers<'a> {
             // Software drivers would end the many loops over a map's texels.
             let is_short = shader.gpu().is_software() && parts.maps.is_some();
             shader.set_look_again(if is_short { LookAgain::Never } else { look_again(self.of_own) });
-            return work.with(shader);
+            return work.with(shader).await;
         }
         #[cfg(not(feature = "gpu"))]
         let Backend::Cpu = backend;
@@ -246,17 +263,19 @@ impl<'a> FrameBlockers<'a> {
             parts if !custom.0.is_empty() => {
                 let (spheres, maps, silhouettes, rays) = parts;
                 let triangles = Mixture::new(silhouettes, Mixture::new(maps, rays));
-                masked(Mixture::new(custom, Mixture::new(spheres, triangles)), sky, form, tables, work)
+                masked(Mixture::new(custom, Mixture::new(spheres, triangles)), sky, form, tables, work).await
             }
             (None, None, None, None) => match tables {
-                Some(tables) => work.with(&mut CpuShader::with_integrator(Unshadowed, PaperIntegrator { tables })),
-                None => work.with(&mut CpuShader::new(Unshadowed).with_sky(sky)),
+                Some(tables) => {
+                    work.with(&mut CpuShader::with_integrator(Unshadowed, PaperIntegrator { tables })).await
+                }
+                None => work.with(&mut CpuShader::new(Unshadowed).with_sky(sky)).await,
             },
-            (Some(spheres), None, None, None) => masked(spheres, sky, form, tables, work),
-            (None, None, Some(silhouettes), None) => masked(silhouettes, sky, form, tables, work),
+            (Some(spheres), None, None, None) => masked(spheres, sky, form, tables, work).await,
+            (None, None, Some(silhouettes), None) => masked(silhouettes, sky, form, tables, work).await,
             (spheres, maps, silhouettes, rays) => {
                 let triangles = Mixture::new(silhouettes, Mixture::new(maps, rays));
-                masked(Mixture::new(spheres, triangles), sky, form, tables, work)
+                masked(Mixture::new(spheres, triangles), sky, form, tables, work).await
             }
         }
     }
@@ -271,7 +290,7 @@ pub trait ShaderTask {
     ///
     /// # Errors
     /// Those of the task.
-    fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, RenderError>;
+    fn with<S: Shader>(self, shader: &mut S) -> impl Future<Output = Result<Self::Output, RenderError>>;
 }
 
 /// Near a flat light so many triangles are not worth a search for those that its plane cuts.
@@ -295,7 +314,7 @@ const fn look_again(of_own: bool) -> LookAgain {
 
 /// Shades with masks, by a method, with the tolerance relative to [own radiance](Settings::own_radiance) or not, with
 /// [interpolation](Settings::interpolate) or without.
-fn masked<B: Blockers, W: ShaderTask>(
+async fn masked<B: Blockers, W: ShaderTask>(
     blockers: B,
     sky: Option<Sky<'_>>,
     (method, of_own, is_interpolated): (Method, bool, bool),
@@ -304,11 +323,11 @@ fn masked<B: Blockers, W: ShaderTask>(
 ) -> Result<W::Output, RenderError> {
     let visibility = MaskVisibility::new(blockers).look_again(look_again(of_own));
     match (method, tables) {
-        (Method::Lobes, _) => work.with(&mut CpuShader::with_integrator(visibility.with_lobes(), LobeIntegrator)),
+        (Method::Lobes, _) => work.with(&mut CpuShader::with_integrator(visibility.with_lobes(), LobeIntegrator)).await,
         (Method::Paper, Some(tables)) => {
             let visibility = PaperVisibility::new(visibility.into_blockers(), tables);
-            work.with(&mut CpuShader::with_integrator(visibility, PaperIntegrator { tables }))
+            work.with(&mut CpuShader::with_integrator(visibility, PaperIntegrator { tables })).await
         }
-        _ => work.with(&mut CpuShader::new(visibility).interpolating(is_interpolated).with_sky(sky)),
+        _ => work.with(&mut CpuShader::new(visibility).interpolating(is_interpolated).with_sky(sky)).await,
     }
 }

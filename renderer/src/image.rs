@@ -96,7 +96,7 @@ pub(crate) struct Shading<'a, 'w, 'l, 's> {
 impl ShaderTask for Shading<'_, '_, '_, '_> {
     type Output = ImageStats;
 
-    fn with<S: Shader>(mut self, shader: &mut S) -> Result<ImageStats, RenderError> {
+    async fn with<S: Shader>(mut self, shader: &mut S) -> Result<ImageStats, RenderError> {
         let shading = vec![ShadeStats::default(); self.repeat as usize];
         let mut stats = ImageStats { shading, ..ImageStats::default() };
         // Compiles the kernels that are missing.
@@ -108,7 +108,7 @@ impl ShaderTask for Shading<'_, '_, '_, '_> {
         for window in windows {
             tell(self.listener, Event::Pixels { done, of })?;
             let g = self.bands.points(&window)?;
-            let shaded = self.shade(shader, &g, &mut stats);
+            let shaded = self.shade(shader, &g, &mut stats).await;
             stats.points += g.len();
             // Keeps the points of a cancelled band too: they are right, and likely to be needed again.
             self.bands.keep(&window, g);
@@ -125,7 +125,12 @@ impl ShaderTask for Shading<'_, '_, '_, '_> {
 
 impl Shading<'_, '_, '_, '_> {
     /// Shades the points of a band into its memory.
-    fn shade<S: Shader>(&mut self, shader: &mut S, g: &GBuffer, stats: &mut ImageStats) -> Result<(), RenderError> {
+    async fn shade<S: Shader>(
+        &mut self,
+        shader: &mut S,
+        g: &GBuffer,
+        stats: &mut ImageStats,
+    ) -> Result<(), RenderError> {
         let background = self.bands.world.scene().background;
         let frame = &Frame { materials: &g.materials, ..*self.frame };
         let Canvas { band, radiance } = &mut *self.canvas;
@@ -133,7 +138,7 @@ impl Shading<'_, '_, '_, '_> {
         radiance.resize(g.len(), Vec3::ZERO);
         let request = self.layers.request(self.bands.cancel);
         for (repetition, total) in stats.shading.iter_mut().enumerate() {
-            let (once, points) = shader.shade_with(&g.points, frame, radiance, &request)?;
+            let (once, points) = shader.shade_with(&g.points, frame, radiance, &request).await?;
             *total += once;
             if repetition == 0 {
                 band.layers = Layers::new(g, points, &self.layers, frame.lights.len(), background);

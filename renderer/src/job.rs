@@ -42,7 +42,7 @@ pub(crate) struct Job<'a> {
 
 impl Job<'_> {
     /// Makes one picture of a world; ends early if the sink stops it.
-    pub(crate) fn picture(
+    pub(crate) async fn picture(
         &self,
         world: &World<'_>,
         state: State<'_>,
@@ -82,7 +82,7 @@ impl Job<'_> {
                     cancel,
                     fixed: clocks.maps,
                 };
-                frame.accuracy = choice.choose(backend, sky, budget, (&bands, &frame), listener)?;
+                frame.accuracy = choice.choose(backend, sky, budget, (&bands, &frame), listener).await?;
                 *chosen = Some(frame.accuracy);
             }
             (None, None) => {}
@@ -93,7 +93,7 @@ impl Job<'_> {
         let blockers = blockers.with(custom, settings).under(sky, &frame, backend, settings.method);
         let (repeat, layers) = (settings.repeat, settings.layers);
         let shading = Shading { frame: &frame, bands: &mut bands, canvas, repeat, layers, listener, sink };
-        let mut stats = blockers.shade(backend, settings.method, tables, shading)?;
+        let mut stats = blockers.shade_async(backend, settings.method, tables, shading).await?;
         clocks.gbuffer = bands.seconds;
         stats.clocks = clocks;
         stats.accuracy = frame.accuracy;

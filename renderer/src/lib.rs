@@ -59,6 +59,7 @@ mod sphere_cache;
 mod stale;
 mod tables;
 mod taken;
+mod turn;
 
 pub use crate::backend::{Backend, Shader};
 pub use crate::bands::{BAND_RAYS, seconds};

@@ -274,10 +274,10 @@ struct Fraction<'a> {
 impl ShaderTask for Fraction<'_> {
     type Output = Vec3;
 
-    fn with<S: Shader>(self, shader: &mut S) -> Result<Vec3, RenderError> {
+    async fn with<S: Shader>(self, shader: &mut S) -> Result<Vec3, RenderError> {
         let points = ShadingPoints { receivers: vec![*self.at], materials: vec![0], ..ShadingPoints::default() };
         let request = ShadeRequest { lights: true, ..ShadeRequest::default() };
-        let (_, layers) = shader.shade_with(&points, &self.frame, &mut [Vec3::ZERO], &request)?;
+        let (_, layers) = shader.shade_with(&points, &self.frame, &mut [Vec3::ZERO], &request).await?;
         let alone = Frame { lights: &self.frame.lights[self.light..=self.light], ..self.frame };
         let mut whole = [Vec3::ZERO];
         CpuShader::new(Unshadowed).shade(&points, &alone, &mut whole)?;

@@ -116,9 +116,9 @@ struct Shading<'a> {
 impl ShaderTask for Shading<'_> {
     type Output = (Vec<Vec3>, PointLayers);
 
-    fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, RenderError> {
+    async fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, RenderError> {
         let mut radiance = vec![Vec3::ZERO; self.points.receivers.len()];
-        let (_, layers) = shader.shade_with(self.points, &self.frame, &mut radiance, &self.request)?;
+        let (_, layers) = shader.shade_with(self.points, &self.frame, &mut radiance, &self.request).await?;
         Ok((radiance, layers))
     }
 }

@@ -7,6 +7,7 @@ use crate::job::{Job, State};
 use crate::kept::Kept;
 use crate::rows::Rows;
 use crate::sphere_cache::{Scope, follow_spheres};
+use crate::turn::at_once;
 use crate::{
     Backend, Clocks, Device, FrameClocks, Image, ImageStats, KeptSky, KeptSpheres, LayerSet, Listener, Method, Plan,
     RenderError, Settings, Sink, Stale, Upkeep, paper_tables,
@@ -411,10 +412,9 @@ impl Renderer {
     /// # Errors
     /// [`RenderError`].
     pub fn render_reduced(&mut self, divisor: u32, listener: &mut Listener<'_>) -> Result<Image, RenderError> {
-        self.reduced(divisor, |own| {
-            let window = Window::whole(own.scene.width as usize, own.scene.height as usize);
-            own.render_window(&window, listener)
-        })
+        let own = self.reduced(divisor);
+        let window = Window::whole(own.renderer.scene.width as usize, own.renderer.scene.height as usize);
+        own.renderer.render_window(&window, listener)
     }
 
     /// Renders parts of the whole picture with fewer pixels, as [`render_parts`](Self::render_parts) does: windows of the picture of
@@ -429,21 +429,31 @@ impl Renderer {
         listener: &mut Listener<'_>,
         sink: &mut Sink<'_>,
     ) -> Result<ImageStats, RenderError> {
-        self.reduced(divisor, |own| own.render_parts(parts, listener, sink))
+        self.reduced(divisor).renderer.render_parts(parts, listener, sink)
     }
 
-    /// Renders with fewer pixels; the data that is kept for the whole picture stays.
-    fn reduced<R>(&mut self, divisor: u32, render: impl FnOnce(&mut Self) -> R) -> R {
-        let (width, height) = (self.scene.width, self.scene.height);
-        if divisor <= 1 {
-            return render(self);
+    /// As [`render_reduced_parts`](Self::render_reduced_parts), as [`render_parts_async`](Self::render_parts_async).
+    ///
+    /// # Errors
+    /// Those of [`render_parts`](Self::render_parts).
+    pub async fn render_reduced_parts_async(
+        &mut self,
+        divisor: u32,
+        parts: &[Window],
+        listener: &mut Listener<'_>,
+        sink: &mut Sink<'_>,
+    ) -> Result<ImageStats, RenderError> {
+        self.reduced(divisor).renderer.render_parts_async(parts, listener, sink).await
+    }
+
+    /// The renderer with fewer pixels; the data that is kept for the whole picture stays.
+    fn reduced(&mut self, divisor: u32) -> Reduced<'_> {
+        let whole = [self.scene.width, self.scene.height];
+        if divisor > 1 {
+            [self.scene.width, self.scene.height] = whole.map(|side| side.div_ceil(divisor));
+            core::mem::swap(&mut self.kept, &mut self.reduced);
         }
-        (self.scene.width, self.scene.height) = (width.div_ceil(divisor), height.div_ceil(divisor));
-        core::mem::swap(&mut self.kept, &mut self.reduced);
-        let done = render(self);
-        core::mem::swap(&mut self.kept, &mut self.reduced);
-        (self.scene.width, self.scene.height) = (width, height);
-        done
+        Reduced { renderer: self, whole: (divisor > 1).then_some(whole) }
     }
 
     /// Renders a window on the CPU with other layers and another number of camera rays. All data that is kept for pictures stays.
@@ -524,6 +534,20 @@ impl Renderer {
         listener: &mut Listener<'_>,
         sink: &mut Sink<'_>,
     ) -> Result<ImageStats, RenderError> {
+        at_once(self.render_parts_async(parts, listener, sink))?
+    }
+
+    /// As [`render_parts`](Self::render_parts). On a browser's GPU, which no call can wait for, the future is ready in a later turn;
+    /// everywhere else its first poll does all the work. A future that is dropped leaves the renderer as a cancelled picture does.
+    ///
+    /// # Errors
+    /// Those of [`render_parts`](Self::render_parts).
+    pub async fn render_parts_async(
+        &mut self,
+        parts: &[Window],
+        listener: &mut Listener<'_>,
+        sink: &mut Sink<'_>,
+    ) -> Result<ImageStats, RenderError> {
         parts.iter().try_for_each(|part| check_window(part, &self.scene))?;
         self.prepare(listener)?;
         let (pose, hierarchy) = (core::mem::take(&mut self.pose), core::mem::take(&mut self.built));
@@ -549,7 +573,7 @@ impl Renderer {
             maps: &mut self.kept.maps,
             sky: &mut self.sky,
         };
-        let done = job.picture(&world, state, clocks, listener, sink);
+        let done = job.picture(&world, state, clocks, listener, sink).await;
         if !self.settings.keep_points {
             self.kept.points.clear_parts();
         }
@@ -623,6 +647,21 @@ impl Renderer {
         check(&self.cancel)?;
         self.stale = Stale::NOTHING;
         Ok(hierarchy)
+    }
+}
+
+/// A renderer that has fewer pixels for a while.
+struct Reduced<'a> {
+    renderer: &'a mut Renderer,
+    /// Width and height of the whole picture, if it has others now.
+    whole: Option<[u32; 2]>,
+}
+
+impl Drop for Reduced<'_> {
+    fn drop(&mut self) {
+        let Some(whole) = self.whole else { return };
+        core::mem::swap(&mut self.renderer.kept, &mut self.renderer.reduced);
+        [self.renderer.scene.width, self.renderer.scene.height] = whole;
     }
 }
 

@@ -2,7 +2,7 @@ use crate::worker::Worker;
 use core::fmt;
 use core::ops::{ControlFlow, Range};
 use glam::Vec3;
-use renderer::{Image, ImageStats, Layers, RenderError, Window};
+use renderer::{Band, Event, Image, ImageStats, Layers, RenderError, Window};
 use scene::Stopwatch;
 
 /// Rows of a strip, the smallest part of a picture that is made at once: pixels are shaded in tiles of 8 × 8.
@@ -148,16 +148,23 @@ impl Driver {
     /// Those of [`Renderer::render`](renderer::Renderer::render).
     pub fn shade(&mut self, task: &Task, part: usize, of: usize) -> Result<Image, RenderError> {
         self.follow();
-        let windows = task.windows(part, of);
-        let rows = windows.iter().map(|window| window.rows.len()).sum();
-        let mut image = Image { size: [task.size[0], rows], ..Image::default() };
-        let renderer = self.worker.renderer();
+        let (windows, mut image) = part_of(task, part, of);
+        let (renderer, go_on) = (self.worker.renderer(), &mut |_: Event| ControlFlow::Continue(()));
         image.stats =
-            renderer.render_reduced_parts(task.divisor, &windows, &mut |_| ControlFlow::Continue(()), &mut |band| {
-                image.radiance.extend_from_slice(&band.radiance);
-                image.layers.append(&band.layers);
-                ControlFlow::Continue(())
-            })?;
+            renderer.render_reduced_parts(task.divisor, &windows, go_on, &mut |band| add(&mut image, band))?;
+        Ok(image)
+    }
+
+    /// As [`shade`](Self::shade). On a browser's GPU the future is ready in a later turn; everywhere else at its first poll.
+    ///
+    /// # Errors
+    /// Those of [`shade`](Self::shade).
+    pub async fn shade_async(&mut self, task: &Task, part: usize, of: usize) -> Result<Image, RenderError> {
+        self.follow();
+        let (windows, mut image) = part_of(task, part, of);
+        let (renderer, go_on) = (self.worker.renderer(), &mut |_: Event| ControlFlow::Continue(()));
+        let mut sink = |band: &Band| add(&mut image, band);
+        image.stats = renderer.render_reduced_parts_async(task.divisor, &windows, go_on, &mut sink).await?;
         Ok(image)
     }
 
@@ -207,6 +214,12 @@ impl Driver {
         }
     }
 
+    /// Makes the picture again, though nothing has changed: another device shades its parts from now on.
+    pub fn redraw(&mut self) {
+        self.follow();
+        (self.is_pending, self.drawing) = (true, None);
+    }
+
     /// Takes all edits so far, and shows the scene without pixels: for those that only shade parts.
     pub fn show_scene(&mut self) {
         self.follow();
@@ -224,6 +237,20 @@ impl Driver {
             (self.is_pending, self.drawing) = (true, None);
         }
     }
+}
+
+/// The windows of a part, and an image without pixels for it.
+fn part_of(task: &Task, part: usize, of: usize) -> (Vec<Window>, Image) {
+    let windows = task.windows(part, of);
+    let rows = windows.iter().map(|window| window.rows.len()).sum();
+    (windows, Image { size: [task.size[0], rows], ..Image::default() })
+}
+
+/// Adds a band below an image.
+fn add(image: &mut Image, band: &Band) -> ControlFlow<()> {
+    image.radiance.extend_from_slice(&band.radiance);
+    image.layers.append(&band.layers);
+    ControlFlow::Continue(())
 }
 
 /// Rows that hands can make within the budget.

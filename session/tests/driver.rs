@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "in tests")]
 
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
 use glam::{Mat4, Vec3};
 use renderer::{LayerSet, Renderer, Settings};
 use scene::{Animation, Camera, Scene};
@@ -99,6 +101,31 @@ fn hands_that_are_told_the_same_share_a_picture() {
     let (a, b) = (sessions[0].picture(), sessions[1].picture());
     assert_eq!((a.edits, a.scene.camera), (b.edits, b.scene.camera));
     assert_eq!(a.scene.objects.last().unwrap().transform, b.scene.objects.last().unwrap().transform);
+}
+
+#[test]
+fn another_hand_makes_a_picture_again_in_later_turns() {
+    let (session, mut driver) = Session::driven(renderer());
+    run(&mut driver);
+    let before = session.picture();
+    assert!(driver.task(1).is_none());
+    driver.redraw();
+    let (_, mut other) = Session::driven(renderer());
+    while let Some(task) = driver.task(1) {
+        let part = ready(other.shade_async(&task, 0, 1));
+        driver.finish(vec![part]);
+    }
+    let after = session.picture();
+    assert!(!std::sync::Arc::ptr_eq(&before, &after));
+    assert!(after.radiance == before.radiance && after.edits == before.edits && after.divisor == 1);
+}
+
+/// The result of a future that a CPU makes ready at its first poll.
+fn ready<T>(future: impl Future<Output = T>) -> T {
+    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(done) => done,
+        Poll::Pending => panic!("a CPU waits for nothing"),
+    }
 }
 
 #[test]

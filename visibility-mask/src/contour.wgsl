@@ -237,11 +237,17 @@ fn contour_block(lane: u32, mask: Mask, span: vec2u, seeks: bool) {
         if (stage == CONTOUR_FOLLOW && count > 0u) {
             continue;
         }
-        if (stage == CONTOUR_LIT && count == 0u && blocks < SIDE && is_wide) {
-            is_last = true;
-            blocks *= 2u;
-            stage = CONTOUR_COARSE;
-            continue;
+        if (stage == CONTOUR_LIT && count == 0u && blocks < SIDE) {
+            // All threads know it, but browsers want proof that they meet at barriers.
+            if (lane == 0u) {
+                contour_total = u32(is_wide);
+            }
+            if (workgroupUniformLoad(&contour_total) != 0u) {
+                is_last = true;
+                blocks *= 2u;
+                stage = CONTOUR_COARSE;
+                continue;
+            }
         }
         if (stage == CONTOUR_THIN && count > 0u && !is_last) {
             is_last = true;

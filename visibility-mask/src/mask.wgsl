@@ -33,7 +33,7 @@ var<private> row_first: u32 = 0u;
 
 // Shift of the samples of row `j`, in samples within ±½: the fraction of a multiple of the golden section, by its bits.
 fn row_phase(j: u32) -> f32 {
-    return f32(bitcast<i32>((2u * (j + row_first) + 1u) * GOLDEN ^ 0x80000000u)) * 0x1p-32f;
+    return f32(bitcast<i32>(((2u * (j + row_first) + 1u) * GOLDEN) ^ 0x80000000u)) * 0x1p-32f;
 }
 
 // Height of line `k` above the row's own, in rows within ±½.

@@ -130,7 +130,7 @@ fn near_stays(lane: u32, whole: UnitSquare, count: f32) -> bool {
     let next = next_high - next_low;
     let grows = any(at_low) || any(at_high);
     let is_filled = NEAR_FILLED * count >= f32(row_width * SIDE) || any(size < vec2f(2.0 * THINNEST * whole.disc));
-    if (count == 0.0 || !grows && (is_filled || 2.0 * next.x * next.y > size.x * size.y)) {
+    if (count == 0.0 || (!grows && (is_filled || 2.0 * next.x * next.y > size.x * size.y))) {
         return true;
     }
     near_square = square_within(whole, next_low, next_high);

@@ -96,10 +96,10 @@ fn row_bounds(row: Row) -> vec2u {
 
 // Samples 32k … 32k + 31 as bits.
 fn row_samples(row: Row, k: u32) -> u32 {
-    return plane_spread(row.a.x, k) | plane_spread(row.a.y, k) << 1u
-        | plane_spread(row.a.z, k) << 2u | plane_spread(row.a.w, k) << 3u
-        | plane_spread(row.b.x, k) << 4u | plane_spread(row.b.y, k) << 5u
-        | plane_spread(row.b.z, k) << 6u | plane_spread(row.b.w, k) << 7u;
+    return plane_spread(row.a.x, k) | (plane_spread(row.a.y, k) << 1u)
+        | (plane_spread(row.a.z, k) << 2u) | (plane_spread(row.a.w, k) << 3u)
+        | (plane_spread(row.b.x, k) << 4u) | (plane_spread(row.b.y, k) << 5u)
+        | (plane_spread(row.b.z, k) << 6u) | (plane_spread(row.b.w, k) << 7u);
 }
 
 // Four bits, one a byte.

@@ -125,7 +125,7 @@ fn visible_fraction(
             let ends = near_add(lane, mask, vec2(column > 0u, column + 1u < grid.x));
             if (decide(lane, is_near)) {
                 let lit_samples = total(lane, vec4f(f32(samples.x), 0.0, 0.0, 0.0)).x;
-                stays = near_stays(lane, visibility_whole, lit_samples) || more == NEAR_MOST;
+                stays = decide(lane, near_stays(lane, visibility_whole, lit_samples) || more == NEAR_MOST);
                 more += u32(!stays);
                 // An opening that is not found again is as large as the whole light's masks show.
                 stays = stays && lit_samples > 0.0;

@@ -25,6 +25,8 @@ var<workgroup> silhouettes_list: array<u32, SILHOUETTES_ROOM>;
 var<workgroup> silhouettes_found: atomic<u32>;
 // The first thread's values for all threads.
 var<workgroup> silhouettes_plan: vec2u;
+// `row_width`, which all threads load at once: browsers want proof that they meet at barriers.
+var<workgroup> silhouettes_width: u32;
 // Whether the list has all silhouettes of the receiver.
 var<workgroup> silhouettes_known: u32;
 // The sum of edges, and the sum with four times their angles.
@@ -365,12 +367,12 @@ struct SilhouetteFewest {
     rest: u32,
 }
 
-fn silhouettes_scan(lane: u32, eye: SilhouetteEye, above: i32) -> SilhouetteFewest {
+fn silhouettes_scan(lane: u32, eye: SilhouetteEye, width: u32, above: i32) -> SilhouetteFewest {
     var fewest: SilhouetteFewest;
     fewest.least = 0x7fffffff;
     var number = 0;
     var emits = 0u;
-    for (var first = 0u; first < row_width; first += SILHOUETTES_PART) {
+    for (var first = 0u; first < width; first += SILHOUETTES_PART) {
         silhouettes_view.first = first;
         for (var k = 0u; k < SILHOUETTES_WORDS; k++) {
             atomicStore(&silhouettes_counts[SILHOUETTES_WORDS * lane + k], 0);
@@ -427,7 +429,7 @@ fn silhouettes_middle(bits: array<u32, SILHOUETTES_BITS>) -> u32 {
     var best = vec2u(0u);
     var length = 0u;
     for (var k = 0u; k < row_width; k++) {
-        let is_in = (all[k / 32u] >> (k % 32u) & 1u) != 0u;
+        let is_in = ((all[k / 32u] >> (k % 32u)) & 1u) != 0u;
         length = select(0u, length + 1u, is_in);
         if (k % 64u == 0u) {
             length = min(length, 1u);
@@ -492,9 +494,10 @@ fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask
         if (lane == 0u) {
             atomicStore(&silhouettes_least, 0x7fffffff);
             atomicStore(&silhouettes_best, 0u);
+            silhouettes_width = row_width;
         }
-        workgroupBarrier();
-        var fewest = silhouettes_scan(lane, eye, above);
+        let width = workgroupUniformLoad(&silhouettes_width);
+        var fewest = silhouettes_scan(lane, eye, width, above);
         atomicMin(&silhouettes_least, fewest.least);
         workgroupBarrier();
         let least = atomicLoad(&silhouettes_least);

@@ -30,7 +30,7 @@ fn blocked_cone(to: vec3f, radius: f32, tau: f32) -> BlockedCone {
     if (above <= 0.0) {
         return BlockedCone(to, radius, 0.0, 1.0, false, true);
     }
-    let rest = min(above * min(0.5 / tau, 3.4028235e38), d + d);
+    let rest = min(above * min(0.5 / tau, 3.40282346e38), d + d);
     let chord = sqrt(max(rest * (d + d - rest), 0.0));
     var cos = blocked_cos(d, chord);
     if (rest >= d) {

@@ -10,6 +10,8 @@ var<workgroup> found: array<atomic<u32>, 6>;
 var<workgroup> dark: atomic<u32>;
 // The blocks of this round that meet the shaft.
 var<workgroup> blocks: array<u32, TILE>;
+// How many they are, and whether the search is over. Browsers want proof that all threads meet at a barrier: all load this at once.
+var<workgroup> plan: vec2u;
 
 var<private> turn: u32;
 
@@ -73,8 +75,7 @@ fn cull(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     let ball = tile_sphere(lane, position, here);
     let test = shaft_test(ball, frame.light);
     var count = 0u;
-    // Where no point is there is nothing to look at.
-    let rounds = select((arrayLength(&spheres_bounds) + (TILE - 1u)) / TILE, 0u, ball.w < 0.0);
+    let rounds = (arrayLength(&spheres_bounds) + (TILE - 1u)) / TILE;
     for (var round = 0u; round < rounds; round++) {
         let block = round * TILE + lane;
         var meets = block < arrayLength(&spheres_bounds);
@@ -86,12 +87,19 @@ fn cull(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
         if (meets) {
             blocks[slot.x] = block;
         }
-        workgroupBarrier();
+        if (lane == 0u) {
+            // Where no point is there is nothing to look at, and one sphere that hides the light from all is enough.
+            plan = vec2u(slot.y, select(0u, 1u, ball.w < 0.0 || atomicLoad(&dark) != 0u));
+        }
+        let now = workgroupUniformLoad(&plan);
+        if (now.y != 0u) {
+            break;
+        }
         // Two blocks at a time.
-        for (var first = 0u; first < slot.y; first += 2u) {
+        for (var first = 0u; first < now.x; first += 2u) {
             let half = first + lane / SPHERE_BLOCK;
             var index = arrayLength(&spheres);
-            if (half < slot.y) {
+            if (half < now.x) {
                 index = blocks[half] * SPHERE_BLOCK + lane % SPHERE_BLOCK;
             }
             var hit = index < arrayLength(&spheres);
@@ -108,10 +116,6 @@ fn cull(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
                 spheres_lists[list + 2u + count + entry.x] = index;
             }
             count += entry.y;
-        }
-        // One sphere is enough.
-        if (atomicLoad(&dark) != 0u) {
-            break;
         }
     }
     workgroupBarrier();

@@ -81,9 +81,10 @@ fn spheres_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
     if (lane < 2u * SPLATS_USED) {
         atomicStore(&splats_used[lane], 0u);
     }
+    let is_full = (spheres_lists[tile * LIST_WORDS + 1u] & LIST_FULL) != 0u;
     var turn = 0u;
     for (var first = 0u; first < count; first += LANES) {
-        if (!spheres_near(tile, first, test)) {
+        if (is_full && !decide(lane, spheres_near(tile, first, test))) {
             continue;
         }
         workgroupBarrier();

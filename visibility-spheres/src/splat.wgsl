@@ -90,13 +90,13 @@ const CELL_PAIRS = vec2u(0xffffffffu >> (32u - min(SIDE - 1u, 32u)), (1u << (max
 // Which of eight cells from `first` on are hidden, by their centres.
 fn hidden_cells(blocked: BlockedCone, light: vec3f, light_radius: f32, mask: Mask, first: u32, j: u32) -> u32 {
     return hidden_cell(blocked, light, light_radius, mask, first, j)
-        | hidden_cell(blocked, light, light_radius, mask, first + 1u, j) << 1u
-        | hidden_cell(blocked, light, light_radius, mask, first + 2u, j) << 2u
-        | hidden_cell(blocked, light, light_radius, mask, first + 3u, j) << 3u
-        | hidden_cell(blocked, light, light_radius, mask, first + 4u, j) << 4u
-        | hidden_cell(blocked, light, light_radius, mask, first + 5u, j) << 5u
-        | hidden_cell(blocked, light, light_radius, mask, first + 6u, j) << 6u
-        | hidden_cell(blocked, light, light_radius, mask, first + 7u, j) << 7u;
+        | (hidden_cell(blocked, light, light_radius, mask, first + 1u, j) << 1u)
+        | (hidden_cell(blocked, light, light_radius, mask, first + 2u, j) << 2u)
+        | (hidden_cell(blocked, light, light_radius, mask, first + 3u, j) << 3u)
+        | (hidden_cell(blocked, light, light_radius, mask, first + 4u, j) << 4u)
+        | (hidden_cell(blocked, light, light_radius, mask, first + 5u, j) << 5u)
+        | (hidden_cell(blocked, light, light_radius, mask, first + 6u, j) << 6u)
+        | (hidden_cell(blocked, light, light_radius, mask, first + 7u, j) << 7u);
 }
 
 fn hidden_cell(blocked: BlockedCone, light: vec3f, light_radius: f32, mask: Mask, i: u32, j: u32) -> u32 {

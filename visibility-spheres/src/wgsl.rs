@@ -7,7 +7,7 @@ use crate::packed::{LIST_ROOM, LIST_WORDS, SPHERE_BLOCK};
 use crate::{blocked_cones, ellipse, shaft, wide_cone};
 use lobe_core::wgsl::{GEOMETRY, Piece, SPECIAL};
 use lobe_core::wgsl_numbers;
-use visibility_mask::wgsl::{EDGES, FACET, MASK};
+use visibility_mask::wgsl::{EDGES, FACET, MASK, TOTAL};
 
 /// The struct of a blocker, the layout of a tile's list.
 pub static PACKED: Piece = Piece::new(include_str!("packed.wgsl")).numbers(wgsl_numbers![
@@ -40,4 +40,4 @@ static WIDE_CONE: Piece = Piece::new(include_str!("wide_cone.wgsl"))
     .numbers(wgsl_numbers![WIDE_LIMIT = wide_cone::LIMIT])
     .needs(&[&SPLAT, &ELLIPSE, &SPECIAL]);
 /// `spheres_edges` and `spheres_splat`. Needs the header of `visibility-mask`, and its `ROUND` or `FLAT`.
-pub static SPHERES_SPLAT: Piece = Piece::new(include_str!("spheres_splat.wgsl")).needs(&[&SPHERES, &WIDE_CONE]);
+pub static SPHERES_SPLAT: Piece = Piece::new(include_str!("spheres_splat.wgsl")).needs(&[&SPHERES, &WIDE_CONE, &TOTAL]);

@@ -11,7 +11,13 @@ export async function engine(module, complain) {
     },
   };
   const { exports: wasm } = await WebAssembly.instantiate(module, { page });
-  const decode = (bytes) => new TextDecoder().decode(bytes);
+  return { ...calls(wasm), fault: () => fault };
+}
+
+const decode = (bytes) => new TextDecoder().decode(bytes);
+
+/** The functions of an instance, of JavaScript values. */
+export function calls(wasm) {
   const give = (bytes) => {
     // Memory may grow, and its buffer is another one then.
     const at = wasm.reserve(bytes.length);
@@ -43,15 +49,22 @@ export async function engine(module, complain) {
     task: (hands) => after(() => wasm.task(hands), parsed),
     /** The radiance of one part of a task, as bytes. */
     shade: (task, part, of) => after(() => (give(encode(task)), wasm.shade(part, of)), bytes),
+    /** The same by a function that is done later. */
+    async shadeBy(shade, task, part, of) {
+      give(encode(task));
+      await shade(part, of);
+      return bytes();
+    },
     /** Takes the radiance of a part that another one has shaded. */
     putPart: (part, radiance) => (give(radiance), wasm.put_part(part)),
     finish: () => wasm.finish(),
     follow: () => wasm.follow(),
+    /** Makes the picture anew: another one shades from now on. */
+    redraw: () => wasm.redraw(),
     report: () => after(wasm.report, parsed),
     pixel: () => after(wasm.pixel, parsed),
     pixels: () => after(wasm.pixels, bytes),
     radiance: () => after(wasm.radiance, () => new Float32Array(bytes().buffer)),
-    fault: () => fault,
     bytes: () => wasm.memory.buffer.byteLength,
   };
 }

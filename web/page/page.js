@@ -17,7 +17,7 @@ const listed = fetch("scenes.json").then((answer) => answer.json());
 const cores = navigator.hardwareConcurrency || 2;
 // One core is left for the page itself.
 const hands = Number(options.get("hands")) || Math.min(8, Math.max(1, cores - 1));
-const starting = start(hands, { onReport, onLine: tell, onOpened: () => (find("wait").hidden = true), onFault });
+const starting = start(hands, { onReport, onLine: tell, onOpened: () => (find("wait").hidden = true), onGpuLeft, onFault });
 starting.catch((error) => onFault(error.message));
 const [session, scenes] = await Promise.all([starting, listed]);
 scenes.forEach(({ name }, number) => find("scene").add(new Option(name, number)));
@@ -26,14 +26,14 @@ Object.assign(figures, {
   isDone: () => !figures.isBusy && session.isHeard(figures.heard) && figures.report?.picture.divisor === 1,
 });
 const overlay = new Overlay(find("overlay"));
-const panel = new Panel(session.send);
+const panel = new Panel(session.send, Math.min(4096, Math.max(0, Number(options.get("columns")) || 0)));
 
 let report = null;
 let isPlaying = false;
 
 function onReport(message) {
   report = message.report;
-  Object.assign(figures, { report, isBusy: message.isBusy, heard: message.heard });
+  Object.assign(figures, { report, isBusy: message.isBusy, heard: message.heard, gpu: message.gpu });
   if (message.pixels) show(message.pixels);
   if (message.pixel !== undefined) panel.showPixel(message.pixel, report);
   panel.show(report);
@@ -63,14 +63,15 @@ function show(pixels) {
   times = [...times.filter((time) => time > now - 1000), now];
 }
 
-function tellStatus({ isBusy, hands }) {
+function tellStatus({ isBusy, hands, gpu }) {
   const { size, whole, divisor, seconds } = report.picture;
   if (!size[0]) return;
   const parts = [`${whole[0]} × ${whole[1]}`, `${(1000 * seconds).toFixed(0)} ms`];
   if (divisor > 1) parts[0] += `, coarse 1 : ${divisor}`;
   if (times.length > 3) parts.push(`${times.length} pictures a second`);
   else if (isBusy) parts.push("refining");
-  parts.push(hands > 1 ? `${hands} workers` : "1 worker");
+  if (gpu !== null) parts.push(gpu ? `GPU: ${gpu}` : "GPU");
+  else parts.push(hands > 1 ? `${hands} workers` : "1 worker");
   find("status").textContent = parts.join(" · ");
 }
 
@@ -81,6 +82,12 @@ function tell(line) {
   shown.classList.add("shown");
   clearTimeout(tell.timer);
   tell.timer = setTimeout(() => shown.classList.remove("shown"), 9000);
+}
+
+/** The CPU draws again: of a reason, or since the switch is off. */
+function onGpuLeft(line) {
+  find("gpu").checked = false;
+  if (line) tell(`The CPU draws, since the GPU does not: ${line}`);
 }
 
 function onFault(line) {
@@ -208,6 +215,15 @@ addEventListener("keydown", (event) => {
   event.preventDefault();
   DEEDS[deed]();
 });
+
+// ---- WebGPU
+
+find("gpu-row").hidden = !navigator.gpu;
+find("gpu").addEventListener("change", ({ target }) => session.setGpu(target.checked));
+if (options.has("gpu") && navigator.gpu) {
+  find("gpu").checked = true;
+  session.setGpu(true);
+}
 
 // ---- animation: the next moment is requested when a picture is there
 

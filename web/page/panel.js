@@ -42,7 +42,8 @@ const hex = (color) => `#${color.map((c) => Math.round(255 * Math.min(1, Math.ma
 const linear = (text) => [1, 3, 5].map((place) => (parseInt(text.slice(place, place + 2), 16) / 255) ** 2.2);
 
 export class Panel {
-  constructor(send) {
+  /** With so many columns of the picture, if the page was opened with a number of them. */
+  constructor(send, columns) {
     const rest = () => send({ do: "rest" });
     // The value of a slider that moves; once more, without one, when it rests.
     const moves = (wish) => (value) => (value === null ? rest() : send(wish(value)));
@@ -67,8 +68,8 @@ export class Panel {
       STRATEGIES.forEach(([value, name]) => find(id).add(new Option(name, value)));
       find(id).addEventListener("change", ({ target }) => send({ do: wish, name: target.value || null }));
     }
-    COLUMNS.forEach((count) => find("columns").add(new Option(`${count} wide`, count)));
-    find("columns").value = (navigator.hardwareConcurrency || 2) > 4 ? 960 : 640;
+    [...new Set([...(columns ? [columns] : []), ...COLUMNS])].forEach((count) => find("columns").add(new Option(`${count} wide`, count)));
+    find("columns").value = columns || ((navigator.hardwareConcurrency || 2) > 4 ? 960 : 640);
     find("columns").addEventListener("change", () => send({ do: "columns", count: this.columns() }));
     const look = () => {
       const exposure = Number(find("exposure").value) + this.metered;

@@ -12,6 +12,10 @@ let heard = 0;
 let isBusy = false;
 /** The leader's helpers: their ports, and whether they have the scene. */
 let helpers = [];
+/** The helper on WebGPU, where that is switched on: its port, its name, whether it has the scene. It shades alone. */
+let gpu = null;
+/** All that helpers were sent since the scene was opened, for one that comes later. */
+let log = [];
 /** The last picture that was shown. */
 let shown = "";
 
@@ -87,20 +91,73 @@ function put(message) {
 }
 
 function take(message) {
-  if (message.kind === "open") {
+  if (message.kind === "gpu") switchGpu(message);
+  else if (message.kind === "open") {
     turn += 1;
-    helpers.forEach((helper) => {
-      helper.isReady = false;
-      helper.port.postMessage({ ...message, turn });
-    });
+    for (const helper of [...helpers, gpu]) if (helper) helper.isReady = false;
+    log = [];
+    send({ ...message, turn });
+    gpu?.port.postMessage({ kind: "warm", turn });
     open(engine, message, true);
     shown = "";
     post({ kind: "opened" });
   } else {
-    helpers.forEach(({ port }) => port.postMessage(message));
+    send(message);
     engine.request(message.request);
     if (message.request.do === "look") shown = "";
   }
+}
+
+/** Sends something to all helpers, and keeps it for later ones. */
+function send(message) {
+  [...helpers, gpu].forEach((helper) => helper?.port.postMessage(message));
+  const { request } = message;
+  // Only the last of many places of a drag counts, and a picture between them changes nothing.
+  while (REPLACED.has(request?.do) && log.length > 1) {
+    const at = log.findLastIndex(({ kind }) => kind !== "follow");
+    const before = log[at].request;
+    if (before?.do !== request.do || before.number !== request.number) break;
+    log.length = at;
+    message = { ...message, request: { ...before, ...request } };
+  }
+  if (message.kind !== "follow" || log.at(-1)?.kind !== "follow") log.push(message);
+}
+
+// ---- WebGPU
+
+/** Switches it on, with the port of its worker, or off. */
+function switchGpu({ port, line }) {
+  if (!port) return leaveGpu(line);
+  const helper = { port, name: "", isReady: false, parts: null };
+  port.onmessage = ({ data }) => {
+    if (helper !== gpu) return;
+    if (data.kind === "device") helper.name = data.name;
+    else if (data.kind === "part") helper.parts?.(data.radiance);
+    else if (data.kind === "fault") leaveGpu(data.line);
+    else if (data.turn === turn && !helper.isReady) {
+      helper.isReady = true;
+      redraw();
+    }
+  };
+  gpu = helper;
+  log.forEach((message) => port.postMessage(message));
+  if (log.length) port.postMessage({ kind: "warm", turn });
+}
+
+/** Lets the CPU draw again, for a reason or since the user wants it. */
+function leaveGpu(line = null) {
+  const left = gpu;
+  gpu = null;
+  // No one waits for it any longer.
+  left?.parts?.(new Uint8Array());
+  post({ kind: "gpu", line });
+  redraw();
+}
+
+function redraw() {
+  engine.redraw();
+  shown = "";
+  run();
 }
 
 /** Lets messages in. */
@@ -141,10 +198,22 @@ function attempt(work) {
 
 /** Shades what comes next, with all hands; whether there was anything. */
 async function step() {
-  const ready = helpers.filter((helper) => helper.isReady);
+  const onGpu = gpu?.isReady ? gpu : null;
+  const ready = onGpu ? [] : helpers.filter((helper) => helper.isReady);
   const of = 1 + ready.length;
   const task = engine.task(of);
   if (!task) return false;
+  if (onGpu) {
+    const radiance = await new Promise((resolve) => {
+      onGpu.parts = resolve;
+      onGpu.port.postMessage({ kind: "shade", task, part: 0, of });
+    });
+    // It was left meanwhile: the picture begins anew.
+    if (onGpu !== gpu) return true;
+    engine.putPart(0, radiance);
+    if (engine.finish()) send({ kind: "follow" });
+    return true;
+  }
   const parts = ready.map(
     (helper, place) =>
       new Promise((resolve) => {
@@ -157,7 +226,7 @@ async function step() {
     const radiance = await part;
     if (radiance.length) engine.putPart(place + 1, radiance);
   }
-  if (engine.finish()) helpers.forEach(({ port }) => port.postMessage({ kind: "follow" }));
+  if (engine.finish()) send({ kind: "follow" });
   return true;
 }
 
@@ -171,6 +240,7 @@ function tell(isBusy) {
   const { edits, divisor, size } = report.picture;
   const now = `${turn} ${edits} ${divisor} ${size} ${report.exposure}`;
   const message = { kind: "report", report, isBusy: isBusy || inbox.length > 0, heard, hands: 1 + helpers.filter((helper) => helper.isReady).length };
+  message.gpu = gpu?.isReady ? gpu.name : null;
   const owned = [];
   if (now !== shown && size[0] > 0) {
     shown = now;

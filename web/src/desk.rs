@@ -2,6 +2,7 @@
 
 use crate::files::Given;
 use crate::gesture::Motion;
+use crate::host;
 use crate::request::Request;
 use glam::{Vec2, Vec3};
 use pictures::{Display, ToneMap};
@@ -78,7 +79,7 @@ impl Desk {
     fn of(scene: Scene, animation: Animation, leads: bool) -> Result<Self, RenderError> {
         // As `lobes render` draws it.
         let settings = Settings { samples: PixelSamples::Edges(8), ..Settings::default() };
-        let renderer = Renderer::new(scene, animation, settings)?;
+        let renderer = Renderer::with_backend(scene, animation, settings, host::backend()?)?;
         let (session, driver) = Session::driven(renderer);
         session.set_budget(BUDGET);
         let mut desk = Self {

@@ -2,28 +2,64 @@
 
 use std::sync::Once;
 
-// SAFETY: the page gives both when it instantiates the module. They take numbers alone; `complain` reads the text that it is given.
-#[link(wasm_import_module = "page")]
-unsafe extern "C" {
+#[cfg(feature = "gpu")]
+pub(crate) use crate::gpu::backend;
+
+#[cfg(not(feature = "gpu"))]
+mod page {
+    // SAFETY: the page gives both when it instantiates the module. They take numbers alone; `complain` reads the text that it is given.
+    #[link(wasm_import_module = "page")]
+    unsafe extern "C" {
+        /// Seconds since any moment.
+        pub(super) safe fn now() -> f64;
+        #[link_name = "complain"]
+        safe fn complain_of(text: *const u8, length: usize);
+    }
+
+    /// Passes a line of text on.
+    pub(super) fn complain(text: &str) {
+        complain_of(text.as_ptr(), text.len());
+    }
+}
+
+#[cfg(feature = "gpu")]
+mod page {
+    use wasm_bindgen::prelude::wasm_bindgen;
+
+    #[wasm_bindgen(js_namespace = globalThis)]
+    extern "C" {
+        /// Passes a line of text on: the worker has such a function.
+        pub(super) fn complain(text: &str);
+    }
+
+    #[wasm_bindgen(js_namespace = performance)]
+    extern "C" {
+        #[wasm_bindgen(js_name = now)]
+        fn milliseconds() -> f64;
+    }
+
     /// Seconds since any moment.
-    safe fn now() -> f64;
-    /// Passes a line of UTF-8 text on.
-    safe fn complain(text: *const u8, length: usize);
+    pub(super) fn now() -> f64 {
+        1e-3 * milliseconds()
+    }
 }
 
 /// Seconds since any moment.
 pub(crate) fn clock() -> f64 {
-    now()
+    page::now()
 }
 
 /// Sets the clock, and lets panics say why, once.
 pub(crate) fn hear_panics() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        scene::set_clock(|| now());
-        std::panic::set_hook(Box::new(|panic| {
-            let text = panic.to_string();
-            complain(text.as_ptr(), text.len());
-        }));
+        scene::set_clock(clock);
+        std::panic::set_hook(Box::new(|panic| page::complain(&panic.to_string())));
     });
+}
+
+/// The device of new scenes.
+#[cfg(not(feature = "gpu"))]
+pub(crate) fn backend() -> Result<renderer::Backend, renderer::RenderError> {
+    Ok(renderer::Backend::Cpu)
 }

@@ -6,12 +6,16 @@
 //! One instance leads: it decides which rows are shaded next ([`task`]), and makes the pictures ([`finish`]). Others may help: they are
 //! sent the same requests in the same order, and [`shade`] their parts of the rows.
 //!
-//! The same module is the [library] of the package for npm.
+//! The same module is the library of the package for npm. With the feature `gpu` it is another module, which is no library, shades on
+//! WebGPU, and needs the JavaScript that `wasm-bindgen` writes.
 
 mod desk;
 mod files;
 mod gesture;
+#[cfg(feature = "gpu")]
+mod gpu;
 mod host;
+#[cfg(not(feature = "gpu"))]
 mod library;
 mod page;
 mod report;
@@ -89,6 +93,12 @@ pub extern "C" fn finish() -> bool {
 #[unsafe(no_mangle)]
 pub extern "C" fn follow() {
     with(Page::follow);
+}
+
+/// Makes the picture anew, since another one shades it from now on.
+#[unsafe(no_mangle)]
+pub extern "C" fn redraw() {
+    with(Page::redraw);
 }
 
 /// The [`Report`](report::Report) of the scene and its newest picture.

@@ -7,6 +7,10 @@ use glam::Vec3;
 use renderer::{Image, RenderError};
 use session::Task;
 
+/// By how much the sides of the picture are shorter that warms a GPU up.
+#[cfg(feature = "gpu")]
+const COARSE: u32 = 8;
+
 /// The mail between JavaScript and the scene that is open.
 #[derive(Debug, Default)]
 pub(crate) struct Page {
@@ -68,15 +72,8 @@ impl Page {
 
     pub(crate) fn shade(&mut self, part: usize, of: usize) {
         self.reply.clear();
+        let Some(task) = self.task_of_part() else { return };
         let Some(desk) = &mut self.desk else { return };
-        // A helper is given the task, the leader has it.
-        let task = match serde_json::from_slice::<Rows>(&self.given) {
-            Ok(rows) if self.parts.is_empty() => rows.into(),
-            _ => match &self.task {
-                Some(task) => task.clone(),
-                None => return,
-            },
-        };
         let done = desk.driver.shade(&task, part, of);
         if let Ok(image) = &done {
             self.reply.extend_from_slice(bytemuck::cast_slice(&image.radiance));
@@ -84,6 +81,34 @@ impl Page {
         if let Some(place) = self.parts.get_mut(part) {
             *place = Some(done);
         }
+    }
+
+    /// The task of which a part is to be shaded: a helper is given it, the leader has it.
+    fn task_of_part(&self) -> Option<Task> {
+        match serde_json::from_slice::<Rows>(&self.given) {
+            Ok(rows) if self.parts.is_empty() => Some(rows.into()),
+            _ => self.task.clone(),
+        }
+    }
+
+    /// As [`shade`](Self::shade), for helpers on WebGPU. An error is a line for the user.
+    #[cfg(feature = "gpu")]
+    pub(crate) async fn shade_async(&mut self, part: usize, of: usize) -> Result<(), String> {
+        self.reply.clear();
+        let Some(task) = self.task_of_part() else { return Ok(()) };
+        let Some(desk) = &mut self.desk else { return Ok(()) };
+        let image = desk.driver.shade_async(&task, part, of).await.map_err(|error| error.to_string())?;
+        self.reply.extend_from_slice(bytemuck::cast_slice(&image.radiance));
+        Ok(())
+    }
+
+    /// Compiles the kernels of the scene, with the first rows of a coarse picture.
+    #[cfg(feature = "gpu")]
+    pub(crate) async fn warm_up(&mut self) -> Result<(), String> {
+        let Some(desk) = &mut self.desk else { return Ok(()) };
+        let size = desk.editor.scene().size.map(|side| (side as usize).div_ceil(COARSE as usize));
+        let task = Task { divisor: COARSE, size, rows: 0..size[1] };
+        desk.driver.shade_async(&task, 0, 1).await.map(drop).map_err(|error| error.to_string())
     }
 
     pub(crate) fn put_part(&mut self, part: usize) {
@@ -112,6 +137,12 @@ impl Page {
         if let Some(desk) = &mut self.desk {
             desk.driver.show_scene();
             desk.follow();
+        }
+    }
+
+    pub(crate) fn redraw(&mut self) {
+        if let Some(desk) = &mut self.desk {
+            desk.driver.redraw();
         }
     }
 

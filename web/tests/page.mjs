@@ -2,80 +2,15 @@
 // those of the command. Prints its figures.
 
 import assert from "node:assert/strict";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { createRequire } from "node:module";
-import { tmpdir } from "node:os";
+import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import test, { after, before } from "node:test";
-import { comparison } from "./compare.mjs";
-import { serve } from "./server.mjs";
+import { dragRate, launch, mark, report, shot, whole } from "./browser.mjs";
 
-const { DIST, CHROMIUM, MODULES, SHOTS } = process.env;
-const { chromium } = createRequire(join(MODULES, "x"))("playwright-core");
-const work = mkdtempSync(join(tmpdir(), "lobes-page-"));
-const compare = comparison(work);
-let server;
-let browser;
+let work, visit, difference, end;
 
-before(async () => {
-  server = await serve(DIST);
-  const args = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"];
-  browser = await chromium.launch({
-    executablePath: CHROMIUM,
-    args: [...args, "--disable-component-update", "--disable-sync"],
-  });
-});
-after(async () => {
-  await browser?.close();
-  server?.end();
-  rmSync(work, { recursive: true });
-});
-
-/** A new page that must not complain, nor load anything from elsewhere. */
-async function visit(query, viewport = { width: 1280, height: 720 }) {
-  const page = await browser.newPage({ viewport });
-  const faults = [];
-  page.on("pageerror", (error) => faults.push(String(error)));
-  page.on("console", (message) => message.type() === "error" && faults.push(message.text()));
-  page.on("request", (request) => {
-    const url = request.url();
-    if (!url.startsWith(server.address) && !/^(blob|data):/.test(url)) faults.push(`loads ${url}`);
-  });
-  await page.goto(server.address + query);
-  return { page, faults };
-}
-
-/** Waits for the whole picture with all that was done so far. */
-const whole = (page) => page.waitForFunction(() => globalThis.lobes?.isDone?.(), null, { timeout: 120_000, polling: 20 });
-
-const report = (page) => page.evaluate(() => globalThis.lobes.report);
-
-/** Where the light's mark is on the screen. */
-async function mark(page, light) {
-  const box = await page.locator("#overlay").boundingBox();
-  const { at } = (await report(page)).lights[light];
-  return [box.x + at[0], box.y + at[1]];
-}
-
-/** The difference from the command's picture of a scene. */
-async function difference(page, scene) {
-  const { size } = (await report(page)).picture;
-  const packed = await page.evaluate(async () => {
-    const bytes = new Uint8Array((await globalThis.lobes.radiance()).buffer);
-    let text = "";
-    for (let from = 0; from < bytes.length; from += 1 << 14) text += String.fromCharCode(...bytes.subarray(from, from + (1 << 14)));
-    return btoa(text);
-  });
-  const radiance = new Float32Array(Uint8Array.from(Buffer.from(packed, "base64")).buffer);
-  return compare(size, radiance, scene);
-}
-
-async function shot(page, name) {
-  if (!SHOTS) return;
-  // The hint fades.
-  await page.waitForTimeout(500);
-  await page.screenshot({ path: join(SHOTS, `${name}.png`) });
-}
+before(async () => ({ work, visit, difference, end } = await launch("--disable-gpu")));
+after(() => end?.());
 
 test("the first picture comes soon", async () => {
   const { page, faults } = await visit("");
@@ -121,20 +56,8 @@ test("pictures come while a lamp is dragged", async () => {
   const { page, faults } = await visit("?hands=1");
   await page.selectOption("#columns", "480");
   await whole(page);
-  const [x, y] = await mark(page, 1);
-  await page.mouse.move(x, y);
-  await page.mouse.down();
-  const count = () => page.evaluate(() => ({ ...globalThis.lobes.counts, now: performance.now() }));
-  const from = await count();
-  for (let step = 1, end = performance.now() + 4000; performance.now() < end; step++) {
-    await page.mouse.move(x - 60 + 60 * Math.cos(step / 20), y + 60 * Math.sin(step / 20));
-  }
-  const to = await count();
-  await page.mouse.up();
-  const seconds = (to.now - from.now) / 1000;
-  const divisors = ["1", "2", "4", "8"].filter((divisor) => (to[divisor] ?? 0) > (from[divisor] ?? 0));
-  const rate = divisors.reduce((sum, divisor) => sum + to[divisor] - (from[divisor] ?? 0), 0) / seconds;
-  console.log(`page: ${rate.toFixed(1)} pictures a second at 480 × 270 with one worker (1 : ${divisors.join(", 1 : ")})`);
+  const { rate, divisors } = await dragRate(page, 1, 4);
+  console.log(`page: ${rate.toFixed(1)} pictures a second at 480 × 270 with one worker (${divisors})`);
   assert.ok(rate >= 2, "even on a busy machine");
   assert.deepEqual(faults, []);
   await page.close();

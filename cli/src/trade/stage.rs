@@ -219,7 +219,7 @@ impl Timed<'_> {
 impl ShaderTask for Timed<'_> {
     type Output = Shot;
 
-    fn with<S: Shader>(self, shader: &mut S) -> Result<Shot, RenderError> {
+    async fn with<S: Shader>(self, shader: &mut S) -> Result<Shot, RenderError> {
         self.run(shader).map_err(Into::into)
     }
 }

@@ -85,6 +85,11 @@ pub trait Number {
 impl Number for f32 {
     fn write(&self, out: &mut String) {
         let finite = if self.is_nan() { 0.0 } else { self.clamp(Self::MIN, Self::MAX) };
+        if finite.abs() == Self::MAX {
+            // The shortest digits of the largest number are above it: browsers refuse them.
+            out.push_str(if finite < 0.0 { "-3.40282346e38f" } else { "3.40282346e38f" });
+            return;
+        }
         let _ = write!(out, "{finite:?}f");
     }
 }
@@ -166,6 +171,7 @@ mod tests {
 
     #[test]
     fn numbers_come_back_to_the_bit() {
+        assert_eq!(constant("X", &f32::INFINITY), "const X = 3.40282346e38f;\n");
         let mut random = crate::Random::new(5);
         for _ in 0..10_000 {
             let number = f32::from_bits(random.bits() as u32);

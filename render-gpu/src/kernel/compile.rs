@@ -15,7 +15,7 @@ impl Kernel {
         gpu.kernel_cache().get(text, || {
             gpu.kernels().compile(&text.name, || {
                 let kernel = Self::create(gpu, text)?;
-                if gpu.is_software() {
+                if gpu.is_mesa_software() {
                     kernel.run_empty(gpu)?;
                 }
                 Ok(kernel)
@@ -27,7 +27,7 @@ impl Kernel {
         let label = *label;
         // Mesa's software driver treats numbers in a uniform that decide loops and branches as constants, unrolls the loops, and
         // compiles the kernel again for each light. It does not do so with a storage buffer.
-        let is_storage = gpu.is_software();
+        let is_storage = gpu.is_mesa_software();
         let text = if is_storage { text.replace("var<uniform>", "var<storage, read>") } else { text.clone() };
         let access = |access: Access| if is_storage && access == Access::Uniform { Access::Read } else { access };
         let storage = bindings.iter().filter(|(_, of)| access(*of) != Access::Uniform).count() as u64;

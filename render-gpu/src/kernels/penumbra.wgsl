@@ -1,6 +1,12 @@
 // Shades one queued point with one workgroup: draws its mask of one light, and sums the visible fraction of each of its
 // reflectance lobes. As `Integrator::by_moments`. Calls the light's functions and brdf's.
 
+// The point of this workgroup. All threads load it at once, as the threads of all decisions do: browsers want proof that these meet at
+// barriers.
+var<workgroup> penumbra_point: u32;
+// There is none for this workgroup.
+const PENUMBRA_NONE = 0xffffffffu;
+
 @compute @workgroup_size(LANES)
 fn penumbra(
     @builtin(workgroup_id) group: vec3u,
@@ -8,10 +14,16 @@ fn penumbra(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let item = group.y * groups.x + group.x;
-    if (!decide(lane, item < atomicLoad(&queue.count))) {
+    if (lane == 0u) {
+        penumbra_point = PENUMBRA_NONE;
+        if (item < atomicLoad(&queue.count)) {
+            penumbra_point = queue_point(item);
+        }
+    }
+    let point = workgroupUniformLoad(&penumbra_point);
+    if (point == PENUMBRA_NONE) {
         return;
     }
-    let point = queue_point(item);
     let tile = point / 64u;
     let at = points[point];
     let light = light_cone(at);
