@@ -175,7 +175,7 @@ mod tests {
             let light = Sphere { center: Vec3::new(1.0, 2.0, 3.0), radius: 2.0 };
             let extent = LightExtent { sides: [along * 1.9, Vec3::ZERO], margin: 0.05 };
             let small = |p: Vec3| [Vec3::ZERO, 0.01 * u, 0.01 * v].map(|q| light.center + p + q);
-            let all = [0.1 * u, -0.2 * v + 1.9 * along, 0.9 * u, -0.8 * v - along].map(small);
+            let all = [0.05 * u, -0.2 * v + 1.9 * along, 0.9 * u, -0.8 * v - along].map(small);
             let shaft = Shaft::new(Sphere::default(), light, LightId(3)).with_extent(Some(extent));
             let mut near = NearLights::default();
             let near = near.enter(&shaft, |_, visit| all.into_iter().for_each(visit));
