@@ -9,7 +9,7 @@
 //!   grows while nothing else is to be done.
 //! - [`Trade`]: error against time of a scene, measured beside the session.
 //! - [`Snapshot`]: the scene that a picture shows, as lists; [`Editor`]: the same with all changes so far, for handles and sliders.
-//! - [`orbited`], [`panned`], [`zoomed`], [`framed`]: cameras that follow a pointer; [`Projection`]: from points to pixels and back;
+//! - [`orbited`], [`panned`], [`zoomed`], [`framed`], [`projected`]: cameras that follow a pointer; [`Projection`]: from points to pixels and back;
 //!   [`Handles`]: where lights and objects are taken hold of, and what drags do; [`lamp`]: the same light elsewhere, larger, brighter; [`gloss`]: the
 //!   same material sharper or duller; [`NewLight`], [`Primitive`]: lights and objects that a window adds.
 //!
@@ -57,7 +57,7 @@ pub use crate::edit::Edit;
 pub use crate::editor::Editor;
 pub use crate::handles::{Drag, Dragged, Grip, Handles};
 pub use crate::hemisphere::{Hemisphere, HemispherePixel};
-pub use crate::navigation::{framed, orbited, panned, zoomed};
+pub use crate::navigation::{framed, orbited, panned, projected, zoomed};
 pub use crate::new_light::NewLight;
 pub use crate::picture::Picture;
 pub use crate::primitive::Primitive;

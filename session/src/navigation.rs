@@ -7,6 +7,8 @@ use scene::{Bounds, Camera, Projection as Kind};
 
 /// The view comes no nearer to the camera's `up` than this, in radians.
 const POLE: f32 = 0.05;
+/// The vertical field of view of a camera that becomes a perspective one.
+const FIELD: f32 = 40.0 * PI / 180.0;
 
 /// The camera turned about its target: to the left by `turn.x` and upward by `turn.y`, in radians. It keeps its distance and stops
 /// before it looks straight up or down.
@@ -90,9 +92,46 @@ pub fn framed(camera: Camera, bounds: Bounds, size: Vec2) -> Camera {
     Camera { eye: center - distance * forward, target: center, ..camera }
 }
 
+/// The camera with another projection, by its [name](Kind::name): what is at the target keeps its size. A perspective camera that was none has a
+/// vertical field of view of 40° and moves back or forward; of a panorama 90° are seen as one. An unknown name changes nothing.
+#[must_use]
+pub fn projected(camera: Camera, name: &str) -> Camera {
+    let offset = camera.eye - camera.target;
+    let height = match camera.projection {
+        Kind::Perspective { vertical_fov } => 2.0 * offset.length() * (0.5 * vertical_fov).tan(),
+        Kind::Orthographic { height } => height,
+        Kind::Panoramic => 2.0 * offset.length(),
+    };
+    let changed = match name {
+        _ if name == camera.projection.name() => return camera,
+        "perspective" => {
+            let distance = height / (2.0 * (0.5 * FIELD).tan());
+            let eye = camera.target + distance * offset.normalize_or(Vec3::Z);
+            Camera { eye, projection: Kind::perspective(FIELD), ..camera }
+        }
+        "orthographic" => Camera { projection: Kind::Orthographic { height }, ..camera },
+        "panoramic" => Camera { projection: Kind::Panoramic, ..camera },
+        _ => return camera,
+    };
+    if changed.validate().is_ok() { changed } else { camera }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_projection_keeps_the_size_at_the_target() {
+        let size = |camera: Camera| Projection::new(camera, SIZE).pixel_size(camera.target);
+        let before = camera();
+        let flat = projected(before, "orthographic");
+        assert!((size(flat) / size(before) - 1.0).abs() < 1e-5 && flat.eye == before.eye);
+        let back = projected(zoomed(flat, 0.5), "perspective");
+        assert!((size(back) / size(before) - 0.5).abs() < 1e-5, "{back:?}");
+        assert_eq!(projected(before, "panoramic").projection, Kind::Panoramic);
+        assert_eq!(projected(projected(before, "panoramic"), "orthographic").eye, before.eye);
+        assert_eq!([projected(before, "perspective"), projected(before, "fisheye")], [before; 2]);
+    }
 
     const SIZE: Vec2 = Vec2::new(640.0, 360.0);
 

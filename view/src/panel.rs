@@ -10,7 +10,7 @@ use cosine_lobes::glam::{Mat4, Quat, Vec3};
 use cosine_lobes::lighting::Light;
 use cosine_lobes::renderer::{Device, LightHandle, Method, PixelSamples, Settings};
 use cosine_lobes::scene::Strategy;
-use cosine_lobes::session::{LightItem, NewLight, ObjectItem, Primitive, gloss, lamp};
+use cosine_lobes::session::{LightItem, NewLight, ObjectItem, Primitive, gloss, lamp, projected};
 use cosine_lobes::shading::Accuracy;
 use eframe::egui::emath::Numeric;
 use eframe::egui::{
@@ -173,6 +173,7 @@ fn settings(ui: &mut Ui, desk: &mut Desk) {
     rests(&response, desk);
     rests(&rays, desk);
     size(ui, desk);
+    projection(ui, desk);
 }
 
 fn method(ui: &mut Ui, now: &mut Settings) {
@@ -211,6 +212,22 @@ fn device(ui: &mut Ui, desk: &Desk, now: &mut Settings) {
             }
         });
         ui.label("device").on_hover_text(desk.editor.scene().device.clone());
+    });
+}
+
+fn projection(ui: &mut Ui, desk: &mut Desk) {
+    let camera = desk.editor.scene().camera;
+    let now = camera.projection.name();
+    ui.horizontal(|ui| {
+        ComboBox::from_id_salt("projection").selected_text(now).width(180.0).show_ui(ui, |ui| {
+            for name in ["perspective", "orthographic", "panoramic"] {
+                if ui.selectable_label(name == now, name).clicked() {
+                    desk.set_camera(projected(camera, name));
+                    desk.close_step();
+                }
+            }
+        });
+        ui.label("camera");
     });
 }
 

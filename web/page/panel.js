@@ -68,6 +68,7 @@ export class Panel {
       STRATEGIES.forEach(([value, name]) => find(id).add(new Option(name, value)));
       find(id).addEventListener("change", ({ target }) => send({ do: wish, name: target.value || null }));
     }
+    find("projection").addEventListener("change", ({ target }) => send({ do: "projection", name: target.value }));
     [...new Set([...(columns ? [columns] : []), ...COLUMNS])].forEach((count) => find("columns").add(new Option(`${count} wide`, count)));
     find("columns").value = columns || ((navigator.hardwareConcurrency || 2) > 4 ? 960 : 640);
     find("columns").addEventListener("change", () => send({ do: "columns", count: this.columns() }));
@@ -100,6 +101,7 @@ export class Panel {
     if (report.object) this.showObject(report.object);
     this.tolerance.show(report.tolerance);
     find("strategies").value = report.strategy ?? "";
+    find("projection").value = report.projection;
     this.metered = report.metered;
     document.querySelector('output[for="exposure"]').value = report.exposure.toFixed(1);
   }

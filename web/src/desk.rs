@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 use pictures::{Display, ToneMap};
 use renderer::{LightHandle, ObjectHandle, PixelSamples, RenderError, Renderer, Settings, Window, exposure_of};
 use scene::{Animation, Camera, Scene, Strategy};
-use session::{Driver, Editor, Probe, Projection, Session, Task, framed, gloss, lamp};
+use session::{Driver, Editor, Probe, Projection, Session, Task, framed, gloss, lamp, projected};
 use shading::Accuracy;
 use std::collections::HashMap;
 
@@ -168,6 +168,10 @@ impl Desk {
             Request::Strategies { name } => {
                 let strategy = named(name.as_deref())?;
                 self.change_settings(|settings| settings.strategy = strategy);
+                self.close_step();
+            }
+            Request::Projection { name } => {
+                self.set_camera(projected(self.editor.scene().camera, &name));
                 self.close_step();
             }
             Request::Tolerance { value } => {

@@ -28,6 +28,7 @@ pub(crate) struct Report {
     objects: usize,
     tolerance: f32,
     strategy: Option<&'static str>,
+    projection: &'static str,
     exposure: f32,
     metered: f32,
     /// Numbers of steps that can be taken back, and made again.
@@ -154,6 +155,7 @@ impl Desk {
             objects: scene.objects.len(),
             tolerance: scene.settings.accuracy.tolerance,
             strategy: scene.settings.strategy.map(scene::Strategy::name),
+            projection: scene.camera.projection.name(),
             exposure: self.display.exposure,
             metered: self.metered,
             steps: scene.steps,

@@ -62,6 +62,10 @@ pub(crate) enum Request {
     Strategies {
         name: Option<String>,
     },
+    /// The camera's projection.
+    Projection {
+        name: String,
+    },
     /// The tolerance of shadows.
     Tolerance {
         value: f32,

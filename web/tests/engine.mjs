@@ -182,6 +182,10 @@ test("settings, lights and sizes change pictures; strategies agree", async () =>
   assert.ok(exact > 0 && none > 4 * exact, `${exact} ${none}`);
   engine.request({ do: "strategies", name: null });
   assert.deepEqual(now(), before);
+  engine.request({ do: "projection", name: "orthographic" });
+  assert.ok(most(now(), before) > 0.05 && engine.report().projection === "orthographic");
+  engine.request({ do: "undo" });
+  assert.deepEqual(now(), before);
   engine.request({ do: "light", number: 0, size: 0.2 });
   assert.ok(most(now(), before) > 0.05);
   assert.ok(Math.abs(engine.report().lights[0].size - 0.2) < 1e-6);
