@@ -7,6 +7,7 @@ use crate::input;
 use crate::moment;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Geometry, REPLICATES, Reference, ReferenceJob};
+use cosine_lobes::render_cpu::PixelSamples;
 use cosine_lobes::renderer::{Plan, exposure};
 use cosine_lobes::scene::{BlockerSet, Scene, Strategy};
 use cosine_lobes::{ExrLayer, Picture};
@@ -23,12 +24,7 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     files::distinct(&args.output, &view.file)?;
     let (mut scene, animation) = input::view(view)?;
     let moment = moment::single(view.clock, &animation)?;
-    let points = u64::from(scene.width) * u64::from(scene.height) * u64::from(view.samples().usual());
-    if points > MAX_POINTS {
-        return Err(Failure::new(format_args!(
-            "{points} camera rays are too many for a reference, at most {MAX_POINTS}"
-        )));
-    }
+    check_size(&scene, view.samples())?;
     let files = Files::create(&args.output, None)?;
     let planned = |scene: &Scene| Plan::new((args.geometry != Choice::Scene).then_some(Strategy::Spheres), scene);
     let mut blockers = BlockerSet::default();
@@ -63,23 +59,7 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let mut reference = Reference::new(job);
 
     let checkpoint = checkpoint_path(&args.output[0]);
-    let all = reference.work(args.spp);
-    let done = |r: &Reference<'_>| 100.0 * (1.0 - r.work(args.spp) as f64 / all.max(1) as f64);
-    if checkpoint::resume(&mut reference, &checkpoint, view.quiet)? && !view.quiet {
-        note(format_args!("lobes: goes on from {}, {:.1} % done", checkpoint.display(), done(&reference)));
-    }
-    let start = Instant::now();
-    console::stoppable(|| checkpoint::advance(&mut reference, args.spp, &checkpoint, "sampling", view.quiet))?;
-    let seconds = start.elapsed().as_secs_f64();
-    if reference.samples() < args.spp {
-        checkpoint::save(&reference, &checkpoint)?;
-        return Err(Failure::interrupted(format_args!(
-            "{:.1} % of the work is kept in {}; the same command goes on from there",
-            done(&reference),
-            checkpoint.display()
-        )));
-    }
-
+    let seconds = sample(args, &mut reference, &checkpoint)?;
     let mut estimate = reference.estimate();
     gbuffer.add_emission(&mut estimate.radiance);
     gbuffer.add_emission(&mut estimate.unshadowed);
@@ -97,26 +77,68 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         let _ = std::fs::remove_file(&checkpoint);
     }
 
-    let mean = |values: &[Vec3]| {
-        values.iter().map(|v| f64::from(v.x + v.y + v.z)).sum::<f64>() / (3.0 * values.len().max(1) as f64)
-    };
+    let counts = [gbuffer.len(), blockers.spheres.len(), world.triangle_count(), scene.lights.len()];
+    report(args, counts, seconds, [mean(&std_error), mean(picture.pixels())])
+}
+
+fn check_size(scene: &Scene, samples: PixelSamples) -> Result<(), Failure> {
+    let points = u64::from(scene.width) * u64::from(scene.height) * u64::from(samples.usual());
+    if points > MAX_POINTS {
+        return Err(Failure::new(format_args!(
+            "{points} camera rays are too many for a reference, at most {MAX_POINTS}"
+        )));
+    }
+    Ok(())
+}
+
+/// Takes all samples that are not in the checkpoint; the seconds.
+fn sample(args: &ReferenceArgs, reference: &mut Reference<'_>, checkpoint: &Path) -> Result<f64, Failure> {
+    let is_quiet = args.view.quiet;
+    let all = reference.work(args.spp);
+    let done = |r: &Reference<'_>| 100.0 * (1.0 - r.work(args.spp) as f64 / all.max(1) as f64);
+    if checkpoint::resume(reference, checkpoint, is_quiet)? && !is_quiet {
+        note(format_args!("lobes: goes on from {}, {:.1} % done", checkpoint.display(), done(reference)));
+    }
+    let start = Instant::now();
+    console::stoppable(|| checkpoint::advance(reference, args.spp, checkpoint, "sampling", is_quiet))?;
+    if reference.samples() < args.spp {
+        checkpoint::save(reference, checkpoint)?;
+        return Err(Failure::interrupted(format_args!(
+            "{:.1} % of the work is kept in {}; the same command goes on from there",
+            done(reference),
+            checkpoint.display()
+        )));
+    }
+    Ok(start.elapsed().as_secs_f64())
+}
+
+fn mean(values: &[Vec3]) -> f64 {
+    values.iter().map(|v| f64::from(v.x + v.y + v.z)).sum::<f64>() / (3.0 * values.len().max(1) as f64)
+}
+
+/// Prints the numbers of points, spheres, triangles and lights, the seconds, and the means of the standard error and of the radiance.
+fn report(
+    args: &ReferenceArgs,
+    [points, spheres, triangles, lights]: [usize; 4],
+    seconds: f64,
+    [mean_error, mean_radiance]: [f64; 2],
+) -> Result<(), Failure> {
     let samples = args.spp.next_multiple_of(REPLICATES);
-    let (mean_error, mean_radiance) = (mean(&std_error), mean(picture.pixels()));
-    if view.json {
+    if args.view.json {
         say(serde_json::to_string_pretty(&json!({
             "geometry": if args.unshadowed { "none".to_owned() } else { name(&args.geometry) },
             "spp": samples,
-            "points": gbuffer.len(),
-            "spheres": blockers.spheres.len(),
-            "triangles": world.triangle_count(),
-            "lights": scene.lights.len(),
+            "points": points,
+            "spheres": spheres,
+            "triangles": triangles,
+            "lights": lights,
             "seconds": seconds,
             "stderr": mean_error,
             "mean": mean_radiance,
         }))?);
-    } else if !view.quiet {
+    } else if !args.view.quiet {
         let relative = if mean_radiance > 0.0 { 100.0 * mean_error / mean_radiance } else { 0.0 };
-        say(format_args!("{samples} samples, {} points, {seconds:.2} s", gbuffer.len()));
+        say(format_args!("{samples} samples, {points} points, {seconds:.2} s"));
         say(format_args!("standard error {mean_error:.3e}, {relative:.4} % of the mean radiance {mean_radiance:.6}"));
     }
     Ok(())

@@ -8,7 +8,7 @@ use crate::moment::{self, Moment};
 use crate::stamp::Stamp;
 use crate::stats::{self, Figures};
 use crate::teller::Teller;
-use cosine_lobes::renderer::{Band, Layers, Settings, seconds};
+use cosine_lobes::renderer::{Band, ImageStats, Layers, Renderer, Settings, seconds};
 use cosine_lobes::{ExrLayer, ExrPart, ImageFileError, Output, Window, sweep_unfinished};
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -73,20 +73,7 @@ fn pictures(args: &RenderArgs) -> Result<(), Failure> {
     for moment in &moments {
         let files = opened.take().map_or_else(|| open(moment), Ok)?;
         renderer.seek(moment.time);
-        let names = channels(args.layers.then_some(renderer.scene().lights.len()));
-        // A part of a picture carries the exposure for `merge`.
-        let kept = exposure.filter(|_| !window.is_whole());
-        let mut stream = files.stream(window.clone(), &args.png.display(exposure.unwrap_or_default()), kept, &names)?;
-        let stats = renderer.render_bands(&window, &mut |event| teller.hear(event), &mut |band| {
-            // The stream reports the reason when it is finished.
-            match stream.send(part(band)) {
-                true => ControlFlow::Continue(()),
-                false => ControlFlow::Break(()),
-            }
-        })?;
-        let mut write = 0.0;
-        seconds(&mut write, || stream.finish())?;
-        figures.pictures.push((stats, write));
+        figures.pictures.push(picture(args, &mut renderer, &window, files, exposure, &mut teller)?);
         teller.next_picture();
     }
     teller.end();
@@ -94,16 +81,45 @@ fn pictures(args: &RenderArgs) -> Result<(), Failure> {
     figures.exposure = exposure;
     figures.compiled = device::kernels(renderer.backend());
     figures.clocks = renderer.clocks();
-    let stats = stats::summary(args, renderer.scene(), &window, &figures);
-    if let Some(output) = stats_file {
-        let text = serde_json::to_string_pretty(&stats)?;
+    report(args, &stats::summary(args, renderer.scene(), &window, &figures), stats_file)
+}
+
+/// Renders one picture into its files; its figures and the seconds of writing.
+fn picture(
+    args: &RenderArgs,
+    renderer: &mut Renderer,
+    window: &Window,
+    files: Files,
+    exposure: Option<f32>,
+    teller: &mut Teller,
+) -> Result<(ImageStats, f64), Failure> {
+    let names = channels(args.layers.then_some(renderer.scene().lights.len()));
+    // A part of a picture carries the exposure for `merge`.
+    let kept = exposure.filter(|_| !window.is_whole());
+    let mut stream = files.stream(window.clone(), &args.png.display(exposure.unwrap_or_default()), kept, &names)?;
+    let stats = renderer.render_bands(window, &mut |event| teller.hear(event), &mut |band| {
+        // The stream reports the reason when it is finished.
+        match stream.send(part(band)) {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
+        }
+    })?;
+    let mut write = 0.0;
+    seconds(&mut write, || stream.finish())?;
+    Ok((stats, write))
+}
+
+/// Writes and prints the figures of a run.
+fn report(args: &RenderArgs, stats: &serde_json::Value, file: Option<Output>) -> Result<(), Failure> {
+    if let Some(output) = file {
+        let text = serde_json::to_string_pretty(stats)?;
         let path = output.path().to_owned();
         output.finish(|file| writeln!(file, "{text}").map_err(|source| ImageFileError::Io { path, source }))?;
     }
     if args.view.json {
-        say(serde_json::to_string_pretty(&stats)?);
-    } else if !quiet {
-        stats::print(args, &stats);
+        say(serde_json::to_string_pretty(stats)?);
+    } else if !args.view.quiet {
+        stats::print(args, stats);
     }
     Ok(())
 }

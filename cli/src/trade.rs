@@ -11,6 +11,7 @@ mod truth;
 
 use self::record::Record;
 use self::row::Row;
+use self::setting::Setting;
 use self::stage::Stage;
 use self::truth::Truth;
 use crate::args::{Method, TradeArgs, TradeDevice, TradeGeometry, Visibility, name};
@@ -33,12 +34,7 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     let (mut scene, animation) = input::view(view)?;
     let moment = moment::single(view.clock, &animation)?;
     let samples = view.samples.unwrap_or(1);
-    let points = u64::from(scene.width) * u64::from(scene.height) * u64::from(samples);
-    if points > MAX_POINTS {
-        return Err(Failure::new(format_args!(
-            "{points} points are too many for a sweep, at most {MAX_POINTS} (--size)"
-        )));
-    }
+    check_size(&scene, samples)?;
     let strategies = strategies(args, &scene)?;
     let gpu = if args.device.contains(&TradeDevice::Gpu) { device::gpu(view.quiet)? } else { Backend::Cpu };
     let failed = |e: std::io::Error| Failure::new(format_args!("{}: {e}", args.output.display()));
@@ -68,39 +64,9 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     let settings = setting::all(args, &strategies, &gpu.name());
     let mut record = Record::open(&args.output, &stamp, view.quiet);
     let mut stage = Stage::new(args, &world, &gbuffer, &blockers, &sets, gbuffer_times[1], gpu);
-    let left = |record: &Record| settings.iter().filter(|s| record.find(s).is_none()).count();
-    if settings.iter().any(|s| s.method == "paper") && (left(&record) > 0 || !args.output.join("sheet.png").exists()) {
-        let mut teller = Teller::new(view.quiet);
-        stage.tables = Some(paper_tables(input::cache_folder().as_deref(), &mut |event| teller.hear(event))?);
-        teller.end();
-    }
-    let title = scene_name(args);
-    console::stoppable(|| -> Result<(), Failure> {
-        let bar = console::progress("measuring", left(&record) as u64, view.quiet);
-        for setting in &settings {
-            if record.find(setting).is_some() {
-                continue;
-            }
-            let shot = stage.shoot(setting)?;
-            // A measurement that was cut short is no row.
-            if STOP.is_cancelled() {
-                break;
-            }
-            record.add(Row::new(&title, setting, &shot, &stage, &truth, &stamp)?)?;
-            bar.inc(1);
-        }
-        bar.finish_and_clear();
-        Ok(())
-    })?;
-    let missing = left(&record);
-    if missing > 0 {
-        let (done, all) = (settings.len() - missing, settings.len());
-        return Err(Failure::interrupted(format_args!(
-            "{done} of {all} rows are kept in {}; the same command goes on from there",
-            record.path().display()
-        )));
-    }
+    measure(args, &mut stage, &settings, &truth, &mut record, &stamp)?;
     // Rows of other settings than this run's are kept, and shown.
+    let title = scene_name(args);
     let about = stage.about(&title, &truth);
     record.write_tables(&about, stage.points())?;
     plot::write(&args.output, &title, record.rows())?;
@@ -112,6 +78,61 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
             say(row.sentence());
         }
         say(format_args!("{}: {} rows", args.output.display(), record.rows().len()));
+    }
+    Ok(())
+}
+
+fn check_size(scene: &Scene, samples: u32) -> Result<(), Failure> {
+    let points = u64::from(scene.width) * u64::from(scene.height) * u64::from(samples);
+    if points > MAX_POINTS {
+        return Err(Failure::new(format_args!(
+            "{points} points are too many for a sweep, at most {MAX_POINTS} (--size)"
+        )));
+    }
+    Ok(())
+}
+
+/// Measures the settings that have no row yet.
+fn measure(
+    args: &TradeArgs,
+    stage: &mut Stage<'_>,
+    settings: &[Setting],
+    truth: &Truth,
+    record: &mut Record,
+    stamp: &str,
+) -> Result<(), Failure> {
+    let is_quiet = args.view.quiet;
+    let left = |record: &Record| settings.iter().filter(|s| record.find(s).is_none()).count();
+    if settings.iter().any(|s| s.method == "paper") && (left(record) > 0 || !args.output.join("sheet.png").exists()) {
+        let mut teller = Teller::new(is_quiet);
+        stage.tables = Some(paper_tables(input::cache_folder().as_deref(), &mut |event| teller.hear(event))?);
+        teller.end();
+    }
+    let title = scene_name(args);
+    console::stoppable(|| -> Result<(), Failure> {
+        let bar = console::progress("measuring", left(record) as u64, is_quiet);
+        for setting in settings {
+            if record.find(setting).is_some() {
+                continue;
+            }
+            let shot = stage.shoot(setting)?;
+            // A measurement that was cut short is no row.
+            if STOP.is_cancelled() {
+                break;
+            }
+            record.add(Row::new(&title, setting, &shot, stage, truth, stamp)?)?;
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        Ok(())
+    })?;
+    let missing = left(record);
+    if missing > 0 {
+        let (done, all) = (settings.len() - missing, settings.len());
+        return Err(Failure::interrupted(format_args!(
+            "{done} of {all} rows are kept in {}; the same command goes on from there",
+            record.path().display()
+        )));
     }
     Ok(())
 }

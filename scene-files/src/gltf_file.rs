@@ -131,14 +131,7 @@ fn document(
     wanted: Option<&str>,
     context: &mut Context,
 ) -> Result<Read, String> {
-    let asset = &root.asset;
-    if !asset.version.starts_with("2.") || asset.min_version.as_deref().is_some_and(|v| v != "2.0") {
-        let version = asset.min_version.as_deref().unwrap_or(&asset.version);
-        return Err(wrong_version(version));
-    }
-    if let Some(name) = Extensions::missing(root) {
-        return Err(format!("requires the extension {name}, which is not supported"));
-    }
+    check_needs(root)?;
     let buffers = Buffers::load(&context.files, path, root, chunk)?;
     // The tree comes first, so that a wrong reference of a node is reported as that node's fault.
     let mut skeleton = animated(path, root, json, &buffers, wanted, context)?;
@@ -188,19 +181,7 @@ fn document(
     if parts.is_empty() && shown.iter().any(|&(n, is_visible)| !is_visible && root.nodes[n].mesh.is_some()) {
         return Err("no triangles: its meshes are in nodes that are not visible".to_owned());
     }
-    let Notes { skipped, reduced, uneven, broken } = reader.notes;
-    context.tell_broken(path, broken + reader.shared.broken);
-    if skipped > 0 {
-        context.warn(path, format!("{skipped} primitives that are points or lines were left out"));
-    }
-    if reduced > 0 {
-        context.warn(path, format!("{reduced} vertices have more than 4 joints: those that count most are kept"));
-    }
-    if uneven > 0 {
-        context.warn(path, format!("joint weights of {uneven} vertices do not add up to 1: they are made to"));
-    }
-    reader.images.notes.iter().for_each(|note| context.warn(path, note));
-    reader.extensions.tell(path, context);
+    reader.tell(path, context);
     if let Some(document) = &mut context.document {
         let external = |uri: &&String| !uri.starts_with("data:");
         let image = |uri: &String| read_uri(&context.files, path, uri).ok();
@@ -213,6 +194,17 @@ fn document(
         context.skeletons.push(reader.skeleton);
     }
     Ok(Read { parts, camera, moving_camera, lights })
+}
+
+/// Refuses files of other versions, and those that require unknown extensions.
+fn check_needs(root: &Root) -> Result<(), String> {
+    let asset = &root.asset;
+    if !asset.version.starts_with("2.") || asset.min_version.as_deref().is_some_and(|v| v != "2.0") {
+        let version = asset.min_version.as_deref().unwrap_or(&asset.version);
+        return Err(wrong_version(version));
+    }
+    Extensions::missing(root)
+        .map_or(Ok(()), |name| Err(format!("requires the extension {name}, which is not supported")))
 }
 
 /// The nodes with the requested clip, else with the first one that moves anything. A fault in this clip is a fault of the
@@ -309,6 +301,23 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
+    /// Tells what was left out or changed.
+    fn tell(&self, path: &Path, context: &mut Context) {
+        let Notes { skipped, reduced, uneven, broken } = self.notes;
+        context.tell_broken(path, broken + self.shared.broken);
+        if skipped > 0 {
+            context.warn(path, format!("{skipped} primitives that are points or lines were left out"));
+        }
+        if reduced > 0 {
+            context.warn(path, format!("{reduced} vertices have more than 4 joints: those that count most are kept"));
+        }
+        if uneven > 0 {
+            context.warn(path, format!("joint weights of {uneven} vertices do not add up to 1: they are made to"));
+        }
+        self.images.notes.iter().for_each(|note| context.warn(path, note));
+        self.extensions.tell(path, context);
+    }
+
     /// Appends the meshes of a node, as they are at the first moment.
     fn parts_of(
         &mut self,

@@ -54,49 +54,7 @@ pub(crate) fn obj_text(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError
 
 /// The meshes of a file: one for each material in use, or a single one where there are no materials.
 pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Vec<Part>, SceneError> {
-    let mut lists = Lists::default();
-    let mut groups = Groups::default();
-    let (mut short, mut infinite) = (0, 0);
-
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    // Bare carriage returns end lines too, and a backslash at the end of a line joins it with the next.
-    let unified = if text.contains('\r') {
-        Cow::Owned(text.replace("\r\n", "\n").replace('\r', "\n"))
-    } else {
-        Cow::Borrowed(text)
-    };
-    let mut face: Vec<Corner> = Vec::new();
-    let mut lines = 0;
-    for run in obj_lines::read(&unified, context.origin) {
-        let base = lists.counts();
-        lists.append(&run);
-        let mut others = run.others.iter().peekable();
-        let mut begin = 0;
-        for (number, line) in run.faces.iter().enumerate() {
-            while let Some(other) = others.next_if(|other| other.faces <= number) {
-                groups.read(path, &other.text, context);
-            }
-            face.clear();
-            let counts = [0, 1, 2].map(|k| base[k] + line.before[k] as usize);
-            for corner in &run.corners[begin..line.end] {
-                let fault = |message: String| SceneError::at_line(path, lines + line.line as usize, message);
-                face.push(resolved(corner, counts).map_err(fault)?);
-            }
-            begin = line.end;
-            if face.len() < 3 {
-                short += 1;
-            } else if !face.iter().all(|c| lists.positions[c.0 as usize].is_finite()) {
-                infinite += 1;
-            } else {
-                groups.add(&face, &lists.positions);
-            }
-        }
-        others.for_each(|other| groups.read(path, &other.text, context));
-        if let Some((line, message)) = run.fault {
-            return Err(SceneError::at_line(path, lines + line, message));
-        }
-        lines += run.lines;
-    }
+    let (mut lists, groups, [short, infinite]) = read(path, text, context)?;
     let Groups { names, lists: mut groups, libraries, .. } = groups;
     let looks = libraries.looks(path, context)?;
     let mut left_out = vec![
@@ -144,6 +102,54 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
         part.name = name;
     }
     Ok(parts)
+}
+
+/// All numbers and faces of a file, and how many faces were left out for each of two reasons: too few corners, and infinite ones.
+fn read(path: &Path, text: &str, context: &mut Context) -> Result<(Lists, Groups, [usize; 2]), SceneError> {
+    let mut lists = Lists::default();
+    let mut groups = Groups::default();
+    let (mut short, mut infinite) = (0, 0);
+
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    // Bare carriage returns end lines too, and a backslash at the end of a line joins it with the next.
+    let unified = if text.contains('\r') {
+        Cow::Owned(text.replace("\r\n", "\n").replace('\r', "\n"))
+    } else {
+        Cow::Borrowed(text)
+    };
+    let mut face: Vec<Corner> = Vec::new();
+    let mut lines = 0;
+    for run in obj_lines::read(&unified, context.origin) {
+        let base = lists.counts();
+        lists.append(&run);
+        let mut others = run.others.iter().peekable();
+        let mut begin = 0;
+        for (number, line) in run.faces.iter().enumerate() {
+            while let Some(other) = others.next_if(|other| other.faces <= number) {
+                groups.read(path, &other.text, context);
+            }
+            face.clear();
+            let counts = [0, 1, 2].map(|k| base[k] + line.before[k] as usize);
+            for corner in &run.corners[begin..line.end] {
+                let fault = |message: String| SceneError::at_line(path, lines + line.line as usize, message);
+                face.push(resolved(corner, counts).map_err(fault)?);
+            }
+            begin = line.end;
+            if face.len() < 3 {
+                short += 1;
+            } else if !face.iter().all(|c| lists.positions[c.0 as usize].is_finite()) {
+                infinite += 1;
+            } else {
+                groups.add(&face, &lists.positions);
+            }
+        }
+        others.for_each(|other| groups.read(path, &other.text, context));
+        if let Some((line, message)) = run.fault {
+            return Err(SceneError::at_line(path, lines + line, message));
+        }
+        lines += run.lines;
+    }
+    Ok((lists, groups, [short, infinite]))
 }
 
 /// One vertex for each combination of position, normal and texture coordinates in use; these last where all corners have them and

@@ -77,89 +77,32 @@ impl SphereSet {
     }
 
     pub(crate) fn read(text: &str) -> Result<(Self, Option<Bones>), SetFileError> {
-        let refuse = |message: String| Err(SetFileError { message });
-        // The format's name is checked first: other JSON is refused by its format and not by a missing key.
-        let mut value = parse(text).map_err(|error| SetFileError { message: format!("not JSON: {error}") })?;
-        match value.get("format").map(|format| format.as_str()) {
-            Some(Some(FORMAT)) => {}
-            None => return refuse(format!("no \"format\" key; it should be \"{FORMAT}\"")),
-            Some(_) => return refuse(format!("\"format\" should be \"{FORMAT}\"")),
-        }
-        match value.get("version").map(serde_json::Value::as_u64) {
-            Some(Some(version)) if version == u64::from(VERSION) => {}
-            Some(Some(version)) => return refuse(format!("version {version} is not known, only {VERSION}")),
-            _ => return refuse(format!("\"version\" should be {VERSION}")),
-        }
-        if let Some(keys) = value.as_object_mut() {
-            keys.remove("format");
-            keys.remove("version");
-        }
-        // Error messages quote keys of the file, which may hold any characters.
-        let one_line = |error: serde_json::Error| error.to_string().replace(char::is_control, " ");
-        let file: File = serde_json::from_value(value).map_err(|error| SetFileError { message: one_line(error) })?;
-
-        let length = |what: &str, value: f32| {
-            let message = match value {
-                _ if !value.is_finite() => format!("{what} is not a finite number"),
-                _ if value < 0.0 => format!("{what} is {value}, but should not be negative"),
-                _ => return Ok(()),
-            };
-            Err(SetFileError { message })
-        };
-        length("self_distance", file.self_distance)?;
+        let file = file(text)?;
         let quality = file.quality;
-        length("coverage", quality.coverage)?;
-        length("protrusion_volume", quality.protrusion_volume)?;
-        length("hausdorff_outside", quality.hausdorff_outside)?;
-        length("p95_gap", quality.p95_gap)?;
-        length("silhouette_error", quality.silhouette_error)?;
+        for (what, value) in [
+            ("self_distance", file.self_distance),
+            ("coverage", quality.coverage),
+            ("protrusion_volume", quality.protrusion_volume),
+            ("hausdorff_outside", quality.hausdorff_outside),
+            ("p95_gap", quality.p95_gap),
+            ("silhouette_error", quality.silhouette_error),
+        ] {
+            check_length(what, value)?;
+        }
         let bounds = file.mesh.bounds.map(Vec3::from_array);
         if !(bounds[0].is_finite() && bounds[1].is_finite() && bounds[0].cmple(bounds[1]).all()) {
-            return refuse("the mesh's bounds are not a box".to_owned());
+            return refuse("the mesh's bounds are not a box");
         }
         if file.spheres.is_empty() {
-            return refuse("there are no spheres".to_owned());
+            return refuse("there are no spheres");
         }
-        let mut spheres = Vec::with_capacity(file.spheres.len());
-        for (i, row) in file.spheres.into_iter().enumerate() {
-            let mut numbers = [0.0_f32; 4];
-            for (number, value) in numbers.iter_mut().zip(&row) {
-                // A null was not a number when the file was written.
-                match (value.as_f64(), value.is_null()) {
-                    (Some(value), _) => *number = value as f32,
-                    (None, true) => *number = f32::NAN,
-                    (None, false) => return refuse(format!("sphere {i} should be four numbers, not {value}")),
-                }
-            }
-            let [x, y, z, radius] = numbers;
-            let center = Vec3::new(x, y, z);
-            if !center.is_finite() {
-                return refuse(format!("the centre of sphere {i} is not finite"));
-            }
-            length(&format!("the radius of sphere {i}"), radius)?;
-            spheres.push(Sphere { center, radius });
-        }
+        let spheres: Vec<Sphere> =
+            file.spheres.iter().enumerate().map(|(i, row)| sphere(i, row)).collect::<Result<_, _>>()?;
         if !file.self_shadows.is_empty() && file.self_shadows.len() != spheres.len() {
             return refuse(format!("there are {} self_shadows for {} spheres", file.self_shadows.len(), spheres.len()));
         }
-        let mut self_shadows = Vec::with_capacity(file.self_shadows.len());
-        for (i, row) in file.self_shadows.into_iter().enumerate() {
-            let (offset, radius, distance) = match row[..] {
-                [x, y, z, radius, distance] => (Vec3::new(x, y, z), radius, distance),
-                // Older files: about the sphere's own centre.
-                [radius, distance] => (Vec3::ZERO, radius, distance),
-                _ => return refuse(format!("self_shadow {i} should be five numbers, not {}", row.len())),
-            };
-            if !(0.0..=1.0).contains(&radius) {
-                return refuse(format!("the radius of self_shadow {i} is {radius}, but should be 0 to 1"));
-            }
-            length(&format!("the distance of self_shadow {i}"), distance)?;
-            // Allows for the rounding of numbers in the file.
-            if !offset.is_finite() || offset.length() + radius > 1.001 {
-                return refuse(format!("the ball of self_shadow {i} reaches out of its sphere"));
-            }
-            self_shadows.push(SelfShadow { offset, radius, distance });
-        }
+        let self_shadows =
+            file.self_shadows.iter().enumerate().map(|(i, row)| self_shadow(i, row)).collect::<Result<_, _>>()?;
         if let Some(bones) = &file.bones {
             bones.check(spheres.len())?;
         }
@@ -173,6 +116,78 @@ impl SphereSet {
         };
         Ok((set, file.bones))
     }
+}
+
+fn refuse<T>(message: impl Into<String>) -> Result<T, SetFileError> {
+    Err(SetFileError { message: message.into() })
+}
+
+/// A file of this format and version.
+fn file(text: &str) -> Result<File, SetFileError> {
+    // The format's name is checked first: other JSON is refused by its format and not by a missing key.
+    let mut value = parse(text).map_err(|error| SetFileError { message: format!("not JSON: {error}") })?;
+    match value.get("format").map(|format| format.as_str()) {
+        Some(Some(FORMAT)) => {}
+        None => return refuse(format!("no \"format\" key; it should be \"{FORMAT}\"")),
+        Some(_) => return refuse(format!("\"format\" should be \"{FORMAT}\"")),
+    }
+    match value.get("version").map(serde_json::Value::as_u64) {
+        Some(Some(version)) if version == u64::from(VERSION) => {}
+        Some(Some(version)) => return refuse(format!("version {version} is not known, only {VERSION}")),
+        _ => return refuse(format!("\"version\" should be {VERSION}")),
+    }
+    if let Some(keys) = value.as_object_mut() {
+        keys.remove("format");
+        keys.remove("version");
+    }
+    // Error messages quote keys of the file, which may hold any characters.
+    let one_line = |error: serde_json::Error| error.to_string().replace(char::is_control, " ");
+    serde_json::from_value(value).map_err(|error| SetFileError { message: one_line(error) })
+}
+
+fn check_length(what: &str, value: f32) -> Result<(), SetFileError> {
+    match value {
+        _ if !value.is_finite() => refuse(format!("{what} is not a finite number")),
+        _ if value < 0.0 => refuse(format!("{what} is {value}, but should not be negative")),
+        _ => Ok(()),
+    }
+}
+
+fn sphere(i: usize, row: &[serde_json::Value; 4]) -> Result<Sphere, SetFileError> {
+    let mut numbers = [0.0_f32; 4];
+    for (number, value) in numbers.iter_mut().zip(row) {
+        // A null was not a number when the file was written.
+        match (value.as_f64(), value.is_null()) {
+            (Some(value), _) => *number = value as f32,
+            (None, true) => *number = f32::NAN,
+            (None, false) => return refuse(format!("sphere {i} should be four numbers, not {value}")),
+        }
+    }
+    let [x, y, z, radius] = numbers;
+    let center = Vec3::new(x, y, z);
+    if !center.is_finite() {
+        return refuse(format!("the centre of sphere {i} is not finite"));
+    }
+    check_length(&format!("the radius of sphere {i}"), radius)?;
+    Ok(Sphere { center, radius })
+}
+
+fn self_shadow(i: usize, row: &[f32]) -> Result<SelfShadow, SetFileError> {
+    let (offset, radius, distance) = match *row {
+        [x, y, z, radius, distance] => (Vec3::new(x, y, z), radius, distance),
+        // Older files: about the sphere's own centre.
+        [radius, distance] => (Vec3::ZERO, radius, distance),
+        _ => return refuse(format!("self_shadow {i} should be five numbers, not {}", row.len())),
+    };
+    if !(0.0..=1.0).contains(&radius) {
+        return refuse(format!("the radius of self_shadow {i} is {radius}, but should be 0 to 1"));
+    }
+    check_length(&format!("the distance of self_shadow {i}"), distance)?;
+    // Allows for the rounding of numbers in the file.
+    if !offset.is_finite() || offset.length() + radius > 1.001 {
+        return refuse(format!("the ball of self_shadow {i} reaches out of its sphere"));
+    }
+    Ok(SelfShadow { offset, radius, distance })
 }
 
 /// JSON, also with the bare `NaN` and `Infinity` of some programs, which are read as null.

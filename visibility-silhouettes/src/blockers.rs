@@ -416,73 +416,73 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             return;
         }
         let mut view = View::new(*mask.square(), mask.raster(), mask.side(), query);
-        let SilhouetteScratch {
-            origin,
-            facet,
-            silhouettes,
-            is_coarse,
-            outside,
-            arcs,
-            is_outside_known,
-            light,
-            is_clipped,
-            near,
-            crossings,
-            counter,
-            fewest,
-            next,
-            hits,
-            ..
-        } = scratch;
-        if let Some(face) = *facet {
+        if let Some(face) = scratch.facet {
             mask.block_below(face);
         }
+        let ball = scratch.cross(query, &mut view, mask);
+        if self.is_any_open(&view, ball, scratch) {
+            for j in (0..view.rows).step_by(8) {
+                mask.keep_rows(j, scratch.fewest.rows(j));
+            }
+        } else {
+            mask.block_all();
+        }
+    }
+}
+
+impl<H> SilhouetteScratch<H> {
+    /// Counts the surfaces before the samples of a mask, but for a number that all of them have. Returns the light if triangles reach into it.
+    fn cross(&mut self, query: &VisibilityQuery<'_>, view: &mut View, mask: &mut Mask) -> Option<Ball> {
+        let Self { origin, silhouettes, outside, arcs, crossings, counter, fewest, near, light, .. } = self;
         crossings.clear();
         // If triangles reach into the light, surfaces count as far as its front side; else as far as its plane.
         let is_flat = query.outline.is_some();
-        let ball = (*is_clipped && !is_flat).then(|| Ball::new(*light, *origin));
-        if let Some(ball) = &ball {
-            if !*is_outside_known {
-                // The same for all windows of the receiver.
-                arcs.clear();
-                let front = Front { axis: query.cone.axis, distance: view.far };
-                for corners in near.current().map_or(&[][..], |near| &near.cutting) {
-                    ball.clip(&front, corners.map(|p| p - *origin), || side(*corners, *origin), arcs);
-                }
-                ball.outside(silhouettes, outside);
-                *is_outside_known = true;
+        let ball = (self.is_clipped && !is_flat).then(|| Ball::new(*light, *origin));
+        if let Some(ball) = &ball
+            && !self.is_outside_known
+        {
+            // The same for all windows of the receiver.
+            arcs.clear();
+            let front = Front { axis: query.cone.axis, distance: view.far };
+            for corners in near.current().map_or(&[][..], |near| &near.cutting) {
+                ball.clip(&front, corners.map(|p| p - *origin), || side(*corners, *origin), arcs);
             }
-            crossings.extend(arcs.iter().filter_map(|(a, b, step)| Crossing::of_segment(&view, *a, *b, *step)));
+            ball.outside(silhouettes, outside);
+            self.is_outside_known = true;
         }
-        // If a flat light's plane cuts triangles, it has cut the silhouettes too.
-        let is_clipped_by_plane = is_flat && !arcs.is_empty();
-        if is_clipped_by_plane {
-            crossings.extend(arcs.iter().filter_map(|(a, b, step)| Crossing::of_segment(&view, *a, *b, *step)));
+        let is_cut = ball.is_some() || is_flat && !arcs.is_empty();
+        if is_cut {
+            crossings.extend(arcs.iter().filter_map(|(a, b, step)| Crossing::of_segment(view, *a, *b, *step)));
+        }
+        if is_cut && is_flat {
+            // The plane has cut the silhouettes too.
             view.clip = f32::INFINITY;
         }
-        let drawn = if ball.is_some() || is_clipped_by_plane { &*outside } else { &*silhouettes };
+        let drawn = if is_cut { &*outside } else { &*silhouettes };
         dispatch!(Level::new(), simd => {
-            project(simd, drawn, &view, crossings);
-            counter.count(simd, &view, crossings, mask);
+            project(simd, drawn, view, crossings);
+            counter.count(simd, view, crossings, mask);
             counter.fewest(fewest);
         });
-        let is_open = |fewest: &Fewest, hits: &mut H::Scratch| {
-            fewest.middle.is_some_and(|(row, sample)| {
-                let (direction, plane) = view.ray(row, sample);
-                let distance = ball.map_or(plane, |ball| ball.distance(direction));
-                !self.hits.is_hit(*origin, direction, distance, hits)
-            })
+        ball
+    }
+}
+
+impl<H: AnyHit> SilhouetteBlockers<'_, H> {
+    /// Whether the samples with the fewest surfaces before them are open, by rays. Where their number is doubtful, those that are open are added.
+    fn is_any_open(&self, view: &View, ball: Option<Ball>, scratch: &mut SilhouetteScratch<H::Scratch>) -> bool {
+        let SilhouetteScratch { origin, is_coarse, counter, fewest, next, hits, .. } = scratch;
+        let mut is_ray_open = |row: usize, sample: usize| {
+            let (direction, plane) = view.ray(row, sample);
+            let distance = ball.map_or(plane, |ball| ball.distance(direction));
+            !self.hits.is_hit(*origin, direction, distance, hits)
         };
-        let mut any = is_open(fewest, hits);
+        let mut any = fewest.middle.is_some_and(|(row, sample)| is_ray_open(row, sample));
         if *is_coarse {
             // This ray may meet a detail that simplified forms leave out, so two of three rays decide.
             let mut rows = [fewest.middle.map_or(0, |(row, _)| row); 2];
             let mut ask = |rows: &[usize], any: bool| {
-                fewest.witness(rows).map_or((0, any), |(row, sample)| {
-                    let (direction, plane) = view.ray(row, sample);
-                    let distance = ball.map_or(plane, |ball| ball.distance(direction));
-                    (row, !self.hits.is_hit(*origin, direction, distance, hits))
-                })
+                fewest.witness(rows).map_or((0, any), |(row, sample)| (row, is_ray_open(row, sample)))
             };
             let second = ask(&rows, any);
             if second.1 != any {
@@ -494,7 +494,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         while is_doubtful {
             dispatch!(Level::new(), _simd => counter.fewest(next));
             is_doubtful = next.is_doubtful();
-            match (any, is_open(next, hits)) {
+            match (any, next.middle.is_some_and(|(row, sample)| is_ray_open(row, sample))) {
                 (true, true) => fewest.add(next),
                 (false, true) => {
                     core::mem::swap(fewest, next);
@@ -503,12 +503,6 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
                 _ => {}
             }
         }
-        if any {
-            for j in (0..view.rows).step_by(8) {
-                mask.keep_rows(j, fewest.rows(j));
-            }
-        } else {
-            mask.block_all();
-        }
+        any
     }
 }
