@@ -150,12 +150,14 @@ function leaveGpu(line = null) {
   gpu = null;
   // No one waits for it any longer.
   left?.parts?.(new Uint8Array());
-  post({ kind: "gpu", line });
   redraw();
+  post({ kind: "gpu", line });
 }
 
 function redraw() {
   engine.redraw();
+  // Before anything else is told: the picture that is there is not the last.
+  tell(true);
   shown = "";
   run();
 }

@@ -28,15 +28,6 @@ async function drawsOnCpu(page) {
   await whole(page);
 }
 
-/** Whether the picture becomes the command's: when the CPU takes over, a coarser one may come first. */
-async function becomesSame(difference) {
-  for (let tries = 0; tries < 50; tries++) {
-    if ((await difference()).isSame) return true;
-    await new Promise((later) => setTimeout(later, 200));
-  }
-  return false;
-}
-
 test("WebGPU draws the command's pictures", async () => {
   for (const [number, scene] of [[0, null], [3, "scenes/glossy_spheres.toml"]]) {
     const { page, faults } = await visit(`?scene=${number}&hands=1&columns=128`);
@@ -52,7 +43,7 @@ test("WebGPU draws the command's pictures", async () => {
     if (!scene) await shot(page, "gpu");
     await page.locator("#gpu").click();
     await drawsOnCpu(page);
-    assert.ok(await becomesSame(() => difference(page, scene)));
+    assert.ok((await difference(page, scene)).isSame);
     assert.deepEqual(faults, []);
     await page.close();
   }
@@ -126,7 +117,7 @@ test("the CPU draws on when the device is lost", async () => {
   await drawsOnCpu(page);
   await page.keyboard.press("Control+z");
   await whole(page);
-  assert.ok(await becomesSame(() => difference(page, "scenes/glossy_spheres.toml")));
+  assert.ok((await difference(page, "scenes/glossy_spheres.toml")).isSame);
   await page.close();
 });
 
@@ -142,7 +133,7 @@ test("without an adapter the CPU draws, and says so", async () => {
       await page.waitForSelector("#line.shown", { timeout: 60_000 });
       assert.match(await line(page), /The CPU draws, since the GPU does not: the browser has no adapter/);
       await drawsOnCpu(page);
-      assert.ok(await becomesSame(() => other.difference(page, "scenes/glossy_spheres.toml")));
+      assert.ok((await other.difference(page, "scenes/glossy_spheres.toml")).isSame);
     }
     assert.deepEqual(faults, []);
   } finally {
