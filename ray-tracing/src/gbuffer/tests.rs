@@ -245,7 +245,7 @@ fn a_panorama_shows_directions() {
     let sphere = Sphere { center: Vec3::new(1.0, 2.0, 3.0), radius: 2.0 };
     let projection = Projection::Panoramic;
     let camera = Camera { eye: sphere.center, target: sphere.center + Vec3::NEG_Z, up: Vec3::Y, projection };
-    let objects = vec![Object::spheres("ball", vec![sphere], 0)];
+    let objects = vec![Object::spheres("sphere", vec![sphere], 0)];
     let scene = Scene { camera, objects, materials: vec![material()], ..floor_and_ball() };
     let (width, height) = (64, 32);
     let g = GBuffer::new(&World::new(&scene), width, height, 1);

@@ -439,11 +439,8 @@ impl<'r> RayPacket<'r> {
             for i in 0..SIDE {
                 let along = to.x * x[i] + to.y * y[i] + to.z * z[i];
                 let (ax, ay, az) = (to.x - x[i] * along, to.y - y[i] * along, to.z - z[i] * along);
-                let half_sq = r * r - (ax * ax + ay * ay + az * az);
-                let half = half_sq.max(0.0).sqrt();
-                let (enter, leave) = (along - half, along + half);
-                let t = if enter >= 0.0 { enter } else { leave };
-                let hit = (half_sq >= 0.0) & (t >= 0.0) & (t < nearest[i]);
+                let (is_met, t) = sphere_met(r, along, [ax, ay, az]);
+                let hit = is_met & (t < nearest[i]);
                 nearest[i] = if hit { t } else { nearest[i] };
                 found[i] = if hit { number } else { found[i] };
             }
@@ -467,11 +464,8 @@ impl<'r> RayPacket<'r> {
                 let (tx, ty, tz) = (to.x - x[i], to.y - y[i], to.z - z[i]);
                 let along = tx * d.x + ty * d.y + tz * d.z;
                 let (ax, ay, az) = (tx - d.x * along, ty - d.y * along, tz - d.z * along);
-                let half_sq = r * r - (ax * ax + ay * ay + az * az);
-                let half = half_sq.max(0.0).sqrt();
-                let (enter, leave) = (along - half, along + half);
-                let t = if enter >= 0.0 { enter } else { leave };
-                let hit = (half_sq >= 0.0) & (t >= 0.0) & (t < nearest[i]);
+                let (is_met, t) = sphere_met(r, along, [ax, ay, az]);
+                let hit = is_met & (t < nearest[i]);
                 nearest[i] = if hit { t } else { nearest[i] };
                 found[i] = if hit { number } else { found[i] };
             }
@@ -500,6 +494,16 @@ impl<'r> RayPacket<'r> {
         let (low, high) = inside(low - margin, high + margin);
         low as usize..high as usize
     }
+}
+
+/// Whether a ray meets a sphere, and where, from the place of its middle: along the ray, and aside.
+#[inline(always)]
+fn sphere_met(radius: f32, along: f32, [x, y, z]: [f32; 3]) -> (bool, f32) {
+    let half_sq = radius * radius - (x * x + y * y + z * z);
+    let half = half_sq.max(0.0).sqrt();
+    let (enter, leave) = (along - half, along + half);
+    let t = if enter >= 0.0 { enter } else { leave };
+    ((half_sq >= 0.0) & (t >= 0.0), t)
 }
 
 /// The boxes of a node's children around the rays' base, in the hierarchy's units.
