@@ -13,13 +13,12 @@ use visibility_spheres::SphereBlockers;
 #[cfg(feature = "gpu")]
 use {
     crate::backend::GpuParts,
-    glam::Vec3,
     lighting::Light,
     lobe_core::Sphere,
     render_gpu::ShadowCasting,
     scene::Bounds,
     shading::gpu::GpuLight as _,
-    visibility_silhouettes::{AnyHit, GpuSilhouettes},
+    visibility_silhouettes::{AnyHit, GpuSilhouettes, meets_plane},
 };
 
 type Silhouettes<'a> = SilhouetteBlockers<'a, SurfaceHits<'a>>;
@@ -179,8 +178,8 @@ impl<'a> FrameBlockers<'a> {
                 && triangles.len() > FEW_TRIANGLES
             {
                 let Bounds { min, max } = self.world.scene().bounds();
-                let margin = PLANE_MARGIN * (max - min).length();
-                triangles.retain(|corners| meets_plane(flat.normal(), flat.as_disc().0, margin, corners));
+                let margin = f64::from(PLANE_MARGIN * (max - min).length());
+                triangles.retain(|corners| meets_plane(corners, flat.normal(), flat.as_disc().0, margin));
             }
             cut.push(triangles);
         }
@@ -299,13 +298,6 @@ const FEW_TRIANGLES: usize = 16;
 /// The planes up to which surfaces block are as far from a light's own plane as this part of the receiver's height, and less.
 #[cfg(feature = "gpu")]
 const PLANE_MARGIN: f32 = 1e-3;
-
-/// Whether a triangle may be cut by a plane through a point, or by one that is as far from it as `margin`.
-#[cfg(feature = "gpu")]
-fn meets_plane(normal: Vec3, point: Vec3, margin: f32, corners: &[Vec3; 3]) -> bool {
-    let heights = corners.map(|p| normal.dot(p - point));
-    heights.iter().any(|height| *height > -margin) && heights.iter().any(|height| *height < margin)
-}
 
 /// Where masks are drawn again, with the tolerance relative to [own radiance](Settings::own_radiance) or not.
 const fn look_again(of_own: bool) -> LookAgain {

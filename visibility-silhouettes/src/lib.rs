@@ -82,6 +82,7 @@ mod wgsl;
 pub use crate::blockers::{AnyHit, SilhouetteBlockers, SilhouetteScratch};
 pub use crate::gpu::GpuSilhouettes;
 pub use crate::mesh::SilhouetteMesh;
+pub use crate::near_light::meets_plane;
 pub use crate::placed::{SharedMesh, SilhouetteInstances};
 pub use crate::sky::SkySilhouetteScratch;
 pub use glam;

@@ -49,11 +49,9 @@ impl NearLights {
         if self.lights.len() <= self.current {
             self.lights.resize_with(self.current + 1, || None);
         }
-        let is_known = |near: &NearLight| near.light == shaft.light && near.extent == shaft.extent;
         let place = &mut self.lights[self.current];
-        if !place.as_ref().is_some_and(is_known) {
-            *place = Some(NearLight::new(shaft, &mut visit));
-        }
+        // Another light, or one that has moved.
+        place.take_if(|near| near.light != shaft.light || near.extent != shaft.extent);
         place.get_or_insert_with(|| NearLight::new(shaft, &mut visit))
     }
 
@@ -61,6 +59,18 @@ impl NearLights {
     pub(crate) fn current(&mut self) -> Option<&mut NearLight> {
         self.lights.get_mut(self.current)?.as_mut()
     }
+}
+
+/// Whether a triangle may reach as near to the plane through a point as `margin`.
+#[must_use]
+pub fn meets_plane(corners: &[Vec3; 3], normal: Vec3, point: Vec3, margin: f64) -> bool {
+    meets_slab(corners, normal, normal.as_dvec3().dot(point.as_dvec3()), margin)
+}
+
+/// The same for the plane at an offset from the origin along its normal.
+fn meets_slab(corners: &Triangle, normal: Vec3, offset: f64, margin: f64) -> bool {
+    let heights = corners.map(|p| normal.as_dvec3().dot(p.as_dvec3()) - offset);
+    heights.iter().any(|height| *height >= -margin) && heights.iter().any(|height| *height <= margin)
 }
 
 /// Three directions along and across a light, and how far it reaches along each, with what lies beside it.
@@ -78,11 +88,7 @@ impl NearLight {
         let (mut triangles, mut cutting, mut is_clipped) = (Vec::new(), Vec::new(), false);
         let sides = sides(light, &extent);
         visit(Sphere { radius: light.radius * (1.0 + BESIDE), ..light }, &mut |corners| {
-            let misses = |(n, reach): &(Vec3, f32)| {
-                let along = corners.map(|p| n.dot(p - light.center));
-                along.iter().all(|x| *x > *reach) || along.iter().all(|x| *x < -*reach)
-            };
-            if !sides.iter().any(misses) {
+            if sides.iter().all(|(n, reach)| meets_plane(&corners, *n, light.center, f64::from(*reach))) {
                 triangles.push(corners);
             }
         });
@@ -108,10 +114,7 @@ impl NearLight {
         if !is_known {
             self.plane = Some((axis, offset));
             self.cut.clear();
-            self.cut.extend(self.triangles.iter().filter(|corners| {
-                let heights = corners.map(|p| axis.as_dvec3().dot(p.as_dvec3()) - offset);
-                heights.iter().any(|height| *height > -margin) && heights.iter().any(|height| *height < margin)
-            }));
+            self.cut.extend(self.triangles.iter().filter(|corners| meets_slab(corners, axis, offset, margin)));
         }
         &self.cut
     }
