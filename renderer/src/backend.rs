@@ -37,7 +37,7 @@ pub enum Backend {
 const NOT_BUILT: &str = "this program was built without its GPU part (feature `gpu`)";
 
 impl Backend {
-    /// Opens a device. Not for a browser's GPU, which no call can wait for: see [`on`](Self::on).
+    /// Opens a device. Not for a browser's GPU, which no call can wait for: see `Backend::on`.
     ///
     /// # Errors
     /// [`RenderError`] if there is none.
