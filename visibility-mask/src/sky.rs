@@ -25,6 +25,7 @@ mod buffer;
 mod horizon;
 mod meridians;
 mod pole;
+mod spread;
 mod table;
 #[cfg(test)]
 mod tests;
