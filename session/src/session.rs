@@ -154,6 +154,14 @@ impl Session {
         self.interrupt();
     }
 
+    /// Whether pictures of a GPU stay there from now on, as [`Picture::on_gpu`]: for a window that draws on the same device
+    /// ([`Renderer::use_gpu`]). They come to the CPU only where [`Picture::pixels`] is called. Pictures of the CPU are as before.
+    #[cfg(feature = "gpu")]
+    pub fn set_on_gpu(&self, is_on_gpu: bool) {
+        self.send(Command::OnGpu(is_on_gpu));
+        self.interrupt();
+    }
+
     /// Lets a reference of the picture grow while there is nothing else to do, up to so many samples of each light; 0: none.
     pub fn set_reference(&self, samples: u32) {
         self.send(Command::Reference(samples));
