@@ -2,10 +2,13 @@ use crate::args::Args;
 use crate::darkroom::{Darkroom, Order, Print};
 use crate::desk::Desk;
 use crate::inspector::Inspector;
-use crate::opening::{Opened, Opening, name_of};
+use crate::opening::{Devices, Opened, Opening, name_of};
+use crate::screen::{self, Screen};
 use crate::smoke::Smoke;
 use crate::stage::Stage;
 use crate::{animation, panel, shot, status};
+use cosine_lobes::renderer::Device;
+use eframe::CreationContext;
 use eframe::egui::{
     self, CentralPanel, Context, Frame, Key, KeyboardShortcut, Modifiers, Panel, Ui, ViewportBuilder, ViewportCommand,
 };
@@ -18,12 +21,20 @@ pub(crate) fn run(args: Args) -> Result<(), String> {
         .with_app_id("lobes-view")
         .with_inner_size([1320.0, 780.0])
         .with_drag_and_drop(true);
-    let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
+    let wgpu_options = screen::configuration();
+    let options = eframe::NativeOptions { viewport, wgpu_options, ..eframe::NativeOptions::default() };
     let smoke = args.smoke.map(|path| Smoke::new(path, args.pixel.is_some()));
     let failed = smoke.as_ref().map(Smoke::outcome);
     let (pixel, shows_spheres) = (args.pixel, args.spheres);
-    let start = move |context: &Context| App { pixel, shows_spheres, ..App::new(context, args.file, smoke) };
-    eframe::run_native("lobes", options, Box::new(move |creation| Ok(Box::new(start(&creation.egui_ctx)))))
+    let (first, takes_software) = (if args.gpu { Device::Gpu } else { Device::Cpu }, args.one_device);
+    let start = move |creation: &CreationContext<'_>| {
+        let state = creation.wgpu_render_state.as_ref();
+        let screen = state.map_or(Ok(None), |state| Screen::new(state, takes_software));
+        let mut app = App::new(&creation.egui_ctx, args.file, (screen, first), smoke);
+        (app.pixel, app.shows_spheres) = (pixel, shows_spheres);
+        app
+    };
+    eframe::run_native("lobes", options, Box::new(move |creation| Ok(Box::new(start(creation)))))
         .map_err(|error| format!("no window: {error}"))?;
     failed.map_or(Ok(()), |outcome| outcome.result())
 }
@@ -33,6 +44,9 @@ pub(crate) struct App {
     opening: Option<Opening>,
     /// A line for the user.
     message: Option<String>,
+    /// The window's GPU, where pictures are shown without a copy.
+    screen: Option<Screen>,
+    devices: Devices,
     darkroom: Darkroom,
     print: Option<Print>,
     stage: Stage,
@@ -46,13 +60,23 @@ pub(crate) struct App {
 }
 
 impl App {
-    fn new(context: &Context, file: Option<PathBuf>, smoke: Option<Smoke>) -> Self {
+    fn new(
+        context: &Context,
+        file: Option<PathBuf>,
+        (screen, first): (Result<Option<Screen>, String>, Device),
+        smoke: Option<Smoke>,
+    ) -> Self {
         context.set_theme(egui::Theme::Dark);
+        let message = screen.as_ref().err().cloned();
+        let screen = screen.ok().flatten();
+        let devices = Devices { gpu: screen.as_ref().map(|screen| screen.gpu().clone()), first };
         Self {
             desk: None,
-            opening: Some(Opening::new(file, context)),
-            message: None,
-            darkroom: Darkroom::new(context),
+            opening: Some(Opening::new(file, context, devices.clone())),
+            message,
+            darkroom: Darkroom::new(context, screen.as_ref().map(Screen::enlarger)),
+            screen,
+            devices,
             print: None,
             stage: Stage::default(),
             inspector: Inspector::default(),
@@ -77,19 +101,19 @@ impl App {
                 self.message = Some(line);
             }
             let editor = &desk.editor;
-            if !editor.picture().radiance.is_empty() {
+            if !editor.picture().is_empty() {
                 let truth = editor.session().reference();
                 self.darkroom.order(Order { picture: editor.picture().clone(), truth, look: desk.look });
             }
         }
         if let Some(print) = self.darkroom.take() {
-            self.stage.take(context, &print);
+            self.stage.take(context, &print, self.screen.as_mut());
             self.print = Some(print);
         }
     }
 
     fn show(&mut self, opened: Opened, context: &Context) {
-        self.message = opened.warning.clone();
+        self.message = opened.warning.clone().or_else(|| self.message.take());
         let mut desk = Desk::new(opened);
         desk.shows_spheres = core::mem::take(&mut self.shows_spheres);
         if let Some(pixel) = self.pixel.take() {
@@ -105,7 +129,7 @@ impl App {
 
     fn open(&mut self, path: PathBuf, context: &Context) {
         self.message = None;
-        self.opening = Some(Opening::new(Some(path), context));
+        self.opening = Some(Opening::new(Some(path), context, self.devices.clone()));
     }
 
     /// Files that were dropped, and keys.
@@ -190,7 +214,7 @@ impl eframe::App for App {
             self.inspector.show(&context, desk);
         }
         if let Some(smoke) = &mut self.smoke {
-            smoke.watch(&context, self.desk.as_ref(), self.message.as_deref(), self.print.is_some());
+            smoke.watch(&context, self.desk.as_ref(), self.message.as_deref(), self.print.as_ref());
         }
     }
 }

@@ -130,7 +130,7 @@ impl Desk {
         self.select_new();
         self.follow_spheres();
         self.begin_to_measure(context);
-        if self.first_size == [0; 2] && !self.editor.picture().radiance.is_empty() {
+        if self.first_size == [0; 2] && !self.editor.picture().is_empty() {
             self.first_size = self.editor.scene().size;
             self.saved = Some(self.editor.scene().clone());
             self.extent = self.editor.scene().bounds().radius().max(1e-6);

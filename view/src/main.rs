@@ -11,6 +11,7 @@ mod look;
 mod opening;
 mod panel;
 mod reflectance;
+mod screen;
 mod shot;
 mod smoke;
 mod stage;

@@ -1,5 +1,6 @@
 //! A run that ends by itself: the window opens, shows one picture, is saved, and closes.
 
+use crate::darkroom::{Print, Sheet};
 use crate::desk::Desk;
 use crate::shot;
 use eframe::egui::{Context, ViewportCommand};
@@ -54,7 +55,14 @@ impl Smoke {
     }
 
     /// Called for each frame of the window.
-    pub(crate) fn watch(&mut self, context: &Context, desk: Option<&Desk>, message: Option<&str>, is_seen: bool) {
+    pub(crate) fn watch(
+        &mut self,
+        context: &Context,
+        desk: Option<&Desk>,
+        message: Option<&str>,
+        print: Option<&Print>,
+    ) {
+        let is_seen = print.is_some();
         if desk.is_none()
             && let Some(line) = message
         {
@@ -73,6 +81,12 @@ impl Smoke {
         if is_seen && !self.is_saving && desk.is_some_and(is_ready) {
             self.is_saving = true;
             let (first, whole) = (self.first.unwrap_or_default().as_secs_f64(), self.start.elapsed().as_secs_f64());
+            let device = desk.map(|desk| desk.editor.scene().device.clone()).unwrap_or_default();
+            let copied = match print.map(|print| &print.image) {
+                Some(Sheet::OnGpu(_)) => "not copied",
+                _ => "copied",
+            };
+            println!("shaded by {device}, {copied}");
             println!("first picture after {first:.2} s, whole picture after {whole:.2} s");
             let outcome = self.outcome.clone();
             shot::save(context, self.path.clone(), move |saved| outcome.set(saved));

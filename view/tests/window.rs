@@ -62,6 +62,8 @@ struct Shot {
     width: usize,
     height: usize,
     pixels: Vec<u8>,
+    /// The lines that the program has written.
+    said: String,
 }
 
 impl Shot {
@@ -77,13 +79,16 @@ impl Shot {
         }
         println!("{said}");
         if let Some(shots) = std::env::var_os("SHOTS") {
-            std::fs::copy(&file, Path::new(&shots).join(format!("window{}.png", arguments.concat())))?;
+            std::fs::copy(
+                &file,
+                Path::new(&shots).join(format!("window{}.png", arguments.concat().replace('/', "-"))),
+            )?;
         }
         let decoder = png::Decoder::new(BufReader::new(std::fs::File::open(&file)?));
         let mut reader = decoder.read_info()?;
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
         let info = reader.next_frame(&mut pixels)?;
-        Ok(Self { width: info.width as usize, height: info.height as usize, pixels })
+        Ok(Self { width: info.width as usize, height: info.height as usize, pixels, said })
     }
 
     /// The colours of some columns.
@@ -131,6 +136,52 @@ fn draws_the_spheres_that_block() -> Result<(), Failed> {
     Ok(())
 }
 
+const SMALL: &str = r#"
+image = { width = 160, height = 90 }
+camera = { eye = [0.0, 2.0, 5.0], target = [0.0, 0.4, 0.0], fov = 40.0 }
+materials.grey = { model = "lambert", albedo = 0.6 }
+[[objects]]
+name = "floor"
+plane = { point = [0.0, 0.0, 0.0], normal = [0.0, 1.0, 0.0], size = 60.0 }
+material = "grey"
+[[objects]]
+name = "spheres"
+spheres = [[-0.6, 0.6, 0.0, 0.5], [0.7, 0.4, 0.3, 0.4]]
+material = "grey"
+[[lights]]
+kind = "sphere"
+center = [1.5, 3.0, 1.0]
+radius = 0.4
+radiance = [40.0, 38.0, 35.0]
+"#;
+
+/// A picture that the window's GPU makes is drawn as the CPU's: without a copy on the window's own device, and with one where the driver
+/// is software and nothing else is wanted.
+fn draws_a_picture_of_its_own_gpu() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let scene = folder.path().join("small.toml");
+    std::fs::write(&scene, SMALL)?;
+    let scene = scene.to_str().ok_or("a path")?;
+    let cpu = Shot::take(&[scene])?;
+    let own = Shot::take(&[scene, "--gpu", "--one-device"])?;
+    let apart = Shot::take(&[scene, "--gpu"])?;
+    assert!(cpu.said.contains("shaded by cpu, copied"), "{}", cpu.said);
+    assert!(own.said.contains(", not copied") && !own.said.contains("shaded by cpu"), "{}", own.said);
+    assert!(!apart.said.contains("shaded by cpu"), "{}", apart.said);
+    assert!(cpu.colors(0..cpu.width / 2).len() > 200);
+    // Without the panel, and without the line of times.
+    let in_picture = |place: &usize| place % cpu.width < cpu.width - 380 && place / cpu.width < 700;
+    for other in [&own, &apart] {
+        let pairs = cpu.pixels.as_chunks::<3>().0.iter().zip(other.pixels.as_chunks::<3>().0);
+        let pairs = pairs.enumerate().filter(|(place, _)| in_picture(place)).map(|(_, pair)| pair);
+        let differences: Vec<u8> = pairs.map(|(a, b)| (0..3).map(|k| a[k].abs_diff(b[k])).max().unwrap_or(0)).collect();
+        let (largest, others) = (differences.iter().max(), differences.iter().filter(|d| **d > 1).count());
+        println!("largest difference {largest:?}, {others} of {} pixels by more than a level", differences.len());
+        assert!(others * 500 < differences.len(), "{others}");
+    }
+    Ok(())
+}
+
 /// A file that is no scene is one line, and no window stays.
 fn a_missing_file_is_one_line() -> Result<(), Failed> {
     let display = Display::open().ok_or("there is no Xvfb")?;
@@ -170,6 +221,7 @@ fn main() {
         Trial::test("shows_a_picture", shows_a_picture).with_ignored_flag(!can_show),
         Trial::test("draws_the_lobes_of_a_pixel", draws_the_lobes_of_a_pixel).with_ignored_flag(!can_show),
         Trial::test("draws_the_spheres_that_block", draws_the_spheres_that_block).with_ignored_flag(!can_show),
+        Trial::test("draws_a_picture_of_its_own_gpu", draws_a_picture_of_its_own_gpu).with_ignored_flag(!can_show),
         Trial::test("a_missing_file_is_one_line", a_missing_file_is_one_line).with_ignored_flag(!can_show),
         Trial::test("the_command_line", the_command_line),
     ];
