@@ -5,12 +5,13 @@ use crate::handles::Handles;
 use crate::image::Canvas;
 use crate::job::{Job, State};
 use crate::kept::Kept;
+use crate::plan::map_sphere;
 use crate::rows::Rows;
 use crate::sphere_cache::{Scope, follow_spheres};
 use crate::turn::at_once;
 use crate::{
-    Backend, Clocks, Device, FrameClocks, Image, ImageStats, KeptSky, KeptSpheres, LayerSet, Listener, Method, Plan,
-    RenderError, Settings, Sink, Stale, Upkeep, paper_tables,
+    Backend, Clocks, Device, FrameClocks, Image, ImageStats, KeptSky, KeptSpheres, LayerSet, LightHandle, Listener,
+    Method, Plan, RenderError, Settings, Sink, Stale, Upkeep, paper_tables,
 };
 use core::ops::ControlFlow;
 use glam::Vec3;
@@ -21,6 +22,7 @@ use render_cpu::{Hierarchy, Looks, SceneSilhouettes, SceneSpheres, Update, World
 use scene::{Animation, BlockerSet, Bounds, Cancel, Scene};
 use shading::Accuracy;
 use std::sync::Arc;
+use visibility_shadowmap::ShadowMap;
 #[cfg(feature = "gpu")]
 use {
     crate::{GpuImage, Layers, error::NO_GPU},
@@ -209,6 +211,16 @@ impl Renderer {
     #[must_use]
     pub const fn blocker_spheres(&self) -> &BlockerSet {
         self.spheres.set()
+    }
+
+    /// The shadow map that the last whole picture had for a light; none if it had none, if no surface was drawn into it, and after the light
+    /// has moved. A clone costs nothing.
+    #[must_use]
+    pub fn shadow_map(&self, light: LightHandle) -> Option<&ShadowMap> {
+        let place = self.light_handles.place(light.0)?;
+        // Places change where lights are removed.
+        let sphere = map_sphere(self.scene.lights.get(place)?);
+        self.kept.maps.of(place).filter(|map| map.faces() > 0 && map.light() == sphere)
     }
 
     /// Sets the request, which any thread may make, that stops pictures and their preparation with [`RenderError::Cancelled`].
