@@ -2,6 +2,7 @@ use crate::args::Args;
 use crate::darkroom::{Darkroom, Order, Print};
 use crate::desk::Desk;
 use crate::inspector::Inspector;
+use crate::map_window::MapWindow;
 use crate::opening::{Devices, Opened, Opening, name_of};
 use crate::screen::{self, Screen};
 use crate::smoke::Smoke;
@@ -25,13 +26,13 @@ pub(crate) fn run(args: Args) -> Result<(), String> {
     let options = eframe::NativeOptions { viewport, wgpu_options, ..eframe::NativeOptions::default() };
     let smoke = args.smoke.map(|path| Smoke::new(path, args.pixel.is_some()));
     let failed = smoke.as_ref().map(Smoke::outcome);
-    let (pixel, shows_spheres) = (args.pixel, args.spheres);
+    let (pixel, shows_spheres, shows_map) = (args.pixel, args.spheres, args.shadow_map);
     let (first, takes_software) = (if args.gpu { Device::Gpu } else { Device::Cpu }, args.one_device);
     let start = move |creation: &CreationContext<'_>| {
         let state = creation.wgpu_render_state.as_ref();
         let screen = state.map_or(Ok(None), |state| Screen::new(state, takes_software));
         let mut app = App::new(&creation.egui_ctx, args.file, (screen, first), smoke);
-        (app.pixel, app.shows_spheres) = (pixel, shows_spheres);
+        (app.pixel, app.shows_spheres, app.shows_map) = (pixel, shows_spheres, shows_map);
         app
     };
     eframe::run_native("lobes", options, Box::new(move |creation| Ok(Box::new(start(creation)))))
@@ -51,12 +52,15 @@ pub(crate) struct App {
     print: Option<Print>,
     stage: Stage,
     inspector: Inspector,
+    map_window: MapWindow,
     title: String,
     smoke: Option<Smoke>,
     /// The pixel that is taken apart once a scene is open.
     pixel: Option<[u32; 2]>,
     /// Whether the first scene shows the spheres that block.
     shows_spheres: bool,
+    /// Whether the first scene shows a shadow map.
+    shows_map: bool,
 }
 
 impl App {
@@ -80,10 +84,12 @@ impl App {
             print: None,
             stage: Stage::default(),
             inspector: Inspector::default(),
+            map_window: MapWindow::default(),
             title: String::new(),
             smoke,
             pixel: None,
             shows_spheres: false,
+            shows_map: false,
         }
     }
 
@@ -116,6 +122,7 @@ impl App {
         self.message = opened.warning.clone().or_else(|| self.message.take());
         let mut desk = Desk::new(opened);
         desk.shows_spheres = core::mem::take(&mut self.shows_spheres);
+        desk.maps.is_shown = core::mem::take(&mut self.shows_map);
         if let Some(pixel) = self.pixel.take() {
             desk.look_into(pixel);
         }
@@ -125,6 +132,7 @@ impl App {
         self.print = None;
         self.stage = Stage::default();
         self.inspector = Inspector::default();
+        self.map_window = MapWindow::default();
     }
 
     fn open(&mut self, path: PathBuf, context: &Context) {
@@ -212,6 +220,7 @@ impl eframe::App for App {
         });
         if let Some(desk) = &mut self.desk {
             self.inspector.show(&context, desk);
+            self.map_window.show(&context, desk);
         }
         if let Some(smoke) = &mut self.smoke {
             smoke.watch(&context, self.desk.as_ref(), self.message.as_deref(), self.print.as_ref());

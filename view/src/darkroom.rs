@@ -149,7 +149,7 @@ fn develop(order: &Order, enlarger: Option<&Enlarger>) -> Print {
 
 /// The pixels of a view. A picture on the window's GPU stays there where it is shown as it is.
 fn sheet(picture: &Picture, truth: Option<&Truth>, look: &Look, enlarger: Option<&Enlarger>) -> Sheet {
-    let on_gpu = || Some(enlarger?.show(picture.on_gpu.as_ref()?, &look.display)?);
+    let on_gpu = || enlarger?.show(picture.on_gpu.as_ref()?, &look.display);
     match image(picture, truth, look) {
         Some(image) => Sheet::Uploaded(image),
         None => on_gpu()

@@ -8,6 +8,7 @@ mod desk;
 mod false_color;
 mod inspector;
 mod look;
+mod map_window;
 mod opening;
 mod panel;
 mod reflectance;

@@ -41,13 +41,24 @@ pub(crate) struct Smoke {
     wants_pixel: bool,
     /// Frames that have shown it: its window is as large as it gets after some.
     looks: u32,
+    /// The same of a shadow map.
+    map_looks: u32,
     outcome: Outcome,
 }
 
 impl Smoke {
     pub(crate) fn new(path: PathBuf, wants_pixel: bool) -> Self {
         let outcome = Outcome(Arc::new(Mutex::new(None)));
-        Self { path, start: Instant::now(), first: None, is_saving: false, wants_pixel, looks: 0, outcome }
+        Self {
+            path,
+            start: Instant::now(),
+            first: None,
+            is_saving: false,
+            wants_pixel,
+            looks: 0,
+            map_looks: 0,
+            outcome,
+        }
     }
 
     pub(crate) fn outcome(&self) -> Outcome {
@@ -77,7 +88,10 @@ impl Smoke {
         self.looks += u32::from(desk.is_some_and(|desk| desk.probed.is_some()));
         let has_spheres = |desk: &Desk| !desk.shows_spheres || desk.spheres.0 == desk.editor.picture().edits;
         let has_pixel = !self.wants_pixel || self.looks > FRAMES;
-        let is_ready = |desk: &Desk| desk.editor.is_finished() && has_pixel && has_spheres(desk);
+        let has_map = |desk: &Desk| !desk.maps.is_shown || desk.maps.is_of(desk.editor.picture().edits);
+        let is_there = |desk: &Desk| desk.editor.is_finished() && has_pixel && has_spheres(desk) && has_map(desk);
+        self.map_looks += u32::from(desk.is_some_and(|desk| desk.maps.is_shown && has_map(desk)));
+        let is_ready = |desk: &Desk| is_there(desk) && (!desk.maps.is_shown || self.map_looks > FRAMES);
         if is_seen && !self.is_saving && desk.is_some_and(is_ready) {
             self.is_saving = true;
             let (first, whole) = (self.first.unwrap_or_default().as_secs_f64(), self.start.elapsed().as_secs_f64());

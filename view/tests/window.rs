@@ -182,6 +182,34 @@ fn draws_a_picture_of_its_own_gpu() -> Result<(), Failed> {
     Ok(())
 }
 
+/// A box over the floor of [`SMALL`] that blocks by a shadow map.
+const MAPPED: &str = r#"
+[[objects]]
+name = "box"
+box = { center = [0.0, 1.4, 0.1], size = [0.9, 0.4, 0.9] }
+material = "grey"
+visibility = "shadow-map"
+"#;
+
+/// The shadow map of the light: its layers in yellow to black; without one a line.
+fn draws_a_shadow_map() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let (with, without) = (folder.path().join("with.toml"), folder.path().join("without.toml"));
+    std::fs::write(&with, [SMALL, MAPPED].concat())?;
+    std::fs::write(&without, SMALL)?;
+    let [with, without] = [&with, &without].map(|path| path.to_string_lossy().into_owned());
+    // The colour of near surfaces is nowhere else in the window.
+    let near = |arguments: &[&str]| -> Result<usize, Failed> {
+        let shot = Shot::take(arguments)?;
+        let pixels = shot.pixels.as_chunks::<3>().0.iter();
+        Ok(pixels.filter(|[r, g, b]| *r > 225 && (120..245).contains(g) && (60..130).contains(b)).count())
+    };
+    let counts = [near(&[&with, "--shadow-map"])?, near(&[&with])?, near(&[&without, "--shadow-map"])?];
+    println!("{counts:?} pixels of near surfaces");
+    assert!(counts[0] > 1000 + counts[1] && counts[0] > 1000 + counts[2], "{counts:?}");
+    Ok(())
+}
+
 /// A file that is no scene is one line, and no window stays.
 fn a_missing_file_is_one_line() -> Result<(), Failed> {
     let display = Display::open().ok_or("there is no Xvfb")?;
@@ -222,6 +250,7 @@ fn main() {
         Trial::test("draws_the_lobes_of_a_pixel", draws_the_lobes_of_a_pixel).with_ignored_flag(!can_show),
         Trial::test("draws_the_spheres_that_block", draws_the_spheres_that_block).with_ignored_flag(!can_show),
         Trial::test("draws_a_picture_of_its_own_gpu", draws_a_picture_of_its_own_gpu).with_ignored_flag(!can_show),
+        Trial::test("draws_a_shadow_map", draws_a_shadow_map).with_ignored_flag(!can_show),
         Trial::test("a_missing_file_is_one_line", a_missing_file_is_one_line).with_ignored_flag(!can_show),
         Trial::test("the_command_line", the_command_line),
     ];
