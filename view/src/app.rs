@@ -24,13 +24,13 @@ pub(crate) fn run(args: Args) -> Result<(), String> {
         .with_drag_and_drop(true);
     let wgpu_options = screen::configuration();
     let options = eframe::NativeOptions { viewport, wgpu_options, ..eframe::NativeOptions::default() };
-    let smoke = args.smoke.map(|path| Smoke::new(path, args.pixel.is_some()));
+    let smoke = args.smoke.map(|path| Smoke::new(path, args.pixel.is_some(), args.shake));
     let failed = smoke.as_ref().map(Smoke::outcome);
     let (pixel, shows_spheres, shows_map) = (args.pixel, args.spheres, args.shadow_map);
     let (first, takes_software) = (if args.gpu { Device::Gpu } else { Device::Cpu }, args.one_device);
     let start = move |creation: &CreationContext<'_>| {
         let state = creation.wgpu_render_state.as_ref();
-        let screen = state.map_or(Ok(None), |state| Screen::new(state, takes_software));
+        let screen = state.map_or(Ok(None), |state| Screen::new(state, &creation.egui_ctx, takes_software));
         let mut app = App::new(&creation.egui_ctx, args.file, (screen, first), smoke);
         (app.pixel, app.shows_spheres, app.shows_map) = (pixel, shows_spheres, shows_map);
         app
@@ -195,8 +195,11 @@ impl App {
 }
 
 impl eframe::App for App {
-    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
         let context = ui.ctx().clone();
+        if let Some(screen) = &self.screen {
+            screen.retry_size(frame);
+        }
         self.follow(&context);
         self.listen(&context);
         Panel::bottom("status").show(ui, |ui| {

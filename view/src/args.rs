@@ -12,6 +12,7 @@ Usage: lobes-view [FILE]
   --gpu         shades on the GPU from the start
   --one-device  shades on the window's device also where that is a software driver
   --smoke PNG   opens, draws one picture, saves the window to PNG, and ends
+  --shake       changes the window's size at each frame before it is saved
   --help        this";
 
 /// The command line.
@@ -26,6 +27,8 @@ pub(crate) struct Args {
     pub(crate) spheres: bool,
     /// Whether a shadow map is shown.
     pub(crate) shadow_map: bool,
+    /// Whether the window changes its size before it is saved.
+    pub(crate) shake: bool,
     /// Whether the GPU shades.
     pub(crate) gpu: bool,
     /// Whether the window's device shades, whatever it is.
@@ -46,6 +49,7 @@ pub(crate) fn parse(words: impl Iterator<Item = OsString>) -> Result<Option<Args
             }
             Some("--spheres") if !only_files => args.spheres = true,
             Some("--shadow-map") if !only_files => args.shadow_map = true,
+            Some("--shake") if !only_files => args.shake = true,
             Some("--gpu") if !only_files => args.gpu = true,
             Some("--one-device") if !only_files => args.one_device = true,
             Some("--pixel") if !only_files => {

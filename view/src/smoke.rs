@@ -3,7 +3,7 @@
 use crate::darkroom::{Print, Sheet};
 use crate::desk::Desk;
 use crate::shot;
-use eframe::egui::{Context, ViewportCommand};
+use eframe::egui::{Context, ViewportCommand, vec2};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -43,11 +43,14 @@ pub(crate) struct Smoke {
     looks: u32,
     /// The same of a shadow map.
     map_looks: u32,
+    /// Whether the window's size changes at each frame, and frames so far.
+    shakes: bool,
+    frames: u32,
     outcome: Outcome,
 }
 
 impl Smoke {
-    pub(crate) fn new(path: PathBuf, wants_pixel: bool) -> Self {
+    pub(crate) fn new(path: PathBuf, wants_pixel: bool, shakes: bool) -> Self {
         let outcome = Outcome(Arc::new(Mutex::new(None)));
         Self {
             path,
@@ -57,6 +60,8 @@ impl Smoke {
             wants_pixel,
             looks: 0,
             map_looks: 0,
+            shakes,
+            frames: 0,
             outcome,
         }
     }
@@ -82,6 +87,11 @@ impl Smoke {
         if self.start.elapsed() > PATIENCE {
             self.outcome.set(Err(format!("no picture within {} s", PATIENCE.as_secs())));
         }
+        self.frames += 1;
+        if self.shakes && !self.is_saving {
+            let side = 1000.0 + (self.frames % 7) as f32 * 40.0;
+            context.send_viewport_cmd(ViewportCommand::InnerSize(vec2(side, 0.6 * side)));
+        }
         if is_seen && self.first.is_none() {
             self.first = Some(self.start.elapsed());
         }
@@ -100,7 +110,7 @@ impl Smoke {
                 Some(Sheet::OnGpu(_)) => "not copied",
                 _ => "copied",
             };
-            println!("shaded by {device}, {copied}");
+            println!("shaded by {device}, {copied}, {} frames", self.frames);
             println!("first picture after {first:.2} s, whole picture after {whole:.2} s");
             let outcome = self.outcome.clone();
             shot::save(context, self.path.clone(), move |saved| outcome.set(saved));

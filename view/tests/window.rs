@@ -182,6 +182,18 @@ fn draws_a_picture_of_its_own_gpu() -> Result<(), Failed> {
     Ok(())
 }
 
+/// A window whose size changes at each frame while its device shades: wgpu refuses some of the sizes then, and the window takes them later.
+fn changes_its_size_while_its_gpu_shades() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let scene = folder.path().join("larger.toml");
+    std::fs::write(&scene, SMALL.replace("width = 160, height = 90", "width = 640, height = 360"))?;
+    let shot = Shot::take(&[&scene.to_string_lossy(), "--gpu", "--one-device", "--shake"])?;
+    assert!(shot.said.contains(", not copied"), "{}", shot.said);
+    assert!((1000..=1240).contains(&shot.width) && shot.width.is_multiple_of(40), "{} × {}", shot.width, shot.height);
+    assert!(shot.colors(0..shot.width / 2).len() > 200);
+    Ok(())
+}
+
 /// A box over the floor of [`SMALL`] that blocks by a shadow map.
 const MAPPED: &str = r#"
 [[objects]]
@@ -250,6 +262,8 @@ fn main() {
         Trial::test("draws_the_lobes_of_a_pixel", draws_the_lobes_of_a_pixel).with_ignored_flag(!can_show),
         Trial::test("draws_the_spheres_that_block", draws_the_spheres_that_block).with_ignored_flag(!can_show),
         Trial::test("draws_a_picture_of_its_own_gpu", draws_a_picture_of_its_own_gpu).with_ignored_flag(!can_show),
+        Trial::test("changes_its_size_while_its_gpu_shades", changes_its_size_while_its_gpu_shades)
+            .with_ignored_flag(!can_show),
         Trial::test("draws_a_shadow_map", draws_a_shadow_map).with_ignored_flag(!can_show),
         Trial::test("a_missing_file_is_one_line", a_missing_file_is_one_line).with_ignored_flag(!can_show),
         Trial::test("the_command_line", the_command_line),
