@@ -2,6 +2,9 @@ use crate::kernel::KernelCache;
 use crate::mail::Mail;
 use crate::scopes::Scopes;
 use crate::{GpuError, KernelLog};
+use core::ops::Range;
+use core::sync::atomic::{AtomicBool, Ordering};
+use core::time::Duration;
 use shading::gpu::GpuPages;
 use std::sync::{Arc, Mutex};
 
@@ -11,6 +14,9 @@ const STORAGE_BUFFERS: u32 = 8;
 /// The most storage buffers that a kernel has beside one in pages: 4 of points and results, 3 of another strategy, 2 of rays, the
 /// paper's tables, and on software devices the light's.
 const BESIDE_PAGES: u32 = 11;
+
+/// The shortest and the longest time between two looks at a device that other threads use.
+const NAPS: Range<Duration> = Duration::from_micros(25)..Duration::from_micros(400);
 
 /// Features that are used where they are there. A browser's clock is too coarse for stages, and reading it takes another turn.
 const FEATURES: wgpu::Features =
@@ -35,6 +41,8 @@ pub struct GpuOptions {
 pub struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
+    /// Whether other threads may use the device.
+    is_lent: bool,
     lost: Arc<Mutex<Option<String>>>,
     kernels: KernelLog,
     compiled: KernelCache,
@@ -55,18 +63,19 @@ impl Gpu {
         };
         let adapter = instance.request_adapter(&wanted).await;
         let adapter = adapter.map_err(|error| GpuError::NoAdapter { reason: error.to_string() })?;
+        // All that the adapter has: each frame's needs are checked against it.
+        let (required_features, required_limits) = Self::requirements(&adapter);
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("render-gpu"),
-            required_features: adapter.features() & FEATURES,
-            // All that the adapter has: each frame's needs are checked against it.
-            required_limits: adapter.limits(),
+            required_features,
+            required_limits,
             ..Default::default()
         };
         let (device, queue) = adapter
             .request_device(&descriptor)
             .await
             .map_err(|error| GpuError::NoDevice { adapter: adapter.get_info().name, reason: error.to_string() })?;
-        let gpu = Self::from_device(device, queue);
+        let gpu = Self { is_lent: false, ..Self::from_device(device, queue) };
         let lost = Arc::clone(&gpu.lost);
         gpu.device.set_device_lost_callback(move |reason, message| {
             if let Ok(mut lost) = lost.lock() {
@@ -85,12 +94,14 @@ impl Gpu {
     }
 
     /// Uses a caller's device and queue. No feature beyond compute shaders is needed; with `TIMESTAMP_QUERY` stages are timed. The
-    /// caller keeps its own callbacks for a lost device.
+    /// caller keeps its own callbacks for a lost device. Other threads may submit to the queue at the same time, and present: no call of this
+    /// crate keeps them waiting.
     #[must_use]
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
         Self {
             device,
             queue,
+            is_lent: true,
             lost: Arc::default(),
             kernels: KernelLog::default(),
             compiled: KernelCache::default(),
@@ -190,11 +201,40 @@ impl Gpu {
         }
     }
 
+    /// The limits that kernels need of a device, and the features that are used where they are there: for programs that open a device for
+    /// [`from_device`](Self::from_device).
+    #[must_use]
+    pub fn requirements(adapter: &wgpu::Adapter) -> (wgpu::Features, wgpu::Limits) {
+        (adapter.features() & FEATURES, adapter.limits())
+    }
+
     /// Waits until all submitted work is done. In a browser, which polls devices itself, returns at once.
     pub(crate) fn wait(&self) -> Result<(), GpuError> {
+        if !self.is_lent {
+            return self.wait_until(|| false);
+        }
+        let is_done = Arc::new(AtomicBool::new(false));
+        let done = Arc::clone(&is_done);
+        self.queue.on_submitted_work_done(move || done.store(true, Ordering::Release));
+        self.wait_until(|| is_done.load(Ordering::Acquire))
+    }
+
+    /// Waits until all submitted work is done; on a caller's device until a callback has said so. wgpu keeps a lock while it waits, without
+    /// which a window of the same device shows nothing, so that this thread sleeps instead. (With a timeout wgpu 30 panics where another
+    /// thread polls at the same time.)
+    fn wait_until(&self, is_done: impl Fn() -> bool) -> Result<(), GpuError> {
+        let in_turns = self.is_lent && !cfg!(target_arch = "wasm32");
+        let how = || if in_turns { wgpu::PollType::Poll } else { wgpu::PollType::wait_indefinitely() };
         let lost = |error: wgpu::PollError| GpuError::Lost { reason: self.lost().unwrap_or(error.to_string()) };
-        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(lost)?;
-        Ok(())
+        let mut nap = NAPS.start;
+        loop {
+            self.device.poll(how()).map_err(lost)?;
+            if !in_turns || is_done() {
+                return Ok(());
+            }
+            std::thread::sleep(nap);
+            nap = (2 * nap).min(NAPS.end);
+        }
     }
 
     /// The known cause of the device's loss, if it is lost.
@@ -216,7 +256,7 @@ impl Gpu {
         self.scoped("a read-back", || {
             staging.slice(..bytes).map_async(wgpu::MapMode::Read, move |result| sender.send(result));
         })?;
-        self.wait()?;
+        self.wait_until(|| mail.is_there())?;
         let mapped = mail.received().await;
         // A refused command leaves old bytes.
         self.settle().await?;

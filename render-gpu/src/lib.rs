@@ -7,6 +7,8 @@
 //!   scene that their rays meet.
 //! - [`GpuGBuffer`]: visible points found on the GPU; [`GpuPose`]: spheres that follow bones; [`GpuTextureWriter`]: radiance to a
 //!   texture.
+//! - [`GpuPicture`]: a picture that stays on the device, [shaded](GpuShader::shade_picture) from points of the CPU; [`GpuDisplay`]: the
+//!   same for a screen.
 //!
 //! ```no_run
 //! use shading::Accuracy;
@@ -38,8 +40,11 @@ mod memory;
 mod module;
 mod occlusion;
 mod paper;
+mod picture;
 mod pose;
+mod resident;
 mod scopes;
+mod screen;
 mod shader;
 mod texture_writer;
 #[cfg(test)]
@@ -53,7 +58,10 @@ pub use self::gpu::{Gpu, GpuOptions};
 pub use self::layout::{GpuReceiver, NO_MATERIAL};
 pub use self::log::{CompiledKernel, KernelLog};
 pub use self::occlusion::Occlusion;
+pub use self::picture::GpuPicture;
 pub use self::pose::GpuPose;
+pub use self::resident::PixelMeans;
+pub use self::screen::GpuDisplay;
 pub use self::shader::GpuShader;
 pub use self::texture_writer::GpuTextureWriter;
 pub use glam;

@@ -43,6 +43,11 @@ impl<T> Mail<T> {
         }
     }
 
+    /// Whether the result has come and is not received.
+    pub(crate) fn is_there(&self) -> bool {
+        self.place.0.lock().unwrap_or_else(PoisonError::into_inner).result.is_some()
+    }
+
     /// The result. Natively the device has been polled to its end: the thread waits for another one that has taken the callback, and
     /// gets nothing if that takes too long. In a browser the future is ready once the callback has run.
     pub(crate) async fn received(&self) -> Option<T> {

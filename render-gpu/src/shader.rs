@@ -1,3 +1,5 @@
+mod on_device;
+
 use crate::binding::Slot;
 use crate::clock::{Clock, Stage};
 use crate::images::Images;
@@ -9,6 +11,8 @@ use crate::memory::Memory;
 use crate::module::{self, MaterialText, Shown, Variant};
 use crate::occlusion::{Blockers, Occlusion};
 use crate::paper::Paper;
+use crate::picture::Textures;
+use crate::resident::{Resident, Resolve};
 use crate::{Gpu, GpuError, GpuPose};
 use core::num::NonZeroU64;
 use core::ops::Range;
@@ -86,6 +90,12 @@ pub struct GpuShader {
     points: Memory,
     radiance: Memory,
     staging: Memory,
+    /// Points of pictures that stay on the device, the latest ones first: of a whole picture and of a coarse one.
+    residents: [Resident; 2],
+    resolve: Option<Resolve>,
+    textures: Textures,
+    /// Points of the next submission for such a picture.
+    turn: u64,
 }
 
 /// The kernels of a variant.
@@ -121,6 +131,10 @@ impl GpuShader {
             points: Memory::new("points", storage),
             radiance: Memory::new("radiance", storage | BufferUsages::COPY_SRC),
             staging: Memory::new("read-back", BufferUsages::MAP_READ | BufferUsages::COPY_DST),
+            residents: [Resident::new(), Resident::new()],
+            resolve: None,
+            textures: Textures::default(),
+            turn: on_device::FIRST,
         };
         shader.occlude(occlusion)?;
         Ok(shader)
@@ -493,31 +507,35 @@ struct Part<'a> {
     radiance: &'a wgpu::Buffer,
 }
 
-impl GpuShader {
-    /// Packs groups of points into the device's memory for them, on all threads: each is a tile, whose places left over have no material.
-    fn upload(&mut self, points: &ShadingPoints, groups: &[Range<usize>]) -> Result<wgpu::Buffer, GpuError> {
-        let gpu = &self.gpu;
-        let size = (groups.len() * size_of::<PackedTile>()) as u64;
-        let buffer = self.points.sized(gpu, size)?.clone();
-        gpu.scoped("points", || {
-            let size = NonZeroU64::new(size)?;
-            let mut view = gpu.queue().write_buffer_with(&buffer, 0, size)?;
-            let (memory, _) = view.slice(..).into_chunks::<{ size_of::<PackedTile>() }>();
-            let memory: Vec<_> = memory.into_iter().collect();
-            memory.into_par_iter().zip(groups).with_min_len(TASK).for_each(|(memory, group)| {
-                let none = GpuReceiver { material: NO_MATERIAL, ..GpuReceiver::default() };
-                let mut packed: PackedTile = [none; TILE as usize];
-                let points = points.receivers[group.clone()].iter().zip(&points.materials[group.clone()]);
-                for (packed, (at, material)) in packed.iter_mut().zip(points) {
-                    *packed = GpuReceiver::new(at, *material);
-                }
-                memory.write(bytemuck::cast(packed));
-            });
-            Some(())
-        })?;
-        Ok(buffer)
-    }
+/// Packs groups of points into memory of the device, on all threads: each is a tile, whose places left over have no material.
+fn pack(
+    gpu: &Gpu,
+    memory: &mut Memory,
+    points: &ShadingPoints,
+    groups: &[Range<usize>],
+) -> Result<wgpu::Buffer, GpuError> {
+    let size = (groups.len() * size_of::<PackedTile>()) as u64;
+    let buffer = memory.sized(gpu, size)?.clone();
+    gpu.scoped("points", || {
+        let size = NonZeroU64::new(size)?;
+        let mut view = gpu.queue().write_buffer_with(&buffer, 0, size)?;
+        let (memory, _) = view.slice(..).into_chunks::<{ size_of::<PackedTile>() }>();
+        let memory: Vec<_> = memory.into_iter().collect();
+        memory.into_par_iter().zip(groups).with_min_len(TASK).for_each(|(memory, group)| {
+            let none = GpuReceiver { material: NO_MATERIAL, ..GpuReceiver::default() };
+            let mut packed: PackedTile = [none; TILE as usize];
+            let points = points.receivers[group.clone()].iter().zip(&points.materials[group.clone()]);
+            for (packed, (at, material)) in packed.iter_mut().zip(points) {
+                *packed = GpuReceiver::new(at, *material);
+            }
+            memory.write(bytemuck::cast(packed));
+        });
+        Some(())
+    })?;
+    Ok(buffer)
+}
 
+impl GpuShader {
     /// As [`Shade::shade`], but looks before each slice of points whether a stop is requested, and returns `None` then. Not for
     /// browsers: they have [`shade_async`](Self::shade_async).
     ///
@@ -569,7 +587,7 @@ impl GpuShader {
             };
             let out: Vec<&mut [Vec3]> = groups.iter().map(cut).collect();
             let count = groups.len() as u64 * TILE;
-            let buffer = self.upload(points, groups)?;
+            let buffer = pack(&gpu, &mut self.points, points, groups)?;
             let radiance = self.radiance.sized(&gpu, 16 * count)?.clone();
             let part = Part { first: 0, count, stride, uniforms: 0, points: &buffer, radiance: &radiance };
             self.hold_uniforms(frame, &[count])?;

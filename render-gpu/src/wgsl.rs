@@ -3,6 +3,8 @@
 use crate::bvh::{BLOCKS, BLOCKS_ALIKE, FLAT, SPHERE, VISIBLE};
 use crate::gbuffer::view;
 use crate::kernels::queue;
+use crate::resident::{LAST, NO_PLACE, RAYS};
+use crate::screen::{AGX, LINEAR, NEUTRAL};
 use lobe_core::wgsl::{GEOMETRY, LOBE, Piece, SPECIAL};
 use lobe_core::wgsl_numbers;
 use scene::rounding;
@@ -32,6 +34,19 @@ pub static ANY_HIT: Piece =
     Piece::new(include_str!("kernels/any_hit.wgsl")).numbers(wgsl_numbers![BLUR = rounding::BLUR]).needs(&[&BVH]);
 /// Writes radiance to a texture. Needs a binding `target_texture`.
 pub static TEXTURE_WRITER: Piece = Piece::new(include_str!("kernels/texture_writer.wgsl")).needs(&[&GEOMETRY]);
+
+/// Pixels as the means of their points. Needs a binding `target_texture`.
+pub static RESOLVE: Piece = Piece::new(include_str!("kernels/resolve.wgsl")).numbers(wgsl_numbers![
+    NO_PLACE = NO_PLACE,
+    LAST = LAST,
+    RAYS = RAYS,
+]);
+/// Pictures as screens show them.
+pub static DISPLAY: Piece = Piece::new(include_str!("kernels/display.wgsl")).numbers(wgsl_numbers![
+    LINEAR = LINEAR,
+    NEUTRAL = NEUTRAL,
+    AGX = AGX,
+]);
 
 /// One light of one frame: the uniform `frame`.
 pub static FRAME: Piece = Piece::new(include_str!("kernels/frame.wgsl"));

@@ -12,10 +12,10 @@ use shading::{Integrator, Visibility};
 
 #[cfg(feature = "gpu")]
 use {
-    crate::error::LAYERS,
+    crate::error::{LAYERS, NO_GPU},
     paper::Tables,
     ray_tracing::World,
-    render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion, ShadowCasting},
+    render_gpu::{Gpu, GpuError, GpuOptions, GpuPicture, GpuShader, GpuWorld, Occlusion, PixelMeans, ShadowCasting},
     shading::gpu::GpuBlockers,
     visibility_rays::GpuRays,
     visibility_shadowmap::{PackedMaps, ShadowMapBlockers},
@@ -145,6 +145,11 @@ pub(crate) struct GpuParts<'a> {
 
 #[cfg(feature = "gpu")]
 impl GpuBackend {
+    /// A picture of this size that stays on the device.
+    pub(crate) fn picture(&mut self, size: [u32; 2]) -> Result<GpuPicture, GpuError> {
+        self.shader.picture(size)
+    }
+
     /// The shader with these blockers. `traced` is the scene and, for each object, the rays that it stops; `None` if no object
     /// stops rays. These objects block by `parts.silhouettes`, or else by rays.
     pub(crate) fn occluded(
@@ -212,6 +217,20 @@ pub trait Shader: Shade<Material, Light, Error: Error + Into<RenderError>> {
         out: &mut [Vec3],
         request: &ShadeRequest<'_>,
     ) -> impl Future<Output = Result<(ShadeStats, PointLayers), RenderError>>;
+
+    /// Shades points into the pixels of a picture that stays on the GPU, until a stop is requested.
+    ///
+    /// # Errors
+    /// As [`shade_with`](Self::shade_with); [`RenderError::NotOnGpu`] on the CPU.
+    #[cfg(feature = "gpu")]
+    fn shade_picture(
+        &mut self,
+        points: &ShadingPoints,
+        means: &PixelMeans<'_>,
+        frame: &Frame<'_>,
+        picture: &GpuPicture,
+        request: &ShadeRequest<'_>,
+    ) -> impl Future<Output = Result<ShadeStats, RenderError>>;
 }
 
 impl<V: Visibility, I: Integrator<V>, K: SkyLighting> Shader for CpuShader<V, I, K> {
@@ -225,6 +244,18 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> Shader for CpuShader<V, I,
         let shaded = CpuShader::shade_with(self, points, frame, out, request);
         request.cancel.map_or(Ok(()), check)?;
         Ok(shaded)
+    }
+
+    #[cfg(feature = "gpu")]
+    async fn shade_picture(
+        &mut self,
+        _: &ShadingPoints,
+        _: &PixelMeans<'_>,
+        _: &Frame<'_>,
+        _: &GpuPicture,
+        _: &ShadeRequest<'_>,
+    ) -> Result<ShadeStats, RenderError> {
+        Err(RenderError::NotOnGpu(NO_GPU))
     }
 }
 
@@ -242,5 +273,20 @@ impl Shader for GpuShader {
         }
         let stats = self.shade_async(points, frame, out, request.cancel).await?.ok_or(RenderError::Cancelled)?;
         Ok((stats, PointLayers::default()))
+    }
+
+    async fn shade_picture(
+        &mut self,
+        points: &ShadingPoints,
+        means: &PixelMeans<'_>,
+        frame: &Frame<'_>,
+        picture: &GpuPicture,
+        request: &ShadeRequest<'_>,
+    ) -> Result<ShadeStats, RenderError> {
+        if request.unshadowed || request.lights || request.counts {
+            return Err(RenderError::NotOnGpu(LAYERS));
+        }
+        let stats = GpuShader::shade_picture(self, points, means, frame, picture, request.cancel).await?;
+        stats.ok_or(RenderError::Cancelled)
     }
 }

@@ -1,4 +1,4 @@
-use crate::kept_points::KeptPoints;
+use crate::kept_points::{Found, KeptPoints};
 use crate::{RenderError, Settings};
 use brdf::Material;
 use core::ops::Range;
@@ -62,7 +62,7 @@ impl<'w> Bands<'w> {
         self.parts.iter().flat_map(|part| self.cut(part)).collect()
     }
 
-    pub(crate) fn points(&mut self, window: &Window) -> Result<GBuffer, RenderError> {
+    pub(crate) fn points(&mut self, window: &Window) -> Result<Found, RenderError> {
         let (world, samples) = (self.world, self.samples);
         if let Some(kept) = self.kept.take(window, samples) {
             return Ok(kept);
@@ -74,11 +74,11 @@ impl<'w> Bands<'w> {
         let mut found = seconds(&mut self.seconds, find).ok_or(RenderError::Cancelled)?;
         found.find_squares();
         self.kept.found += 1;
-        Ok(found)
+        Ok(Found::new(found))
     }
 
     /// Keeps the points of a band for the next picture that needs them.
-    pub(crate) fn keep(&mut self, window: &Window, points: GBuffer) {
+    pub(crate) fn keep(&mut self, window: &Window, points: Found) {
         if self.keeps {
             self.kept.put(window, self.samples, points);
         }
@@ -97,7 +97,7 @@ impl<'w> Bands<'w> {
         let keep = self.parts.len() == 1 && self.parts[0] == picture;
         for window in self.cut(&picture) {
             let g = self.points(&window)?;
-            if let Some(b) = ReceiverBounds::of(g.points.receivers.iter().map(|r| r.position)) {
+            if let Some(b) = ReceiverBounds::of(g.points.points.receivers.iter().map(|r| r.position)) {
                 all = Some(all.map_or(b, |a| ReceiverBounds { min: a.min.min(b.min), max: a.max.max(b.max) }));
             }
             if keep {

@@ -1,5 +1,7 @@
 //! Edits of the scene and the settings: each is validated first, and returns what it makes stale.
 
+#[cfg(feature = "gpu")]
+use crate::Device;
 use crate::renderer::check_method;
 use crate::{
     Backend, CustomStrategy, EditError, LayerSet, LightHandle, MaterialHandle, ObjectHandle, RenderError, Renderer,
@@ -388,6 +390,12 @@ impl Renderer {
         check_method(settings.method, &self.scene.lights)?;
         let mut stale = Stale::SHADING | Stale::BUDGET;
         if settings.device != self.backend.device() {
+            #[cfg(feature = "gpu")]
+            let backend = match (&self.gpu, settings.device) {
+                (Some(gpu), Device::Gpu) => Backend::on(gpu)?,
+                (_, device) => Backend::open(device)?,
+            };
+            #[cfg(not(feature = "gpu"))]
             let backend = Backend::open(settings.device)?;
             self.upkeep.ray_worlds += self.backend.worlds_followed();
             self.backend = backend;

@@ -8,6 +8,8 @@ use visibility_shadowmap::MapError;
 pub(crate) const LAYERS: &str = "layers are made by the CPU only";
 #[cfg(feature = "gpu")]
 pub(crate) const NO_WGSL: &str = "it has no blockers for a GPU";
+#[cfg(feature = "gpu")]
+pub(crate) const NO_GPU: &str = "the renderer has no GPU on which a picture could stay: its device is the CPU";
 pub(crate) const BETWEEN: &str = "visible fractions are interpolated by the CPU only";
 pub(crate) const LOBES: &str = "visibility as lobes is summed by the CPU only";
 

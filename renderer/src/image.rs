@@ -5,8 +5,15 @@ use core::ops::ControlFlow;
 use glam::Vec3;
 use pictures::Window;
 use render_cpu::GBuffer;
+#[cfg(feature = "gpu")]
+use render_cpu::Layers as PointLayers;
 use scene::{Frame, ShadeStats, ShadingPoints};
 use shading::Accuracy;
+#[cfg(feature = "gpu")]
+use {
+    crate::kept_points::Found,
+    render_gpu::{GpuPicture, PixelMeans},
+};
 
 /// A picture, or a window of one, row by row from the top, with its statistics.
 #[derive(Clone, Debug, Default)]
@@ -74,12 +81,27 @@ impl Band {
     }
 }
 
+/// A picture that stays on the GPU which made it.
+#[cfg(feature = "gpu")]
+#[derive(Debug)]
+pub struct GpuImage {
+    /// Its pixels: as [`Image::radiance`], to rounding.
+    pub picture: GpuPicture,
+    /// The requested layers, on the CPU.
+    pub layers: Layers,
+    /// Statistics of the rendering.
+    pub stats: ImageStats,
+}
+
 /// Memory of a part of a picture, used again for the next part.
 #[derive(Debug, Default)]
 pub(crate) struct Canvas {
     band: Band,
     /// Radiance of its points.
     radiance: Vec<Vec3>,
+    /// The picture on the GPU, where it is to stay there: bands have no radiance then.
+    #[cfg(feature = "gpu")]
+    pub(crate) target: Option<GpuPicture>,
 }
 
 /// Shades a picture band by band with the chosen strategy.
@@ -108,8 +130,14 @@ impl ShaderTask for Shading<'_, '_, '_, '_> {
         for window in windows {
             tell(self.listener, Event::Pixels { done, of })?;
             let g = self.bands.points(&window)?;
-            let shaded = self.shade(shader, &g, &mut stats).await;
-            stats.points += g.len();
+            #[cfg(feature = "gpu")]
+            let shaded = match self.canvas.target.is_some() {
+                true => self.shade_on_gpu(shader, &g, &window, &mut stats).await,
+                false => self.shade(shader, &g.points, &mut stats).await,
+            };
+            #[cfg(not(feature = "gpu"))]
+            let shaded = self.shade(shader, &g.points, &mut stats).await;
+            stats.points += g.points.len();
             // Keeps the points of a cancelled band too: they are right, and likely to be needed again.
             self.bands.keep(&window, g);
             shaded?;
@@ -133,7 +161,7 @@ impl Shading<'_, '_, '_, '_> {
     ) -> Result<(), RenderError> {
         let background = self.bands.world.scene().background;
         let frame = &Frame { materials: &g.materials, ..*self.frame };
-        let Canvas { band, radiance } = &mut *self.canvas;
+        let Canvas { band, radiance, .. } = &mut *self.canvas;
         radiance.clear();
         radiance.resize(g.len(), Vec3::ZERO);
         let request = self.layers.request(self.bands.cancel);
@@ -149,4 +177,49 @@ impl Shading<'_, '_, '_, '_> {
         g.picture_into(radiance, background, &mut band.radiance);
         Ok(())
     }
+
+    /// Shades the points of a band into its place in the picture on the GPU.
+    #[cfg(feature = "gpu")]
+    async fn shade_on_gpu<S: Shader>(
+        &mut self,
+        shader: &mut S,
+        found: &Found,
+        window: &Window,
+        stats: &mut ImageStats,
+    ) -> Result<(), RenderError> {
+        let background = self.bands.world.scene().background;
+        let g = &found.points;
+        let frame = &Frame { materials: &g.materials, ..*self.frame };
+        let Canvas { band, target: Some(picture), .. } = &mut *self.canvas else { return Ok(()) };
+        let rest = rest_of(g, background);
+        let means = PixelMeans {
+            stamp: found.stamp,
+            corner: [window.columns.start, window.rows.start].map(|side| side as u32),
+            size: [g.width, g.height],
+            pixels: &g.pixels,
+            rays: &g.rays,
+            samples: g.samples,
+            rest: &rest,
+        };
+        let request = self.layers.request(self.bands.cancel);
+        for total in &mut stats.shading {
+            *total += shader.shade_picture(&g.points, &means, frame, picture, &request).await?;
+        }
+        band.radiance.clear();
+        band.layers = Layers::new(g, PointLayers::default(), &self.layers, frame.lights.len(), background);
+        Ok(())
+    }
+}
+
+/// The radiance of each pixel besides that of lit points; empty where there is none.
+#[cfg(feature = "gpu")]
+fn rest_of(g: &GBuffer, background: Vec3) -> Vec<Vec3> {
+    let mut emission = Vec::new();
+    if g.emission.is_empty() {
+        if g.sky.is_empty() && background == Vec3::ZERO {
+            return Vec::new();
+        }
+        emission = vec![Vec3::ZERO; g.len()];
+    }
+    g.picture(if emission.is_empty() { &g.emission } else { &emission }, background)
 }

@@ -39,6 +39,11 @@ impl KeptMaps {
         self.maps.clear();
     }
 
+    /// The map of the light at a place in the scene, if it is there.
+    pub(crate) fn of(&self, light: usize) -> Option<&ShadowMap> {
+        self.maps.get(light)
+    }
+
     /// Draws the maps of a scene; keeps those of lights that have not moved.
     pub(crate) fn update(
         &mut self,

@@ -72,6 +72,8 @@ pub use crate::event::{Event, Listener};
 pub use crate::exposure::{exposure, exposure_of};
 pub use crate::frame_blockers::{FrameBlockers, ShaderTask};
 pub use crate::handles::{LightHandle, MaterialHandle, ObjectHandle};
+#[cfg(feature = "gpu")]
+pub use crate::image::GpuImage;
 pub use crate::image::{Band, Image, ImageStats, Sink};
 pub use crate::kept_sky::{KeptSky, SkyFrame};
 pub use crate::kept_spheres::KeptSpheres;
@@ -89,4 +91,6 @@ pub use crate::taken::{TakenLight, TakenObject};
 pub use glam;
 pub use pictures::Window;
 pub use render_cpu::PixelSamples;
+#[cfg(feature = "gpu")]
+pub use render_gpu::{Gpu, GpuError, GpuPicture};
 pub use scene::{Cancel, set_clock};

@@ -5,12 +5,13 @@ use crate::handles::Handles;
 use crate::image::Canvas;
 use crate::job::{Job, State};
 use crate::kept::Kept;
+use crate::plan::map_sphere;
 use crate::rows::Rows;
 use crate::sphere_cache::{Scope, follow_spheres};
 use crate::turn::at_once;
 use crate::{
-    Backend, Clocks, Device, FrameClocks, Image, ImageStats, KeptSky, KeptSpheres, LayerSet, Listener, Method, Plan,
-    RenderError, Settings, Sink, Stale, Upkeep, paper_tables,
+    Backend, Clocks, Device, FrameClocks, Image, ImageStats, KeptSky, KeptSpheres, LayerSet, LightHandle, Listener,
+    Method, Plan, RenderError, Settings, Sink, Stale, Upkeep, paper_tables,
 };
 use core::ops::ControlFlow;
 use glam::Vec3;
@@ -21,6 +22,12 @@ use render_cpu::{Hierarchy, Looks, SceneSilhouettes, SceneSpheres, Update, World
 use scene::{Animation, BlockerSet, Bounds, Cancel, Scene};
 use shading::Accuracy;
 use std::sync::Arc;
+use visibility_shadowmap::ShadowMap;
+#[cfg(feature = "gpu")]
+use {
+    crate::{GpuImage, Layers, error::NO_GPU},
+    render_gpu::Gpu,
+};
 
 /// A scene, and everything that turns it into pictures: the strategy of each object, the spheres, hierarchies and maps that are
 /// kept between frames, the device and the method.
@@ -37,6 +44,9 @@ pub struct Renderer {
     pub(crate) settings: Settings,
     pub(crate) plan: Plan,
     pub(crate) backend: Backend,
+    /// The GPU of settings that request one; none: the strongest adapter.
+    #[cfg(feature = "gpu")]
+    pub(crate) gpu: Option<Gpu>,
     /// Time of the animation in seconds.
     pub(crate) time: f32,
     pub(crate) tables: Option<Tables>,
@@ -108,6 +118,8 @@ impl Renderer {
             settings,
             plan,
             backend,
+            #[cfg(feature = "gpu")]
+            gpu: None,
             time: 0.0,
             tables: None,
             sets: SceneSpheres::default(),
@@ -162,6 +174,13 @@ impl Renderer {
         &self.backend
     }
 
+    /// Sets the GPU that [settings](Self::set_settings) with [`Device::Gpu`] mean from now on: that of a window, which shows pictures of it
+    /// without a copy. None: the strongest adapter, opened for this renderer alone.
+    #[cfg(feature = "gpu")]
+    pub fn use_gpu(&mut self, gpu: Option<Gpu>) {
+        self.gpu = gpu;
+    }
+
     /// Seconds of work that is done once, so far.
     #[must_use]
     pub const fn clocks(&self) -> Clocks {
@@ -192,6 +211,16 @@ impl Renderer {
     #[must_use]
     pub const fn blocker_spheres(&self) -> &BlockerSet {
         self.spheres.set()
+    }
+
+    /// The shadow map that the last whole picture had for a light; none if it had none, if no surface was drawn into it, and after the light
+    /// has moved. A clone costs nothing.
+    #[must_use]
+    pub fn shadow_map(&self, light: LightHandle) -> Option<&ShadowMap> {
+        let place = self.light_handles.place(light.0)?;
+        // Places change where lights are removed.
+        let sphere = map_sphere(self.scene.lights.get(place)?);
+        self.kept.maps.of(place).filter(|map| map.faces() > 0 && map.light() == sphere)
     }
 
     /// Sets the request, which any thread may make, that stops pictures and their preparation with [`RenderError::Cancelled`].
@@ -415,6 +444,31 @@ impl Renderer {
         let own = self.reduced(divisor);
         let window = Window::whole(own.renderer.scene.width as usize, own.renderer.scene.height as usize);
         own.renderer.render_window(&window, listener)
+    }
+
+    /// As [`render_reduced`](Self::render_reduced), but the picture stays on the GPU: no pixel comes to the CPU, and visible points that are
+    /// the last picture's are not uploaded again. The sums of pixels are rounded otherwise than on the CPU.
+    ///
+    /// The call returns once all points are shaded. Pixels are there for all that is submitted to the [GPU](Backend::gpu)'s queue later.
+    ///
+    /// # Errors
+    /// [`RenderError`]; [`RenderError::NotOnGpu`] if the renderer's device is the CPU. [`GpuError::Limits`](render_gpu::GpuError::Limits) for
+    /// more points than a buffer of the GPU holds, which [`render_reduced`](Self::render_reduced) shades in parts.
+    #[cfg(feature = "gpu")]
+    pub fn render_on_gpu(&mut self, divisor: u32, listener: &mut Listener<'_>) -> Result<GpuImage, RenderError> {
+        let own = self.reduced(divisor);
+        let renderer = &mut *own.renderer;
+        let size = [renderer.scene.width, renderer.scene.height];
+        let Backend::Gpu(gpu) = &mut renderer.backend else { return Err(RenderError::NotOnGpu(NO_GPU)) };
+        renderer.canvas.target = Some(gpu.picture(size)?);
+        let window = Window::whole(size[0] as usize, size[1] as usize);
+        let mut layers = Layers::default();
+        let done = renderer.render_bands(&window, listener, &mut |band| {
+            layers.append(&band.layers);
+            ControlFlow::Continue(())
+        });
+        let picture = renderer.canvas.target.take().ok_or(RenderError::NotOnGpu(NO_GPU))?;
+        Ok(GpuImage { picture, layers, stats: done? })
     }
 
     /// Renders parts of the whole picture with fewer pixels, as [`render_parts`](Self::render_parts) does: windows of the picture of

@@ -25,6 +25,8 @@ fn main() {
         trial("layers_of_points", layers_of_points),
         trial("requests_to_stop", requests_to_stop),
         trial("nothing_to_see", nothing_to_see),
+        trial("pictures_stay_on_the_gpu", pictures_stay_on_the_gpu),
+        trial("a_window_lends_its_gpu", a_window_lends_its_gpu),
     ];
     libtest_mimic::run(&Arguments::from_args(), trials).exit();
 }
@@ -139,4 +141,74 @@ fn nothing_to_see() {
         edited.remove_object(object).expect("is there");
     }
     assert!(edited.render().expect("a picture").radiance.iter().all(|pixel| *pixel == Vec3::X));
+}
+
+/// As pictures that come to the CPU, to rounding: whole and coarse, at edges, with a background and surfaces that emit; after edits that
+/// leave the visible points and edits that move them.
+fn pictures_stay_on_the_gpu() {
+    let mut scene = stage();
+    scene.background = Vec3::new(0.2, 0.3, 0.4);
+    scene.surfaces.resize(scene.materials.len(), scene::Surface::default());
+    scene.surfaces[0].emission = Vec3::new(0.01, 0.02, 0.0);
+    let settings = Settings { device: Device::Gpu, samples: renderer::PixelSamples::Edges(8), ..Settings::default() };
+    let mut edited = Renderer::new(scene, Animation::default(), settings).expect("a GPU");
+    let go_on = |_: renderer::Event| ControlFlow::Continue(());
+    let compare = |edited: &mut Renderer| {
+        for divisor in [1, 3, 1] {
+            let want = edited.render_reduced(divisor, &mut { go_on }).expect("a picture");
+            let got = edited.render_on_gpu(divisor, &mut { go_on }).expect("a picture");
+            assert_eq!(got.picture.size().map(|side| side as usize), want.size);
+            assert!(!got.picture.is_read());
+            let pixels = got.picture.radiance().expect("a GPU");
+            let peak = want.radiance.iter().map(|p| p.max_element()).fold(0.0, f32::max);
+            let difference = pixels.iter().zip(&want.radiance).map(|(a, b)| (*a - *b).abs().max_element());
+            let largest = difference.fold(0.0, f32::max);
+            assert!(peak > 0.3 && largest <= 2e-6 * peak, "{largest:e} of {peak}");
+            assert_eq!(got.stats.points, want.stats.points);
+        }
+    };
+    compare(&mut edited);
+    let light = edited.lights().next().expect("a light").0;
+    edited.set_light(light, lamp(0.4)).expect("a light");
+    compare(&mut edited);
+    let camera = scene::Camera { eye: Vec3::new(0.5, 3.0, 8.0), ..edited.scene().camera };
+    edited.set_camera(camera).expect("a camera");
+    compare(&mut edited);
+    edited.set_layers(LayerSet { depths: true, ..LayerSet::NONE }).expect("layers of points");
+    let [on_cpu, on_gpu] = [
+        edited.render().expect("a picture").layers,
+        edited.render_on_gpu(1, &mut { go_on }).expect("a picture").layers,
+    ];
+    assert!(on_cpu == on_gpu && on_gpu.depths.len() == 48 * 27);
+    // A stop leaves the renderer as it was.
+    let cancel = Cancel::new();
+    cancel.cancel();
+    edited.set_cancel(cancel);
+    assert!(matches!(edited.render_on_gpu(1, &mut { go_on }), Err(RenderError::Cancelled)));
+    edited.set_cancel(Cancel::new());
+    assert_eq!(edited.render().expect("a picture").radiance.len(), 48 * 27);
+    compare(&mut edited);
+    edited.set_settings(Settings { device: Device::Cpu, ..edited.settings().clone() }).expect("the CPU");
+    assert!(matches!(edited.render_on_gpu(1, &mut { go_on }), Err(RenderError::NotOnGpu(_))));
+}
+
+/// A renderer takes the GPU that it is given, with its compiled kernels, each time that settings request one.
+fn a_window_lends_its_gpu() {
+    let own = renderer::Gpu::blocking(&render_gpu::GpuOptions::default()).expect("a GPU");
+    let gpu = renderer::Gpu::from_device(own.device().clone(), own.queue().clone());
+    let mut edited = Renderer::new(stage(), Animation::default(), Settings::default()).expect("a scene");
+    edited.use_gpu(Some(gpu.clone()));
+    let mut seen = Vec::new();
+    for device in [Device::Gpu, Device::Cpu, Device::Gpu] {
+        edited.set_settings(Settings { device, ..edited.settings().clone() }).expect("a device");
+        assert_eq!(
+            edited.backend().gpu().map(|gpu| gpu.device().clone()),
+            (device == Device::Gpu).then(|| gpu.device().clone())
+        );
+        if device == Device::Gpu {
+            let made = edited.render_on_gpu(1, &mut |_| ControlFlow::Continue(())).expect("a picture");
+            seen.push((made.picture.radiance().expect("a GPU").to_vec(), gpu.kernels().compiled().len()));
+        }
+    }
+    assert!(seen[0] == seen[1] && seen[0].1 > 0);
 }

@@ -270,3 +270,27 @@ fn masks_show_the_visible_fraction() {
     assert!(partial >= 3 && worst < 0.05, "{partial}, {worst}");
     assert!(renderer.unshadowed(5000, 3).is_empty());
 }
+
+/// The shadow map of each light is that of the last whole picture; other strategies have none, nor has a light that is gone.
+#[test]
+fn shadow_maps_of_lights() {
+    // Maps are drawn where all lights are spheres.
+    let mut scene = floor_and_ball();
+    (scene.width, scene.height) = (96, 54);
+    let globe = globe(24, Vec3::new(0.4, 1.6, 0.2), 0.4, true);
+    scene.objects.push(Object::mesh("caster", globe, 0, Proxy::Count(8)));
+    let mut mapped = renderer(scene, Some(Strategy::ShadowMap));
+    let lights: Vec<LightHandle> = mapped.lights().map(|(handle, _)| handle).collect();
+    assert!(lights.iter().all(|light| mapped.shadow_map(*light).is_none()), "before the first picture");
+    mapped.render().expect("a picture");
+    let map = mapped.shadow_map(lights[0]).expect("a map");
+    assert_eq!(Some(map.light()), mapped.scene().lights[0].sphere());
+    let nearest = map.images(64).iter().flat_map(|image| image.distances.clone()).fold(f32::INFINITY, f32::min);
+    assert!(nearest > 0.5 && nearest < 10.0, "{nearest}");
+    let settings = Settings { strategy: Some(Strategy::Silhouettes), ..mapped.settings().clone() };
+    mapped.set_settings(settings).expect("a strategy");
+    mapped.render().expect("a picture");
+    assert!(lights.iter().all(|light| mapped.shadow_map(*light).is_none()));
+    mapped.remove_light(lights[0]).expect("a light");
+    assert!(mapped.shadow_map(lights[0]).is_none());
+}

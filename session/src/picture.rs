@@ -1,6 +1,6 @@
 use crate::Snapshot;
 use glam::Vec3;
-use renderer::{ImageStats, Layers, Upkeep};
+use renderer::{Image, ImageStats, Layers, RenderError, Upkeep};
 use std::sync::Arc;
 
 /// A picture of a session.
@@ -8,8 +8,11 @@ use std::sync::Arc;
 pub struct Picture {
     /// Columns and rows.
     pub size: [usize; 2],
-    /// Linear radiance toward the eye, W·m⁻²·sr⁻¹ per channel, row by row.
+    /// Linear radiance toward the eye, W·m⁻²·sr⁻¹ per channel, row by row; empty where the picture is [on a GPU](Self::pixels).
     pub radiance: Vec<Vec3>,
+    /// The same on the GPU that made it, if it [stays](crate::Session::set_on_gpu) there.
+    #[cfg(feature = "gpu")]
+    pub on_gpu: Option<Arc<renderer::GpuPicture>>,
     /// The layers that were [requested](crate::Session::set_layers).
     pub layers: Layers,
     /// By how much its sides are shorter than those of the whole picture, rounded up: 1 is the whole one; 0 where none was made.
@@ -28,4 +31,51 @@ pub struct Picture {
     pub upkeep: Upkeep,
     /// The scene that it shows.
     pub scene: Arc<Snapshot>,
+}
+
+impl Picture {
+    /// Whether it has no pixels: before the first picture, and where none is made.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.radiance.is_empty() && !self.is_on_gpu()
+    }
+
+    /// Whether its pixels are on a GPU alone.
+    #[must_use]
+    pub const fn is_on_gpu(&self) -> bool {
+        #[cfg(feature = "gpu")]
+        return self.on_gpu.is_some();
+        #[cfg(not(feature = "gpu"))]
+        false
+    }
+
+    /// Its radiance, row by row. Of a picture on a GPU the first call waits for it and reads it back: 16 bytes a pixel.
+    ///
+    /// # Errors
+    /// [`RenderError`] if the GPU is lost.
+    pub fn pixels(&self) -> Result<&[Vec3], RenderError> {
+        #[cfg(feature = "gpu")]
+        if let Some(picture) = &self.on_gpu {
+            return Ok(picture.radiance()?);
+        }
+        Ok(&self.radiance)
+    }
+}
+
+/// Pixels of a picture, where they were made.
+#[derive(Debug, Default)]
+pub(crate) struct Made {
+    pub(crate) image: Image,
+    #[cfg(feature = "gpu")]
+    pub(crate) on_gpu: Option<Arc<renderer::GpuPicture>>,
+}
+
+impl From<Image> for Made {
+    fn from(image: Image) -> Self {
+        Self {
+            image,
+            #[cfg(feature = "gpu")]
+            on_gpu: None,
+        }
+    }
 }

@@ -62,6 +62,8 @@ struct State {
     edits: u64,
     /// How many were made when a picture failed.
     failed: Option<u64>,
+    /// Whether the thread has ended, by a panic or with the session.
+    has_ended: bool,
 }
 
 impl Shared {
@@ -114,12 +116,26 @@ impl Shared {
     }
 }
 
+/// Wakes those who wait for a picture once the thread has ended.
+struct Ending(Arc<Shared>);
+
+impl Drop for Ending {
+    fn drop(&mut self) {
+        self.0.lock().has_ended = true;
+        self.0.is_newer.notify_all();
+    }
+}
+
 impl Session {
     /// Starts with a renderer, and at once with its first picture.
     #[must_use]
     pub fn new(renderer: Renderer) -> Self {
         let (mut session, worker) = Self::apart(renderer);
-        session.worker = Some(thread::spawn(move || worker.run()));
+        let ending = Ending(Arc::clone(&session.shared));
+        session.worker = Some(thread::spawn(move || {
+            let _ending = ending;
+            worker.run();
+        }));
         session
     }
 
@@ -151,6 +167,14 @@ impl Session {
     /// The layers that pictures come with from now on. No step of the history: settings that are taken back keep these.
     pub fn set_layers(&self, layers: LayerSet) {
         self.send(Command::Layers(layers));
+        self.interrupt();
+    }
+
+    /// Whether pictures of a GPU stay there from now on, as [`Picture::on_gpu`]: for a window that draws on the same device
+    /// ([`Renderer::use_gpu`]). They come to the CPU only where [`Picture::pixels`] is called. Pictures of the CPU are as before.
+    #[cfg(feature = "gpu")]
+    pub fn set_on_gpu(&self, is_on_gpu: bool) {
+        self.send(Command::OnGpu(is_on_gpu));
         self.interrupt();
     }
 
@@ -198,14 +222,14 @@ impl Session {
         Arc::clone(&self.shared.lock().picture)
     }
 
-    /// Waits for the whole picture with all changes so far; the newest one where an error keeps that from coming.
+    /// Waits for the whole picture with all changes so far; the newest one where an error keeps that from coming, or the thread has ended.
     #[must_use]
     pub fn finished(&self) -> Arc<Picture> {
         let mut state = self.shared.lock();
         let edits = state.edits;
         while state.picture.edits < edits || state.picture.divisor != 1 {
             let is_failed = state.failed.is_some_and(|failed| failed >= edits);
-            if is_failed || self.worker.as_ref().is_none_or(JoinHandle::is_finished) {
+            if is_failed || state.has_ended || self.worker.is_none() {
                 break;
             }
             state = self.shared.is_newer.wait(state).unwrap_or_else(PoisonError::into_inner);

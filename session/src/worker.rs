@@ -1,9 +1,12 @@
 use crate::history::History;
+use crate::picture::Made;
 use crate::session::{Control, Shared};
 use crate::truth::Growth;
 use crate::{Edit, Picture, Snapshot};
 use core::ops::ControlFlow;
-use renderer::{Image, LayerSet, RenderError, Renderer, Settings, Stale};
+use renderer::{Event, Image, LayerSet, RenderError, Renderer, Settings, Stale};
+#[cfg(feature = "gpu")]
+use renderer::{GpuError, GpuImage};
 use scene::{Bounds, Stopwatch};
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
@@ -21,6 +24,9 @@ pub(crate) enum Command {
     Query(Question, bool),
     Budget(f64),
     Layers(LayerSet),
+    /// Whether pictures of a GPU stay there.
+    #[cfg(feature = "gpu")]
+    OnGpu(bool),
     /// Samples of the reference.
     Reference(u32),
     Quit,
@@ -54,6 +60,9 @@ pub(crate) struct Worker {
     snapshot: Option<(u64, Arc<Snapshot>)>,
     /// Samples that the reference is to have.
     samples: u32,
+    /// Whether pictures of a GPU stay there.
+    #[cfg(feature = "gpu")]
+    is_on_gpu: bool,
     growth: Option<Growth>,
     /// The last change that the reference shows differently.
     seen: u64,
@@ -77,6 +86,8 @@ impl Worker {
             bounds: None,
             snapshot: None,
             samples: 0,
+            #[cfg(feature = "gpu")]
+            is_on_gpu: false,
             growth: None,
             seen: 0,
         }
@@ -147,6 +158,11 @@ impl Worker {
                 (Ok(false), None)
             }
             Command::Layers(layers) => (self.set_layers(layers), None),
+            #[cfg(feature = "gpu")]
+            Command::OnGpu(is_on_gpu) => {
+                let is_new = core::mem::replace(&mut self.is_on_gpu, is_on_gpu) != is_on_gpu;
+                (Ok(is_new && self.renderer.backend().gpu().is_some()), None)
+            }
             Command::Reference(samples) => {
                 self.samples = samples;
                 (Ok(false), None)
@@ -225,17 +241,35 @@ impl Worker {
     /// Makes a picture and shows it.
     fn show(&mut self, divisor: u32, is_new: usize) -> Shown {
         let watch = Stopwatch::start();
-        let image = self.renderer.render_reduced(divisor, &mut |_| ControlFlow::Continue(()));
-        let image = match image {
-            Ok(image) => image,
+        let made = match self.make(divisor) {
+            Ok(made) => made,
             Err(RenderError::Cancelled) => return Shown::Interrupted,
             Err(error) => {
                 self.fail(error);
                 return Shown::Failed;
             }
         };
-        self.publish(image, divisor, is_new, watch.seconds());
+        self.publish(made, divisor, is_new, watch.seconds());
         Shown::Yes
+    }
+
+    /// Makes a picture, where it is to stay.
+    fn make(&mut self, divisor: u32) -> Result<Made, RenderError> {
+        let go_on = &mut |_: Event<'_>| ControlFlow::Continue(());
+        #[cfg(feature = "gpu")]
+        if self.is_on_gpu && self.renderer.backend().gpu().is_some() {
+            match self.renderer.render_on_gpu(divisor, go_on) {
+                // Too many points for a buffer: they are shaded in parts.
+                Err(RenderError::Gpu(GpuError::Limits { .. })) => {}
+                made => {
+                    let GpuImage { picture, layers, stats } = made?;
+                    let size = picture.size().map(|side| side as usize);
+                    let image = Image { size, radiance: Vec::new(), layers, stats };
+                    return Ok(Made { image, on_gpu: Some(Arc::new(picture)) });
+                }
+            }
+        }
+        self.renderer.render_reduced(divisor, go_on).map(Made::from)
     }
 
     /// Says why there is no picture.
@@ -244,16 +278,19 @@ impl Worker {
     }
 
     /// Shows a picture that took so many seconds.
-    pub(crate) fn publish(&mut self, image: Image, divisor: u32, is_new: usize, seconds: f64) {
+    pub(crate) fn publish(&mut self, made: impl Into<Made>, divisor: u32, is_new: usize, seconds: f64) {
         if divisor == 1 {
             self.whole[is_new] = Some(seconds);
         }
         let latency = self.waiting.take().map_or(0.0, |since| since.seconds());
-        let Image { size, radiance, layers, stats } = image;
+        let made = made.into();
+        let Image { size, radiance, layers, stats } = made.image;
         let (edits, seen, upkeep, scene) = (self.edits, self.seen, self.renderer.upkeep(), self.snapshot());
         self.shared.show(Picture {
             size,
             radiance,
+            #[cfg(feature = "gpu")]
+            on_gpu: made.on_gpu,
             layers,
             divisor,
             edits,

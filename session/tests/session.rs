@@ -178,3 +178,16 @@ fn a_pixel_is_taken_apart() {
     // Questions leave the picture as it is.
     assert!(session.finished().radiance == before.radiance);
 }
+
+/// A thread that panics while its picture is waited for: the newest picture there is comes at once.
+#[test]
+fn a_thread_that_ends_keeps_no_one_waiting() {
+    let session = Session::new(renderer(scene(48, 27)));
+    let before = session.finished();
+    let answer = session.change(|_: &mut Renderer| {
+        thread::sleep(Duration::from_millis(200));
+        panic!("on purpose");
+    });
+    let after = session.finished();
+    assert!(answer.recv().is_err() && Arc::ptr_eq(&before, &after));
+}

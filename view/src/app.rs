@@ -2,10 +2,14 @@ use crate::args::Args;
 use crate::darkroom::{Darkroom, Order, Print};
 use crate::desk::Desk;
 use crate::inspector::Inspector;
-use crate::opening::{Opened, Opening, name_of};
+use crate::map_window::MapWindow;
+use crate::opening::{Devices, Opened, Opening, name_of};
+use crate::screen::{self, Screen};
 use crate::smoke::Smoke;
 use crate::stage::Stage;
 use crate::{animation, panel, shot, status};
+use cosine_lobes::renderer::Device;
+use eframe::CreationContext;
 use eframe::egui::{
     self, CentralPanel, Context, Frame, Key, KeyboardShortcut, Modifiers, Panel, Ui, ViewportBuilder, ViewportCommand,
 };
@@ -18,12 +22,20 @@ pub(crate) fn run(args: Args) -> Result<(), String> {
         .with_app_id("lobes-view")
         .with_inner_size([1320.0, 780.0])
         .with_drag_and_drop(true);
-    let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
-    let smoke = args.smoke.map(|path| Smoke::new(path, args.pixel.is_some()));
+    let wgpu_options = screen::configuration();
+    let options = eframe::NativeOptions { viewport, wgpu_options, ..eframe::NativeOptions::default() };
+    let smoke = args.smoke.map(|path| Smoke::new(path, args.pixel.is_some(), args.shake));
     let failed = smoke.as_ref().map(Smoke::outcome);
-    let (pixel, shows_spheres) = (args.pixel, args.spheres);
-    let start = move |context: &Context| App { pixel, shows_spheres, ..App::new(context, args.file, smoke) };
-    eframe::run_native("lobes", options, Box::new(move |creation| Ok(Box::new(start(&creation.egui_ctx)))))
+    let (pixel, shows_spheres, shows_map) = (args.pixel, args.spheres, args.shadow_map);
+    let (first, takes_software) = (if args.gpu { Device::Gpu } else { Device::Cpu }, args.one_device);
+    let start = move |creation: &CreationContext<'_>| {
+        let state = creation.wgpu_render_state.as_ref();
+        let screen = state.map_or(Ok(None), |state| Screen::new(state, &creation.egui_ctx, takes_software));
+        let mut app = App::new(&creation.egui_ctx, args.file, (screen, first), smoke);
+        (app.pixel, app.shows_spheres, app.shows_map) = (pixel, shows_spheres, shows_map);
+        app
+    };
+    eframe::run_native("lobes", options, Box::new(move |creation| Ok(Box::new(start(creation)))))
         .map_err(|error| format!("no window: {error}"))?;
     failed.map_or(Ok(()), |outcome| outcome.result())
 }
@@ -33,33 +45,51 @@ pub(crate) struct App {
     opening: Option<Opening>,
     /// A line for the user.
     message: Option<String>,
+    /// The window's GPU, where pictures are shown without a copy.
+    screen: Option<Screen>,
+    devices: Devices,
     darkroom: Darkroom,
     print: Option<Print>,
     stage: Stage,
     inspector: Inspector,
+    map_window: MapWindow,
     title: String,
     smoke: Option<Smoke>,
     /// The pixel that is taken apart once a scene is open.
     pixel: Option<[u32; 2]>,
     /// Whether the first scene shows the spheres that block.
     shows_spheres: bool,
+    /// Whether the first scene shows a shadow map.
+    shows_map: bool,
 }
 
 impl App {
-    fn new(context: &Context, file: Option<PathBuf>, smoke: Option<Smoke>) -> Self {
+    fn new(
+        context: &Context,
+        file: Option<PathBuf>,
+        (screen, first): (Result<Option<Screen>, String>, Device),
+        smoke: Option<Smoke>,
+    ) -> Self {
         context.set_theme(egui::Theme::Dark);
+        let message = screen.as_ref().err().cloned();
+        let screen = screen.ok().flatten();
+        let devices = Devices { gpu: screen.as_ref().map(|screen| screen.gpu().clone()), first };
         Self {
             desk: None,
-            opening: Some(Opening::new(file, context)),
-            message: None,
-            darkroom: Darkroom::new(context),
+            opening: Some(Opening::new(file, context, devices.clone())),
+            message,
+            darkroom: Darkroom::new(context, screen.as_ref().map(Screen::enlarger)),
+            screen,
+            devices,
             print: None,
             stage: Stage::default(),
             inspector: Inspector::default(),
+            map_window: MapWindow::default(),
             title: String::new(),
             smoke,
             pixel: None,
             shows_spheres: false,
+            shows_map: false,
         }
     }
 
@@ -77,21 +107,22 @@ impl App {
                 self.message = Some(line);
             }
             let editor = &desk.editor;
-            if !editor.picture().radiance.is_empty() {
+            if !editor.picture().is_empty() {
                 let truth = editor.session().reference();
                 self.darkroom.order(Order { picture: editor.picture().clone(), truth, look: desk.look });
             }
         }
         if let Some(print) = self.darkroom.take() {
-            self.stage.take(context, &print);
+            self.stage.take(context, &print, self.screen.as_mut());
             self.print = Some(print);
         }
     }
 
     fn show(&mut self, opened: Opened, context: &Context) {
-        self.message = opened.warning.clone();
+        self.message = opened.warning.clone().or_else(|| self.message.take());
         let mut desk = Desk::new(opened);
         desk.shows_spheres = core::mem::take(&mut self.shows_spheres);
+        desk.maps.is_shown = core::mem::take(&mut self.shows_map);
         if let Some(pixel) = self.pixel.take() {
             desk.look_into(pixel);
         }
@@ -101,11 +132,12 @@ impl App {
         self.print = None;
         self.stage = Stage::default();
         self.inspector = Inspector::default();
+        self.map_window = MapWindow::default();
     }
 
     fn open(&mut self, path: PathBuf, context: &Context) {
         self.message = None;
-        self.opening = Some(Opening::new(Some(path), context));
+        self.opening = Some(Opening::new(Some(path), context, self.devices.clone()));
     }
 
     /// Files that were dropped, and keys.
@@ -163,8 +195,11 @@ impl App {
 }
 
 impl eframe::App for App {
-    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
         let context = ui.ctx().clone();
+        if let Some(screen) = &self.screen {
+            screen.retry_size(frame);
+        }
         self.follow(&context);
         self.listen(&context);
         Panel::bottom("status").show(ui, |ui| {
@@ -188,9 +223,10 @@ impl eframe::App for App {
         });
         if let Some(desk) = &mut self.desk {
             self.inspector.show(&context, desk);
+            self.map_window.show(&context, desk);
         }
         if let Some(smoke) = &mut self.smoke {
-            smoke.watch(&context, self.desk.as_ref(), self.message.as_deref(), self.print.is_some());
+            smoke.watch(&context, self.desk.as_ref(), self.message.as_deref(), self.print.as_ref());
         }
     }
 }

@@ -2,11 +2,14 @@
 
 use crate::false_color;
 use crate::look::{Look, View};
+use crate::screen::Enlarger;
 use cosine_lobes::session::{Picture, Truth};
 use cosine_lobes::{
     Comparison, Display, Picture as Pixels, ShadowErrors, Window, glam::Vec3, luminance, signed_difference,
 };
 use eframe::egui::{ColorImage, Context};
+use eframe::wgpu;
+use std::borrow::Cow;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
@@ -30,10 +33,19 @@ impl Order {
 /// A picture for the screen.
 #[derive(Clone, Debug)]
 pub(crate) struct Print {
-    pub(crate) image: Arc<ColorImage>,
+    pub(crate) image: Sheet,
     /// The reference beside it, where that is to be seen and is there.
     pub(crate) reference: Option<Arc<ColorImage>>,
     pub(crate) figures: Option<Figures>,
+}
+
+/// Pixels for the screen.
+#[derive(Clone, Debug)]
+pub(crate) enum Sheet {
+    /// On the CPU, for the window to upload.
+    Uploaded(Arc<ColorImage>),
+    /// On the window's GPU.
+    OnGpu(wgpu::Texture),
 }
 
 /// How far the picture is from the reference.
@@ -71,7 +83,7 @@ pub(crate) struct Darkroom {
 }
 
 impl Darkroom {
-    pub(crate) fn new(context: &Context) -> Self {
+    pub(crate) fn new(context: &Context, enlarger: Option<Enlarger>) -> Self {
         let shared = Arc::new(Shared::default());
         let (theirs, context) = (Arc::clone(&shared), context.clone());
         thread::spawn(move || {
@@ -79,8 +91,8 @@ impl Darkroom {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
             while let Some(order) = next(&theirs) {
                 let print = match &pool {
-                    Ok(pool) => pool.install(|| develop(&order)),
-                    Err(_) => develop(&order),
+                    Ok(pool) => pool.install(|| develop(&order, enlarger.as_ref())),
+                    Err(_) => develop(&order, enlarger.as_ref()),
                 };
                 theirs.lock().print = Some(print);
                 context.request_repaint();
@@ -124,31 +136,48 @@ fn next(shared: &Shared) -> Option<Order> {
     }
 }
 
-fn develop(order: &Order) -> Print {
+fn develop(order: &Order, enlarger: Option<&Enlarger>) -> Print {
     let Order { picture, truth, look } = order;
     // One that shows an older scene, or other pixels, is none of this picture.
     let truth = (truth.edits >= picture.seen && truth.size == picture.size && truth.samples > 0).then_some(truth);
     let reference =
         truth.filter(|_| look.split.is_some()).map(|truth| photo(truth.size, &truth.radiance, look.display));
     let figures = truth.filter(|_| look.wants_reference()).and_then(|truth| figures(picture, truth));
-    let image = image(picture, truth.map(|truth| &**truth), look);
+    let image = sheet(picture, truth.map(|truth| &**truth), look, enlarger);
     Print { image, reference, figures }
 }
 
-fn image(picture: &Picture, truth: Option<&Truth>, look: &Look) -> Arc<ColorImage> {
+/// The pixels of a view. A picture on the window's GPU stays there where it is shown as it is.
+fn sheet(picture: &Picture, truth: Option<&Truth>, look: &Look, enlarger: Option<&Enlarger>) -> Sheet {
+    let on_gpu = || enlarger?.show(picture.on_gpu.as_ref()?, &look.display);
+    match image(picture, truth, look) {
+        Some(image) => Sheet::Uploaded(image),
+        None => on_gpu()
+            .map_or_else(|| Sheet::Uploaded(photo(picture.size, &radiance(picture), look.display)), Sheet::OnGpu),
+    }
+}
+
+/// The radiance of a picture; black where its GPU is lost.
+fn radiance(picture: &Picture) -> Cow<'_, [Vec3]> {
+    let none = || vec![Vec3::ZERO; picture.size[0] * picture.size[1]].into();
+    picture.pixels().map_or_else(|_| none(), Cow::Borrowed)
+}
+
+/// The pixels of a view; none where it shows the picture itself.
+fn image(picture: &Picture, truth: Option<&Truth>, look: &Look) -> Option<Arc<ColorImage>> {
     let layers = &picture.layers;
     let whole = picture.size[0] * picture.size[1];
     let colors = match look.view {
         View::Reference => match truth {
-            Some(truth) => return photo(truth.size, &truth.radiance, look.display),
+            Some(truth) => return Some(photo(truth.size, &truth.radiance, look.display)),
             None => Vec::new(),
         },
-        View::Difference => return difference(picture, truth, look.display),
+        View::Difference => return Some(difference(picture, truth, look.display)),
         View::Unshadowed if layers.unshadowed.len() == whole => {
-            return photo(picture.size, &layers.unshadowed, look.display);
+            return Some(photo(picture.size, &layers.unshadowed, look.display));
         }
         View::Light(number) => match layers.lights.get(number).filter(|light| light.len() == whole) {
-            Some(light) => return photo(picture.size, light, look.display),
+            Some(light) => return Some(photo(picture.size, light, look.display)),
             None => Vec::new(),
         },
         View::Classes => false_color::classes(&picture.radiance, &layers.unshadowed),
@@ -159,10 +188,7 @@ fn image(picture: &Picture, truth: Option<&Truth>, look: &Look) -> Arc<ColorImag
         View::Picture | View::Unshadowed => Vec::new(),
     };
     // Layers come with the next picture.
-    if colors.len() != whole {
-        return photo(picture.size, &picture.radiance, look.display);
-    }
-    Arc::new(ColorImage::from_rgb(picture.size, colors.as_flattened()))
+    (colors.len() == whole).then(|| Arc::new(ColorImage::from_rgb(picture.size, colors.as_flattened())))
 }
 
 /// As PNG files show it.
@@ -174,7 +200,7 @@ fn difference(picture: &Picture, truth: Option<&Truth>, display: Display) -> Arc
     let white = f64::from(-display.exposure).exp2();
     let colors = truth.and_then(|truth| {
         signed_difference(
-            &pixels(picture.size, &picture.radiance),
+            &pixels(picture.size, &radiance(picture)),
             &pixels(truth.size, &truth.radiance),
             FULL_DIFFERENCE * white,
         )
@@ -185,14 +211,14 @@ fn difference(picture: &Picture, truth: Option<&Truth>, display: Display) -> Arc
         None => {
             // Paler than the picture, so that it is not taken for it.
             let pale = |p: &Vec3| Vec3::splat((0.3 * luminance(*p)) as f32);
-            let grey: Vec<Vec3> = picture.radiance.iter().map(pale).collect();
+            let grey: Vec<Vec3> = radiance(picture).iter().map(pale).collect();
             photo(picture.size, &grey, display)
         }
     }
 }
 
 fn figures(picture: &Picture, truth: &Truth) -> Option<Figures> {
-    let test = pixels(picture.size, &picture.radiance);
+    let test = pixels(picture.size, &radiance(picture));
     let (reference, unshadowed) = (pixels(truth.size, &truth.radiance), pixels(truth.size, &truth.unshadowed));
     let all = Comparison::of(&test, &reference).ok()?;
     let shadows = ShadowErrors::of(&test, &reference, &unshadowed).ok()?;

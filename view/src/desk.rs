@@ -1,6 +1,7 @@
 //! The scene that is open, and what is done with it.
 
 use crate::look::{Look, View};
+use crate::map_window::MapView;
 use crate::opening::{Opened, name_of};
 use cosine_lobes::Display;
 use cosine_lobes::glam::{Mat4, Vec2, Vec3};
@@ -8,7 +9,7 @@ use cosine_lobes::lighting::Light;
 use cosine_lobes::renderer::{LightHandle, ObjectHandle, RenderError, Renderer, Settings};
 use cosine_lobes::scene::{Animation, BlockerSet, Camera, Scene, Strategy};
 use cosine_lobes::session::{
-    Drag, Dragged, Editor, NewLight, Primitive, Probe, Projection, Snapshot, Trade, framed, lamp, save,
+    Drag, Dragged, Editor, LightItem, NewLight, Primitive, Probe, Projection, Snapshot, Trade, framed, lamp, save,
 };
 use eframe::egui::Context;
 use std::collections::HashMap;
@@ -19,6 +20,32 @@ use std::sync::mpsc::Receiver;
 const SAMPLES: u32 = 4096;
 /// Samples of the reference of one pixel.
 const PROBE_SAMPLES: u32 = 4096;
+
+/// The shadow map that is shown.
+#[derive(Debug, Default)]
+pub(crate) struct Maps {
+    pub(crate) is_shown: bool,
+    /// None where the light has none.
+    pub(crate) view: Option<MapView>,
+    /// How many were taken so far.
+    pub(crate) count: u64,
+    /// The number of its light.
+    pub(crate) number: usize,
+    /// The number of changes that it shows, and its light.
+    of: Option<(u64, LightHandle)>,
+    /// That of a later picture or of another light, on its way from the session.
+    coming: Option<Coming>,
+}
+
+/// The number of changes and the light of a shadow map, and where it arrives.
+type Coming = ((u64, LightHandle), Receiver<Option<MapView>>);
+
+impl Maps {
+    /// Whether the map of a picture with so many changes is there.
+    pub(crate) fn is_of(&self, edits: u64) -> bool {
+        self.of.is_some_and(|(of, _)| of == edits)
+    }
+}
 
 /// A light or an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,6 +96,7 @@ pub(crate) struct Desk {
     pub(crate) spheres: (u64, BlockerSet),
     /// Those of a later picture, on their way from the session.
     coming: Option<(u64, Receiver<BlockerSet>)>,
+    pub(crate) maps: Maps,
     /// The strategies of objects that are hidden.
     hidden: HashMap<ObjectHandle, Option<Strategy>>,
     pub(crate) is_playing: bool,
@@ -110,6 +138,7 @@ impl Desk {
             shows_spheres: false,
             spheres: (u64::MAX, BlockerSet::default()),
             coming: None,
+            maps: Maps::default(),
             hidden: HashMap::new(),
             is_playing: false,
             requested: None,
@@ -129,8 +158,9 @@ impl Desk {
         self.editor.follow();
         self.select_new();
         self.follow_spheres();
+        self.follow_map();
         self.begin_to_measure(context);
-        if self.first_size == [0; 2] && !self.editor.picture().radiance.is_empty() {
+        if self.first_size == [0; 2] && !self.editor.picture().is_empty() {
             self.first_size = self.editor.scene().size;
             self.saved = Some(self.editor.scene().clone());
             self.extent = self.editor.scene().bounds().radius().max(1e-6);
@@ -378,6 +408,31 @@ impl Desk {
         if self.shows_spheres && self.coming.is_none() && self.editor.is_finished() && self.spheres.0 != edits {
             let set = self.editor.session().query(|renderer| renderer.blocker_spheres().clone());
             self.coming = Some((edits, set));
+        }
+    }
+
+    /// Requests the shadow map of the selected light, or of the last one that was, or of the first, and takes it.
+    fn follow_map(&mut self) {
+        let edits = self.editor.picture().edits;
+        let taken = self.maps.coming.as_ref().and_then(|(of, coming)| Some((*of, coming.try_recv().ok()?)));
+        if let Some((of, view)) = taken {
+            self.maps.of = Some(of);
+            self.maps.view = view;
+            self.maps.count += 1;
+            self.maps.coming = None;
+        }
+        if !self.maps.is_shown || self.maps.coming.is_some() || !self.editor.is_finished() {
+            return;
+        }
+        let lights = &self.editor.scene().lights;
+        let selected = |item: &&LightItem| self.selected == Some(Thing::Light(item.handle));
+        let last = |item: &&LightItem| self.maps.of.is_some_and(|(_, light)| light == item.handle);
+        let chosen = lights.iter().find(selected).or_else(|| lights.iter().find(last)).or(lights.first());
+        let Some(light) = chosen.map(|item| item.handle) else { return };
+        if self.maps.of != Some((edits, light)) {
+            self.maps.number = lights.iter().position(|item| item.handle == light).unwrap_or(0);
+            let ask = move |renderer: &Renderer| renderer.shadow_map(light).map(MapView::new);
+            self.maps.coming = Some(((edits, light), self.editor.session().query(ask)));
         }
     }
 

@@ -50,6 +50,17 @@ pub(crate) fn depths(depths: &[f32]) -> Vec<Rgb> {
     depths.iter().map(grey).collect()
 }
 
+/// From yellow for the nearest over red to black for the farthest, evenly by the distance; grey where it is infinite.
+pub(crate) fn distances(distances: &[f32], [near, far]: [f32; 2]) -> Vec<Rgb> {
+    let color = |distance: &f32| {
+        if !distance.is_finite() {
+            return GREY;
+        }
+        heat(1.0 - (distance - near) / (far - near).max(f32::MIN_POSITIVE))
+    };
+    distances.iter().map(color).collect()
+}
+
 /// A colour for each object: hues a golden angle apart.
 pub(crate) fn objects(objects: &[u32]) -> Vec<Rgb> {
     objects.iter().map(|object| if *object == Layers::NO_OBJECT { GREY } else { of_number(*object) }).collect()
@@ -69,15 +80,17 @@ pub(crate) fn of_number(number: u32) -> Rgb {
 /// From black over red to yellow, by the logarithm.
 pub(crate) fn counts(counts: &[f32]) -> Vec<Rgb> {
     let most = counts.iter().copied().fold(1.0_f32, f32::max);
-    let color = |count: &f32| {
-        let part = (count.max(0.0) + 1.0).ln() / (most + 1.0).ln();
-        if part < 0.5 {
-            mix([8, 6, 20], [190, 40, 60], 2.0 * part)
-        } else {
-            mix([190, 40, 60], [255, 235, 120], 2.0 * part - 1.0)
-        }
-    };
+    let color = |count: &f32| heat((count.max(0.0) + 1.0).ln() / (most + 1.0).ln());
     counts.iter().map(color).collect()
+}
+
+/// From black at 0 over red to yellow at 1.
+fn heat(part: f32) -> Rgb {
+    if part < 0.5 {
+        mix([8, 6, 20], [190, 40, 60], 2.0 * part)
+    } else {
+        mix([190, 40, 60], [255, 235, 120], 2.0 * part - 1.0)
+    }
 }
 
 fn mix(from: Rgb, to: Rgb, part: f32) -> Rgb {

@@ -93,6 +93,8 @@ fn view(ui: &mut Ui, desk: &mut Desk, figures: Option<&Figures>) {
     }
     let spheres = ui.checkbox(&mut desk.shows_spheres, "spheres that block");
     spheres.on_hover_text("those of all objects whose shadows are by spheres; yellow: the selected object's");
+    let map = ui.checkbox(&mut desk.maps.is_shown, "shadow map");
+    map.on_hover_text("the depths that the selected light's shadow map has, layer by layer");
     ui.horizontal(|ui| {
         let range = desk.metered - 8.0..=desk.metered + 8.0;
         ui.add(slider(&mut desk.look.display.exposure, range).step_by(0.1).text("exposure"));

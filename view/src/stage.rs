@@ -1,14 +1,15 @@
 //! The picture, and all that the pointer does with it.
 
-use crate::darkroom::Print;
+use crate::darkroom::{Print, Sheet};
 use crate::desk::{Desk, Motion, Thing};
+use crate::screen::Screen;
 use cosine_lobes::glam::{Vec2, Vec3};
 use cosine_lobes::lighting::Light;
 use cosine_lobes::scene::Bounds;
 use cosine_lobes::session::{Grip, Handles, Projection, lamp, orbited, panned, zoomed};
 use eframe::egui::{
     Align2, Color32, Context, CursorIcon, FontId, Painter, PointerButton, Pos2, Rect, Response, Sense, Shape, Stroke,
-    TextureHandle, TextureOptions, Ui, pos2, vec2,
+    TextureHandle, TextureId, TextureOptions, Ui, pos2, vec2,
 };
 
 /// Radians that a drag over the height of the picture turns the camera by.
@@ -28,20 +29,48 @@ const CHOSEN: Color32 = Color32::from_rgb(255, 210, 80);
 /// The picture on the screen.
 #[derive(Default)]
 pub(crate) struct Stage {
-    picture: Option<TextureHandle>,
+    picture: Option<Plate>,
     reference: Option<TextureHandle>,
+}
+
+/// The texture of the picture.
+enum Plate {
+    /// It was uploaded.
+    Uploaded(TextureHandle),
+    /// It was made on the window's GPU.
+    OnGpu(TextureId),
+}
+
+impl Plate {
+    fn id(&self) -> TextureId {
+        match self {
+            Self::Uploaded(texture) => texture.id(),
+            Self::OnGpu(id) => *id,
+        }
+    }
 }
 
 impl Stage {
     /// Takes a new print.
-    pub(crate) fn take(&mut self, context: &Context, print: &Print) {
+    pub(crate) fn take(&mut self, context: &Context, print: &Print, screen: Option<&mut Screen>) {
         // Pixels stay pixels: they are what is looked at.
         let options = TextureOptions::LINEAR;
         let put = |texture: &mut Option<TextureHandle>, image: &std::sync::Arc<_>, name: &str| match texture {
             Some(texture) => texture.set(std::sync::Arc::clone(image), options),
             None => *texture = Some(context.load_texture(name, std::sync::Arc::clone(image), options)),
         };
-        put(&mut self.picture, &print.image, "picture");
+        match (&print.image, screen) {
+            (Sheet::OnGpu(texture), Some(screen)) => self.picture = Some(Plate::OnGpu(screen.put(texture))),
+            (Sheet::OnGpu(_), None) => {}
+            (Sheet::Uploaded(image), _) => {
+                let mut texture = match self.picture.take() {
+                    Some(Plate::Uploaded(texture)) => Some(texture),
+                    _ => None,
+                };
+                put(&mut texture, image, "picture");
+                self.picture = texture.map(Plate::Uploaded);
+            }
+        }
         match &print.reference {
             Some(image) => put(&mut self.reference, image, "reference"),
             None => self.reference = None,

@@ -36,7 +36,7 @@ fn state(desk: &Desk) -> String {
     let picture = desk.editor.picture();
     let [width, height] = picture.size;
     let milliseconds = 1e3 * picture.seconds;
-    if picture.radiance.is_empty() {
+    if picture.is_empty() {
         return "the first picture …".to_owned();
     }
     let fineness = match picture.divisor {

@@ -62,6 +62,8 @@ struct Shot {
     width: usize,
     height: usize,
     pixels: Vec<u8>,
+    /// The lines that the program has written.
+    said: String,
 }
 
 impl Shot {
@@ -77,13 +79,16 @@ impl Shot {
         }
         println!("{said}");
         if let Some(shots) = std::env::var_os("SHOTS") {
-            std::fs::copy(&file, Path::new(&shots).join(format!("window{}.png", arguments.concat())))?;
+            std::fs::copy(
+                &file,
+                Path::new(&shots).join(format!("window{}.png", arguments.concat().replace('/', "-"))),
+            )?;
         }
         let decoder = png::Decoder::new(BufReader::new(std::fs::File::open(&file)?));
         let mut reader = decoder.read_info()?;
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
         let info = reader.next_frame(&mut pixels)?;
-        Ok(Self { width: info.width as usize, height: info.height as usize, pixels })
+        Ok(Self { width: info.width as usize, height: info.height as usize, pixels, said })
     }
 
     /// The colours of some columns.
@@ -131,6 +136,92 @@ fn draws_the_spheres_that_block() -> Result<(), Failed> {
     Ok(())
 }
 
+const SMALL: &str = r#"
+image = { width = 160, height = 90 }
+camera = { eye = [0.0, 2.0, 5.0], target = [0.0, 0.4, 0.0], fov = 40.0 }
+materials.grey = { model = "lambert", albedo = 0.6 }
+[[objects]]
+name = "floor"
+plane = { point = [0.0, 0.0, 0.0], normal = [0.0, 1.0, 0.0], size = 60.0 }
+material = "grey"
+[[objects]]
+name = "spheres"
+spheres = [[-0.6, 0.6, 0.0, 0.5], [0.7, 0.4, 0.3, 0.4]]
+material = "grey"
+[[lights]]
+kind = "sphere"
+center = [1.5, 3.0, 1.0]
+radius = 0.4
+radiance = [40.0, 38.0, 35.0]
+"#;
+
+/// A picture that the window's GPU makes is drawn as the CPU's: without a copy on the window's own device, and with one where the driver
+/// is software and nothing else is wanted.
+fn draws_a_picture_of_its_own_gpu() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let scene = folder.path().join("small.toml");
+    std::fs::write(&scene, SMALL)?;
+    let scene = scene.to_str().ok_or("a path")?;
+    let cpu = Shot::take(&[scene])?;
+    let own = Shot::take(&[scene, "--gpu", "--one-device"])?;
+    let apart = Shot::take(&[scene, "--gpu"])?;
+    assert!(cpu.said.contains("shaded by cpu, copied"), "{}", cpu.said);
+    assert!(own.said.contains(", not copied") && !own.said.contains("shaded by cpu"), "{}", own.said);
+    assert!(!apart.said.contains("shaded by cpu"), "{}", apart.said);
+    assert!(cpu.colors(0..cpu.width / 2).len() > 200);
+    // Without the panel, and without the line of times.
+    let in_picture = |place: &usize| place % cpu.width < cpu.width - 380 && place / cpu.width < 700;
+    for other in [&own, &apart] {
+        let pairs = cpu.pixels.as_chunks::<3>().0.iter().zip(other.pixels.as_chunks::<3>().0);
+        let pairs = pairs.enumerate().filter(|(place, _)| in_picture(place)).map(|(_, pair)| pair);
+        let differences: Vec<u8> = pairs.map(|(a, b)| (0..3).map(|k| a[k].abs_diff(b[k])).max().unwrap_or(0)).collect();
+        let (largest, others) = (differences.iter().max(), differences.iter().filter(|d| **d > 1).count());
+        println!("largest difference {largest:?}, {others} of {} pixels by more than a level", differences.len());
+        assert!(others * 500 < differences.len(), "{others}");
+    }
+    Ok(())
+}
+
+/// A window whose size changes at each frame while its device shades: wgpu refuses some of the sizes then, and the window takes them later.
+fn changes_its_size_while_its_gpu_shades() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let scene = folder.path().join("larger.toml");
+    std::fs::write(&scene, SMALL.replace("width = 160, height = 90", "width = 640, height = 360"))?;
+    let shot = Shot::take(&[&scene.to_string_lossy(), "--gpu", "--one-device", "--shake"])?;
+    assert!(shot.said.contains(", not copied"), "{}", shot.said);
+    assert!((1000..=1240).contains(&shot.width) && shot.width.is_multiple_of(40), "{} × {}", shot.width, shot.height);
+    assert!(shot.colors(0..shot.width / 2).len() > 200);
+    Ok(())
+}
+
+/// A box over the floor of [`SMALL`] that blocks by a shadow map.
+const MAPPED: &str = r#"
+[[objects]]
+name = "box"
+box = { center = [0.0, 1.4, 0.1], size = [0.9, 0.4, 0.9] }
+material = "grey"
+visibility = "shadow-map"
+"#;
+
+/// The shadow map of the light: its layers in yellow to black; without one a line.
+fn draws_a_shadow_map() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let (with, without) = (folder.path().join("with.toml"), folder.path().join("without.toml"));
+    std::fs::write(&with, [SMALL, MAPPED].concat())?;
+    std::fs::write(&without, SMALL)?;
+    let [with, without] = [&with, &without].map(|path| path.to_string_lossy().into_owned());
+    // The colour of near surfaces is nowhere else in the window.
+    let near = |arguments: &[&str]| -> Result<usize, Failed> {
+        let shot = Shot::take(arguments)?;
+        let pixels = shot.pixels.as_chunks::<3>().0.iter();
+        Ok(pixels.filter(|[r, g, b]| *r > 225 && (120..245).contains(g) && (60..130).contains(b)).count())
+    };
+    let counts = [near(&[&with, "--shadow-map"])?, near(&[&with])?, near(&[&without, "--shadow-map"])?];
+    println!("{counts:?} pixels of near surfaces");
+    assert!(counts[0] > 1000 + counts[1] && counts[0] > 1000 + counts[2], "{counts:?}");
+    Ok(())
+}
+
 /// A file that is no scene is one line, and no window stays.
 fn a_missing_file_is_one_line() -> Result<(), Failed> {
     let display = Display::open().ok_or("there is no Xvfb")?;
@@ -170,6 +261,10 @@ fn main() {
         Trial::test("shows_a_picture", shows_a_picture).with_ignored_flag(!can_show),
         Trial::test("draws_the_lobes_of_a_pixel", draws_the_lobes_of_a_pixel).with_ignored_flag(!can_show),
         Trial::test("draws_the_spheres_that_block", draws_the_spheres_that_block).with_ignored_flag(!can_show),
+        Trial::test("draws_a_picture_of_its_own_gpu", draws_a_picture_of_its_own_gpu).with_ignored_flag(!can_show),
+        Trial::test("changes_its_size_while_its_gpu_shades", changes_its_size_while_its_gpu_shades)
+            .with_ignored_flag(!can_show),
+        Trial::test("draws_a_shadow_map", draws_a_shadow_map).with_ignored_flag(!can_show),
         Trial::test("a_missing_file_is_one_line", a_missing_file_is_one_line).with_ignored_flag(!can_show),
         Trial::test("the_command_line", the_command_line),
     ];

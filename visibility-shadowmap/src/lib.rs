@@ -44,6 +44,7 @@ mod contacts;
 mod face;
 mod face_view;
 mod fit;
+mod images;
 mod layer;
 mod map;
 mod options;
@@ -56,6 +57,7 @@ mod tests;
 pub mod wgsl;
 
 pub use crate::blockers::{ShadowMapBlockers, ShadowMapScratch};
+pub use crate::images::MapImage;
 pub use crate::map::{MapAdvice, MapFineness, ShadowMap};
 pub use crate::options::{MapError, MapOptions, ReceiverBounds};
 pub use crate::packed::PackedMaps;

@@ -10,6 +10,7 @@ mod materials;
 mod openings;
 mod paper;
 mod parity;
+mod picture;
 mod pose;
 mod rays;
 mod robust;
@@ -36,6 +37,7 @@ fn main() {
     trials.extend(materials::trials(gpu.as_ref()));
     trials.extend(openings::trials(gpu.as_ref()));
     trials.extend(paper::trials(gpu.as_ref()));
+    trials.extend(picture::trials(gpu.as_ref()));
     trials.extend(pose::trials(gpu.as_ref()));
     trials.extend(rays::trials(gpu.as_ref()));
     trials.extend(robust::trials(gpu.as_ref()));

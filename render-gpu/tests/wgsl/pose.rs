@@ -4,7 +4,7 @@ use crate::constant;
 use crate::validated::module;
 use glam::{Mat4, Vec3};
 use lobe_core::wgsl::join;
-use render_gpu::wgsl::TEXTURE_WRITER;
+use render_gpu::wgsl::{DISPLAY, RESOLVE, TEXTURE_WRITER};
 use sphere_sets::{BuildOptions, Carriers, SphereRig, SphereRigPart, SphereSet};
 use visibility_spheres::SphereBlockers;
 
@@ -43,5 +43,13 @@ fn a_texture_writer_of_either_format_validates() {
         let binding = format!("@group(0) @binding(10) var target_texture: texture_storage_2d<{format}, write>;");
         let writer = module(&(join(&[&TEXTURE_WRITER]) + &binding));
         assert_eq!(writer.entry_points[0].workgroup_size, [render_gpu::TILE, render_gpu::TILE, 1]);
+    }
+}
+
+#[test]
+fn pixels_and_displays_validate() {
+    let binding = "@group(0) @binding(10) var target_texture: texture_storage_2d<rgba32float, write>;";
+    for text in [join(&[&RESOLVE]) + binding, join(&[&DISPLAY])] {
+        assert_eq!(module(&text).entry_points[0].workgroup_size, [render_gpu::TILE, render_gpu::TILE, 1]);
     }
 }
