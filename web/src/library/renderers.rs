@@ -81,16 +81,17 @@ impl RendererItem {
         }
     }
 
+    /// Edits that return numbers, and all others.
     fn edit(&mut self, command: RendererCommand, arrays: Arrays<'_>) -> Result<Value, Fault> {
         match command {
             RendererCommand::AddMesh { mesh, manner, material } => {
                 let (mesh, removed) = mesh.mesh(arrays)?;
                 let object = manner.mesh(mesh, self.renderer.scene().objects.len(), arrays)?;
-                return Ok(json!({ "number": self.add(object, material)?, "removed": removed }));
+                Ok(json!({ "number": self.add(object, material)?, "removed": removed }))
             }
             RendererCommand::AddSpheres { rows, manner, material } => {
                 let object = manner.spheres(rows, self.renderer.scene().objects.len(), arrays)?;
-                return Ok(json!({ "number": self.add(object, material)? }));
+                Ok(json!({ "number": self.add(object, material)? }))
             }
             RendererCommand::SetMesh { object, mesh } => {
                 let handle = self.object(&object)?;
@@ -100,17 +101,24 @@ impl RendererItem {
                 };
                 let (mesh, removed) = mesh.mesh(arrays)?;
                 self.renderer.set_shape(handle, Shape::Mesh(mesh), proxy)?;
-                return Ok(json!({ "removed": removed }));
+                Ok(json!({ "removed": removed }))
             }
             RendererCommand::AddLight { light } => {
                 let handle = self.renderer.add_light(light.light()?)?;
-                return Ok(json!({ "number": self.lights.number(handle) }));
+                Ok(json!({ "number": self.lights.number(handle) }))
             }
             RendererCommand::AddMaterial { material } => {
                 let (material, surface) = material.material()?;
                 let handle = self.renderer.add_material(material, surface)?;
-                return Ok(json!({ "number": self.materials.number(handle) }));
+                Ok(json!({ "number": self.materials.number(handle) }))
             }
+            other => self.change(other, arrays).map(|()| Value::Null),
+        }
+    }
+
+    /// Changes of what is in the scene.
+    fn change(&mut self, command: RendererCommand, arrays: Arrays<'_>) -> Result<(), Fault> {
+        match command {
             RendererCommand::SetLight { light, new } => {
                 let handle = self.lights.handle("light", light)?;
                 self.renderer.set_light(handle, new.light()?)?;
@@ -150,6 +158,14 @@ impl RendererItem {
                 let material = self.materials.handle("material", material)?;
                 self.renderer.set_object_material(self.object(&object)?, material)?;
             }
+            other => return self.change_view(other),
+        }
+        Ok(())
+    }
+
+    /// Changes of how the scene is seen.
+    fn change_view(&mut self, command: RendererCommand) -> Result<(), Fault> {
+        match command {
             RendererCommand::SetCamera { camera } => {
                 self.renderer.set_camera(camera.into())?;
             }
@@ -165,7 +181,7 @@ impl RendererItem {
             RendererCommand::Seek { time } => self.renderer.seek(time),
             _ => {}
         }
-        Ok(Value::Null)
+        Ok(())
     }
 
     /// A part of the picture: its left column, upper row, width and height; none for all of it.
