@@ -41,6 +41,7 @@ mod paper;
 mod pose;
 mod scopes;
 mod shader;
+mod sky;
 mod texture_writer;
 #[cfg(test)]
 mod validated;
@@ -55,5 +56,6 @@ pub use self::log::{CompiledKernel, KernelLog};
 pub use self::occlusion::Occlusion;
 pub use self::pose::GpuPose;
 pub use self::shader::GpuShader;
+pub use self::sky::GpuSky;
 pub use self::texture_writer::GpuTextureWriter;
 pub use glam;

@@ -21,14 +21,14 @@
 mod arcs;
 mod blend;
 mod blockers;
-mod buffer;
+pub(crate) mod buffer;
 mod horizon;
-mod meridians;
+pub(crate) mod meridians;
 mod pole;
 mod table;
 #[cfg(test)]
 mod tests;
-mod view;
+pub(crate) mod view;
 mod window;
 
 pub use self::arcs::SkyArcs;
