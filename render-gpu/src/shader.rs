@@ -106,6 +106,13 @@ struct Prepared {
     sky: Option<(usize, Vec<usize>)>,
 }
 
+impl Prepared {
+    /// Whether a light is a patch of a sky that is summed at once.
+    fn is_patch(&self, light: usize) -> bool {
+        self.sky.as_ref().is_some_and(|(_, patches)| patches.contains(&light))
+    }
+}
+
 /// The kernels of a variant.
 #[derive(Debug)]
 struct Kernels {
@@ -274,11 +281,7 @@ impl GpuShader {
         self.max_lobes = max_lobes;
         let materials = MaterialText { name, wgsl, needs, is_lambert, has_microfacets };
         let patches: Vec<usize> = (0..frame.lights.len()).filter(|light| self.sky.replaces(*light)).collect();
-        // All patches have one length of queue items.
-        let is_sky = self.paper.is_none()
-            && !patches.is_empty()
-            && patches.windows(2).all(|two| Shown::of(&frame.lights[two[0]]) == Shown::of(&frame.lights[two[1]]));
-        let sky = match is_sky {
+        let sky = match self.paper.is_none() && !patches.is_empty() {
             true => self.sky.prepare(&self.gpu, &self.blockers, (&materials, max_lobes))?,
             false => None,
         };
@@ -314,7 +317,7 @@ impl GpuShader {
         let mut part = Part { first: 0, count: self.slice(prepared.stride), uniforms: 0, points, radiance };
         while part.first < u64::from(count) {
             part.count = part.count.min(u64::from(count) - part.first);
-            self.hold_uniforms(frame, &[part.count])?;
+            self.hold_uniforms(frame, &prepared, &[part.count])?;
             let mut encoder = self.encoder();
             self.write(&prepared, &part, &mut encoder, true)?;
             self.gpu.scoped("the commands of a slice", || self.gpu.queue().submit([encoder.finish()]))?;
@@ -342,7 +345,7 @@ impl GpuShader {
         let slice = self.slice(prepared.stride).min(count);
         // All slices but the last one have the same size.
         let last = if slice > 0 { (count - 1) % slice + 1 } else { 0 };
-        self.hold_uniforms(frame, &[slice, last])?;
+        self.hold_uniforms(frame, &prepared, &[slice, last])?;
         let mut part = Part { first: 0, count: slice, uniforms: 0, points, radiance };
         while part.first < count {
             if part.first + slice >= count {
@@ -359,15 +362,20 @@ impl GpuShader {
     }
 
     /// Uploads the uniforms for slices of these sizes.
-    fn hold_uniforms<M, L: GpuLight>(&mut self, frame: &Frame<'_, M, L>, counts: &[u64]) -> Result<(), GpuError> {
-        let bytes: Vec<u8> = counts.iter().flat_map(|count| self.uniforms(frame, *count)).collect();
+    fn hold_uniforms<M, L: GpuLight>(
+        &mut self,
+        frame: &Frame<'_, M, L>,
+        prepared: &Prepared,
+        counts: &[u64],
+    ) -> Result<(), GpuError> {
+        let bytes: Vec<u8> = counts.iter().flat_map(|count| self.uniforms(frame, prepared, *count)).collect();
         self.frames.sized(&self.gpu, FRAME_STRIDE)?;
         self.frames.hold(&self.gpu, &bytes)?;
         Ok(())
     }
 
     /// One uniform a light.
-    fn uniforms<M, L: GpuLight>(&self, frame: &Frame<'_, M, L>, points: u64) -> Vec<u8> {
+    fn uniforms<M, L: GpuLight>(&self, frame: &Frame<'_, M, L>, prepared: &Prepared, points: u64) -> Vec<u8> {
         let mut bytes = vec![0; frame.lights.len() * FRAME_STRIDE as usize];
         for ((number, light), bytes) in (0..).zip(frame.lights).zip(bytes.chunks_exact_mut(FRAME_STRIDE as usize)) {
             let bounds = light.gpu_bounds();
@@ -380,7 +388,11 @@ impl GpuShader {
                 tolerance: frame.accuracy.tolerance,
                 threshold: frame.threshold,
                 point_count: points as u32,
-                queue_stride: 1 + Shown::of(light).words() as u32 * self.max_lobes,
+                queue_stride: match prepared.is_patch(number as usize) {
+                    // All patches have one length of items, behind which lies what the sky leaves to them.
+                    true => prepared.stride as u32,
+                    false => 1 + Shown::of(light).words() as u32 * self.max_lobes,
+                },
                 image: self.images.start(number),
                 number,
                 cells: (1_u32 << frame.accuracy.depth.clamp(1, MAX_DEPTH)) as f32,
@@ -635,7 +647,7 @@ impl GpuShader {
             let buffer = self.upload(points, groups)?;
             let radiance = self.radiance.sized(&gpu, 16 * count)?.clone();
             let part = Part { first: 0, count, uniforms: 0, points: &buffer, radiance: &radiance };
-            self.hold_uniforms(frame, &[count])?;
+            self.hold_uniforms(frame, &prepared, &[count])?;
             let mut encoder = self.encoder();
             self.write(&prepared, &part, &mut encoder, true)?;
             let staging = self.staging.sized(&gpu, 16 * count + HEADER)?.clone();

@@ -193,7 +193,7 @@ fn sky_cross(row: u32, place: f32, step: i32) {
 
 // Adds a crossing to the counts of the part: `SkyBuffer::put`.
 fn sky_put(row: u32, column: u32, fraction: i32, step: i32) {
-    // What lies before the part wraps to a number beyond all.
+    // Rows and columns before the part wrap to numbers beyond all.
     let lane = row - sky_part / SKY_ALONG * LANES;
     let here = column - sky_part % SKY_ALONG * SKY_COLUMNS;
     let next = here + 1u;
