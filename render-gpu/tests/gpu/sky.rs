@@ -71,6 +71,11 @@ fn differences(want: &[Vec3], got: &[Vec3]) -> [f32; 2] {
     [all.iter().sum::<f32>() / all.len() as f32, all.iter().copied().fold(0.0, f32::max)]
 }
 
+fn table(environment: &Environment, resolution: SkyResolution) -> SkyTable {
+    let map = environment.sky();
+    SkyTable::new(resolution, map.size().x, |v| map.radiance(v))
+}
+
 struct Case<'a> {
     points: &'a ShadingPoints,
     frame: &'a Frame<'a>,
@@ -94,7 +99,8 @@ impl Case<'_> {
         let is_sky = |kernel: &render_gpu::CompiledKernel| kernel.name.starts_with("sky (");
         assert!(gpu.kernels().compiled().iter().any(is_sky), "summed by patches");
         let [mean, most] = differences(want, &got);
-        assert!(mean < 3e-6 && most < 1e-3, "{mean:e} {most:e}");
+        let resolution = self.table.meridians().resolution();
+        assert!(mean < 3e-6 && most < 1e-3, "{resolution:?}: {mean:e} {most:e}");
         assert!(self.on_gpu(shader) == got, "two runs give the same bits");
     }
 }
@@ -109,25 +115,25 @@ fn skies_at_once(gpu: &Gpu) {
     assert!(images > 0 && images < lights.len() && replaced.iter().all(|replaced| *replaced));
     let world = World::new(&scene);
     let points = GBuffer::new(&world, 40, 30, 1).points;
-    let accuracy = Accuracy::new(0.005);
-    let frame: Frame<'_> = Frame::new(&scene.materials, &lights, accuracy);
-    let map = environment.sky();
-    let resolution = SkyResolution::of_tolerance(accuracy.tolerance);
-    let table = SkyTable::new(resolution, map.size().x, |v| map.radiance(v));
+    let frame: Frame<'_> = Frame::new(&scene.materials, &lights, Accuracy::new(0.005));
     let blocks = |object: u32| object > 0;
     let silhouettes = SceneSilhouettes::new(&scene, blocks);
     let blockers = SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, blocks));
-    let mut want = vec![Vec3::ZERO; points.receivers.len()];
-    CpuShader::new(MaskVisibility::new(&blockers))
-        .with_sky(SkyShader::new([&table], replaced.clone(), &blockers))
-        .shade(&points, &frame, &mut want)
-        .expect("shaded");
     let rays = GpuWorld::only(gpu, &scene, blocks).expect("geometry");
-    let blockers = GpuSilhouettes::new(silhouettes.meshes());
-    let own: &[&dyn GpuBlockers] = &[&blockers];
+    let ours = GpuSilhouettes::new(silhouettes.meshes());
+    let own: &[&dyn GpuBlockers] = &[&ours];
     let occlusion = Occlusion { blockers: own, any_hit: Some(&rays) };
     let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
-    Case { points: &points, frame: &frame, table: &table, replaced }.compare(gpu, &want, &mut shader);
+    for (rows, samples) in [(64, 64), (256, 128)] {
+        let table = table(&environment, SkyResolution::new(rows, samples));
+        let mut want = vec![Vec3::ZERO; points.receivers.len()];
+        CpuShader::new(MaskVisibility::new(&blockers))
+            .with_sky(SkyShader::new([&table], replaced.clone(), &blockers))
+            .shade(&points, &frame, &mut want)
+            .expect("shaded");
+        let case = Case { points: &points, frame: &frame, table: &table, replaced: replaced.clone() };
+        case.compare(gpu, &want, &mut shader);
+    }
 }
 
 fn before_spheres(gpu: &Gpu) {
@@ -139,8 +145,6 @@ fn before_spheres(gpu: &Gpu) {
     let replaced = environment.patches_among(&scene.lights).expect("its patches");
     let points = GBuffer::new(&World::new(&scene), 40, 30, 1).points;
     let frame: Frame<'_> = Frame::new(&scene.materials, &scene.lights, Accuracy::new(0.005));
-    let map = environment.sky();
-    let table = SkyTable::new(SkyResolution::of_tolerance(0.005), map.size().x, |v| map.radiance(v));
     // Around points, beside them, in other spheres, and of the receiver's own object.
     let shapes = [
         Sphere { center: Vec3::new(-0.6, 0.35, 0.7), radius: 0.29 },
@@ -148,13 +152,25 @@ fn before_spheres(gpu: &Gpu) {
         Sphere { center: Vec3::new(0.6, 0.8, 0.2), radius: 0.3 },
         Sphere { center: Vec3::new(0.0, -0.2, -0.4), radius: 0.5 },
     ];
-    let spheres = SphereBlockers::new(&shapes, &[2, 9, 9, 9], &[0.05, 0.0, 0.0, 0.0]);
-    let mut want = vec![Vec3::ZERO; points.receivers.len()];
-    CpuShader::new(MaskVisibility::new(&spheres))
-        .with_sky(SkyShader::new([&table], replaced.clone(), &spheres))
-        .shade(&points, &frame, &mut want)
-        .expect("shaded");
-    let own: &[&dyn GpuBlockers] = &[&spheres];
-    let mut shader = GpuShader::new(gpu, Occlusion::of(own)).expect("a shader");
-    Case { points: &points, frame: &frame, table: &table, replaced }.compare(gpu, &want, &mut shader);
+    let few = SphereBlockers::new(&shapes, &[2, 9, 9, 9], &[0.05, 0.0, 0.0, 0.0]);
+    // Outlines cross half circles more often than a workgroup lists.
+    let crumb = |k: u32| {
+        let [x, y, z] = [k % 30, k % 7, k / 30].map(|i| i as f32);
+        Sphere { center: Vec3::new(0.15 * x - 2.2, 0.5 + 0.05 * y, 0.15 * z - 2.2), radius: 0.05 }
+    };
+    let crumbs: Vec<Sphere> = (0..900).map(crumb).collect();
+    let many = SphereBlockers::new(&crumbs, &[9; 900], &[0.0; 900]);
+    let mut shader = GpuShader::new(gpu, Occlusion::default()).expect("a shader");
+    for (spheres, rows, samples) in [(&few, 32, 64), (&few, 64, 64), (&few, 128, 64), (&many, 64, 64)] {
+        let table = table(&environment, SkyResolution::new(rows, samples));
+        let mut want = vec![Vec3::ZERO; points.receivers.len()];
+        CpuShader::new(MaskVisibility::new(spheres))
+            .with_sky(SkyShader::new([&table], replaced.clone(), spheres))
+            .shade(&points, &frame, &mut want)
+            .expect("shaded");
+        let own: &[&dyn GpuBlockers] = &[spheres];
+        shader.occlude(Occlusion::of(own)).expect("a shader");
+        let case = Case { points: &points, frame: &frame, table: &table, replaced: replaced.clone() };
+        case.compare(gpu, &want, &mut shader);
+    }
 }
