@@ -113,6 +113,9 @@ fn environment(radiance: impl Fn(Vec3) -> Vec3) -> Environment {
     Environment::new(map, 2, Sphere { center: Vec3::ZERO, radius: 10.0 })
 }
 
+/// Shades all points.
+type Shading<'a> = dyn FnMut(&mut [Vec3]) -> Result<(), Box<dyn Error>> + 'a;
+
 /// Seconds that all processors have spent on this process, where the system says.
 fn seconds() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/self/stat").ok()?;
@@ -140,7 +143,7 @@ fn measure(gpu: &Gpu, name: &str, scene: &Scene, environment: &Environment) -> R
     let table = SkyTable::new(SkyResolution::of_tolerance(accuracy.tolerance), map.size().x, |v| map.radiance(v));
     let blockers = SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, blocks));
     let mut want = vec![Vec3::ZERO; points.receivers.len()];
-    let mut row = |by: &str, shade: &mut dyn FnMut(&mut [Vec3]) -> Result<(), Box<dyn Error>>| {
+    let mut row = |by: &str, shade: &mut Shading<'_>| {
         let mut out = vec![Vec3::ZERO; points.receivers.len()];
         // Compiles.
         shade(&mut out)?;

@@ -13,7 +13,7 @@ const SKY_PARTS = SKY_ALONG * ((SKY_ROWS + LANES - 1u) / LANES);
 // Instead of a part: crossings are listed.
 const SKY_LISTS = SKY_PARTS;
 // Crossings that are listed, one a word; if there are more, blockers draw again for each part.
-const SKY_ROOM = 1024u;
+const SKY_ROOM = 768u;
 // Half a surface.
 const SKY_HALF = i32(SKY_PLACES);
 // A count that no sample has.
