@@ -26,7 +26,8 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let moment = moment::single(view.clock, &animation)?;
     check_size(&scene, view.samples())?;
     let files = Files::create(&args.output, None)?;
-    let planned = |scene: &Scene| Plan::new((args.geometry != Choice::Scene).then_some(Strategy::Spheres), scene);
+    let strategy = (args.geometry != Choice::Scene).then_some(Strategy::Spheres);
+    let planned = |scene: &Scene| Plan::with_backdrops(strategy, scene);
     let mut blockers = BlockerSet::default();
     let takes_spheres = !args.unshadowed && args.geometry != Choice::Mesh;
     let spheres = match takes_spheres {

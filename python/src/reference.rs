@@ -106,7 +106,7 @@ pub(crate) fn reference<'py>(
 impl Job {
     fn run(self, cancel: &Cancel, reporter: &Reporter) -> Result<Pictures, RenderError> {
         let Self { mut scene, animation, settings, shadows, time, spp, seed } = self;
-        let plan = Plan::new((shadows != Shadows::Scene).then_some(Strategy::Spheres), &scene);
+        let plan = Plan::with_backdrops((shadows != Shadows::Scene).then_some(Strategy::Spheres), &scene);
         let solid = plan.by_surfaces(&scene);
         let geometry = match shadows {
             Shadows::None => Geometry::None,

@@ -106,9 +106,12 @@ impl<'a, B: SkyBlockers> SkyShader<'a, B> {
         Self { tables, resolutions, replaced, blockers }
     }
 
-    /// The first table that resolves a lobe.
-    fn level(&self, lobe: &BrdfLobe) -> Option<usize> {
-        self.resolutions.iter().position(|table| SkyView::resolves(*table, lobe))
+    /// The first table that resolves a lobe, or else the last one if it does so from higher views.
+    fn level(&self, lobe: &BrdfLobe, normal: Vec3) -> Option<usize> {
+        let first = self.resolutions.iter().position(|table| SkyView::resolves_at(*table, lobe, normal));
+        let last =
+            || self.resolutions.len().checked_sub(1).filter(|last| SkyView::resolves(self.resolutions[*last], lobe));
+        first.or_else(last)
     }
 }
 
@@ -261,7 +264,7 @@ impl<B: SkyBlockers> SkyLighting for SkyShader<'_, B> {
         scratch.seen.resize(at.len(), Seen::default());
         for (receiver, at) in at.iter().enumerate() {
             for (row, lobe) in lobes.of(receiver) {
-                let Some(level) = self.level(&lobe) else {
+                let Some(level) = self.level(&lobe, at.normal) else {
                     is_left = true;
                     continue;
                 };

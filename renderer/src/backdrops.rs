@@ -38,9 +38,10 @@ impl<'s> Backdrops<'s> {
     fn has_all_before(&self, object: usize, mesh: &Mesh, triangle: [u32; 3]) -> bool {
         let [a, b, c] = triangle.map(|i| mesh.positions[i as usize]);
         let Some(normal) = (b - a).as_dvec3().cross((c - a).as_dvec3()).try_normalize() else { return true };
+        let size = self.scene.objects[object].shape.bounds().radius();
         let before =
             |normal: DVec3| {
-                let plane = Plane { corner: a, normal };
+                let plane = Plane { corner: a, normal, size };
                 self.scene.lights.iter().all(|light| plane.has_light_before(light))
                     && self.points.is_none_or(|points| plane.has_box_before(&points))
                     && mesh.positions.iter().all(|p| plane.has_before(*p, 0.0))
@@ -58,26 +59,27 @@ impl<'s> Backdrops<'s> {
     }
 }
 
-/// The plane of a triangle.
+/// The plane of a triangle, and the radius of its mesh.
 struct Plane {
     corner: Vec3,
     normal: DVec3,
+    size: f32,
 }
 
 impl Plane {
     /// Whether a point is before the plane, or behind it by no more than `slack` and the rounding of coordinates.
     fn has_before(&self, point: Vec3, slack: f32) -> bool {
-        let rounding = 5e-7 * point.abs().max(self.corner.abs()).max_element();
-        self.normal.dot(point.as_dvec3() - self.corner.as_dvec3()) >= -f64::from(slack + rounding)
+        let rounding = 5e-7 * self.normal.abs().dot(point.abs().max(self.corner.abs()).as_dvec3());
+        self.normal.dot(point.as_dvec3() - self.corner.as_dvec3()) >= -f64::from(slack) - rounding
     }
 
-    /// A part of 1e-4 of the box may be behind: what stands on a floor touches it.
+    /// A part of 1e-4 of the box or of the mesh, of the smaller one, may be behind: what stands on a floor touches it.
     fn has_box_before(&self, bounds: &Bounds) -> bool {
         if bounds.is_empty() {
             return true;
         }
         let behind = Vec3::select(self.normal.as_vec3().cmpgt(Vec3::ZERO), bounds.min, bounds.max);
-        self.has_before(behind, 1e-4 * bounds.radius())
+        self.has_before(behind, 1e-4 * bounds.radius().min(self.size))
     }
 
     fn has_light_before(&self, light: &Light) -> bool {
@@ -140,6 +142,21 @@ mod tests {
         // A receiver that is not seen needs no shadow.
         scene.objects[1].visible = false;
         assert!(is_backdrop(&scene)[0]);
+    }
+
+    #[test]
+    fn a_table_over_a_wide_floor_blocks() {
+        let sheet = |size: f32, y: f32| Shape::Mesh(Mesh::quad(Vec3::Y * y, Vec3::X * size, Vec3::NEG_Z * size));
+        let mut scene = scene();
+        scene.lights = vec![lamp(3.0)];
+        for (size, y) in [(10.0, 1e-3), (1e4, 0.5), (1e6, 0.5)] {
+            scene.objects[0].shape = sheet(size, 0.0);
+            scene.objects[1].shape = sheet(0.5, y);
+            assert_eq!([0, 1].map(|object| Backdrops::new(&scene, None).has(object)), [true, false], "{size} {y}");
+        }
+        // One that lies on the floor hides nothing.
+        scene.objects[1].shape = sheet(0.5, 2e-5);
+        assert!(Backdrops::new(&scene, None).has(1));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 use crate::Device;
 use glam::Vec3;
 use lighting::Environment;
-use lobe_core::Receiver;
+use lobe_core::{BrdfLobe, Receiver};
 #[cfg(feature = "gpu")]
 use render_gpu::GpuSky;
 use scene::{Frame, Scene, Surface};
@@ -88,6 +88,10 @@ impl KeptSky {
     }
 }
 
+/// Sines of the heights of the eye over a surface from which the first table is to resolve all lobes, and the second one. From lower views the
+/// last table sums them by several directions for each sample.
+const LOW: [f32; 2] = [0.25, 1.0];
+
 /// The resolution of a tolerance, and as many finer ones as the narrowest lobes of the materials need.
 fn resolutions(scene: &Scene, frame: &Frame<'_>) -> Vec<SkyResolution> {
     let first = SkyResolution::of_tolerance(frame.accuracy.tolerance);
@@ -97,13 +101,21 @@ fn resolutions(scene: &Scene, frame: &Frame<'_>) -> Vec<SkyResolution> {
     if scene.surfaces.iter().any(varies) {
         return all;
     }
-    let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z);
-    let mut lobes = Vec::new();
-    frame.materials.iter().for_each(|material| material.brdf_lobes(&at, &mut lobes));
     // Lobes that no table resolves are not summed over one.
-    lobes.retain(|lobe| all.last().is_some_and(|finest| SkyView::resolves(*finest, lobe)));
-    let is_enough = |resolution: &SkyResolution| lobes.iter().all(|lobe| SkyView::resolves(*resolution, lobe));
-    let needed = all.iter().position(is_enough).map_or(all.len(), |place| place + 1);
+    let is_summed = |lobe: &BrdfLobe| all.last().is_some_and(|finest| SkyView::resolves(*finest, lobe));
+    let lobes = LOW.map(|height| {
+        let view = Vec3::new((1.0 - height * height).sqrt(), 0.0, height);
+        let mut lobes = Vec::new();
+        let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, view);
+        frame.materials.iter().for_each(|material| material.brdf_lobes(&at, &mut lobes));
+        lobes.retain(is_summed);
+        lobes
+    });
+    let is_enough = |(place, table): (usize, &SkyResolution)| {
+        let lobes = &lobes[place.min(1)];
+        lobes.iter().all(|lobe| SkyView::resolves_at(*table, lobe, Vec3::Z))
+    };
+    let needed = all.iter().enumerate().position(|table| is_enough(table)).map_or(all.len(), |place| place + 1);
     all.truncate(needed);
     all
 }

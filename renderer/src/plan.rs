@@ -33,6 +33,16 @@ impl Plan {
     /// The same where points in a box are lit as well.
     pub(crate) fn with_points(strategy: Option<Strategy>, scene: &Scene, points: Option<Bounds>) -> Self {
         let backdrops = Backdrops::new(scene, points);
+        Self::unless(strategy, scene, |object| backdrops.has(object))
+    }
+
+    /// The same, but a floor or wall with nothing behind it blocks, too: for a reference, whose rays find out what is hidden.
+    #[must_use]
+    pub fn with_backdrops(strategy: Option<Strategy>, scene: &Scene) -> Self {
+        Self::unless(strategy, scene, |_| false)
+    }
+
+    fn unless(strategy: Option<Strategy>, scene: &Scene, is_backdrop: impl Fn(usize) -> bool) -> Self {
         let of = |(number, o): (usize, &Object)| {
             // Exact, unless the object already has spheres.
             let usual = match (&o.proxy, &o.shape) {
@@ -40,7 +50,7 @@ impl Plan {
                 _ => Strategy::Spheres,
             };
             let blocks = match strategy.or(o.strategy) {
-                None if usual == Strategy::Silhouettes => !backdrops.has(number),
+                None if usual == Strategy::Silhouettes => !is_backdrop(number),
                 None | Some(Strategy::Spheres) => o.proxy != Proxy::None,
                 Some(Strategy::None) => false,
                 // Objects without a proxy block too, by their true geometry.

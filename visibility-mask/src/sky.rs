@@ -25,6 +25,7 @@ pub(crate) mod buffer;
 mod horizon;
 pub(crate) mod meridians;
 mod pole;
+pub(crate) mod spread;
 mod table;
 #[cfg(test)]
 mod tests;

@@ -5,7 +5,7 @@
 //! [`FACET`] need a [`header`].
 
 use crate::row::{COARSE, WIDTH};
-use crate::sky::{SkyResolution, buffer, meridians, view};
+use crate::sky::{SkyResolution, buffer, meridians, spread, view};
 use crate::{Fineness, MAX_DEPTH, contour, edges, fineness, near_masks, square, visibility, visible_fraction};
 use lobe_core::wgsl::{self as lobes, Piece};
 use lobe_core::wgsl_numbers;
@@ -100,6 +100,7 @@ pub fn sky_header(samples: SkyResolution, most_lobes: u32) -> Option<String> {
             + &lobes::constant("SKY_SAMPLES", &along)
             + &lobes::constant("SKY_LOBES", &most_lobes.max(1))
             + &lobes::constant("SKY_STEP_SQ", &(step * step))
+            + &lobes::constant("SKY_ACROSS", &(spread::ACROSS * samples.pitch()))
     })
 }
 

@@ -62,7 +62,7 @@ fn sky_point(lane: u32, point: u32) {
     }
     sky_set_horizon(at, blockers_sky_have_facet(at));
     sky_begin(lane);
-    let resolved = sky_choose(lane, count);
+    let resolved = sky_choose(lane, at, count);
     let all_lobes = (1u << count) - 1u;
     if (resolved == 0u) {
         if (lane == 0u) {

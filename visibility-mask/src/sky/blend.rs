@@ -60,6 +60,11 @@ impl SkyBlend {
         self.angle.map(|angle| (self.axis, angle))
     }
 
+    /// The angle to the axis from which on it is something, as a table of smaller steps sums what is nearer: 0 without one.
+    pub(super) fn begin(&self) -> f32 {
+        self.rise.map_or(0.0, |[first, _]| first.sqrt())
+    }
+
     /// In a unit direction.
     #[must_use]
     pub fn at(&self, v: Vec3) -> f32 {

@@ -290,8 +290,8 @@ fn parts_of_narrow_lobes_come_to_them() {
             let more = seen.integrals_of(table, &at, &lobe, blend);
             got = [got[0] + more[0], got[1] + more[1]];
         }
-        let want = about_axis(&at, &lobe, mirrored, |v| sky(v) * [1.0, 0.0][usize::from(v.dot(axis) > cos)]);
-        let all = about_axis(&at, &lobe, mirrored, sky);
+        let want = about_axis(&at, &lobe, mirrored, 200, |v| sky(v) * [1.0, 0.0][usize::from(v.dot(axis) > cos)]);
+        let all = about_axis(&at, &lobe, mirrored, 200, sky);
         for (k, want) in [want, all].into_iter().enumerate() {
             let error = ((got[k].as_dvec3() - want) / all).abs().max_element();
             assert!(error < [0.04, 0.015][k], "case {case}, {lobe:?}: {got:?} for {want:?}");
@@ -303,16 +303,15 @@ fn parts_of_narrow_lobes_come_to_them() {
 }
 
 /// The integral of light times a lobe by rings about its axis, which lie the closer the nearer to it.
-fn about_axis(at: &Receiver, lobe: &BrdfLobe, axis: DVec3, light: impl Fn(Vec3) -> Vec3) -> DVec3 {
+fn about_axis(at: &Receiver, lobe: &BrdfLobe, axis: DVec3, turns: u32, light: impl Fn(Vec3) -> Vec3) -> DVec3 {
     const RINGS: u32 = 700;
-    const TURNS: u32 = 200;
     let mut sum = DVec3::ZERO;
-    for (ring, turn) in (0..RINGS).flat_map(|ring| (0..TURNS).map(move |turn| (ring, turn))) {
+    for (ring, turn) in (0..RINGS).flat_map(|ring| (0..turns).map(move |turn| (ring, turn))) {
         let part = (f64::from(ring) + 0.5) / f64::from(RINGS);
         let theta = core::f64::consts::PI * part.powi(4);
         let size = core::f64::consts::PI * 4.0 * part.powi(3) * theta.sin() * core::f64::consts::TAU
-            / f64::from(RINGS * TURNS);
-        let v = random_direction(axis, theta.cos(), core::f64::consts::TAU * f64::from(turn) / f64::from(TURNS));
+            / f64::from(RINGS * turns);
+        let v = random_direction(axis, theta.cos(), core::f64::consts::TAU * f64::from(turn) / f64::from(turns));
         if v.dot(at.normal.as_dvec3()) > 0.0 {
             let v = v.as_vec3();
             sum += (lobe.eval_at(at.normal, v) * light(v)).as_dvec3() * size;
@@ -347,4 +346,53 @@ fn closed_in_receivers_see_nothing() {
         1.0 - f64::from(view.integrals(&table, &at, &lambert(&at))[0].x)
     };
     assert!((open - want).abs() < 5e-3, "{open} for {want}");
+}
+
+/// From low views a highlight is narrow across: tables that resolve it from above sum it by several directions for each sample, finer ones before others.
+#[test]
+fn streaks_of_low_views_are_resolved() {
+    let sky = |v: Vec3| Vec3::new(1.0, 1.0 + (4.0 * v.x).sin() * 0.7, 2.0 + v.z.powi(3));
+    let first = SkyResolution::new(64, 64);
+    let tables: Vec<SkyTable> = core::iter::successors(Some(first), |last| last.finer())
+        .map(|resolution| SkyTable::new(resolution, 256, sky))
+        .collect();
+    let resolutions: Vec<SkyResolution> = tables.iter().map(|table| table.meridians().resolution()).collect();
+    let mut views = vec![SkyView::default(); tables.len()];
+    let (mut sum, mut count, mut is_seen) = (0.0, 0.0, [false; 2]);
+    for (roughness, last) in [(0.12_f32, 2), (0.16, 2), (0.2, 1), (0.3, 1), (0.45, 1)] {
+        for height in [0.5, 0.25, 0.1, 0.04] {
+            for (normal, turn) in [(DVec3::Y, 0.3), (DVec3::Y, 0.34), (DVec3::new(0.55, 0.6, 0.57).normalize(), 0.9)] {
+                let view = random_direction(normal, height, turn);
+                let at = Receiver::on_surface(Vec3::ZERO, normal.as_vec3(), view.as_vec3());
+                let facets = Microfacets::new(at.view, roughness * roughness, [Vec3::ONE; 2])[0];
+                let (axis, lobe) = (facets.highlight(at.normal).0, BrdfLobe::from(facets));
+                let is_resolved = |table: &SkyResolution| SkyView::resolves_at(*table, &lobe, at.normal);
+                let resolved = resolutions[..=last].iter().position(is_resolved);
+                is_seen[usize::from(resolved.is_some())] = true;
+                let level = resolved.unwrap_or(last);
+                let horizon = Horizon::new(&at, false);
+                let mut got = Vec3::ZERO;
+                for (number, (table, seen)) in tables.iter().zip(&mut views).enumerate().take(level + 1) {
+                    let blend = SkyBlend::of_level(&resolutions[..=level], number, axis);
+                    let window = blend.cone().map_or(SkyWindow::whole(resolutions[number]), |(axis, angle)| {
+                        SkyWindow::around(resolutions[number], horizon.pole().local(axis), angle)
+                    });
+                    seen.begin_in(table, horizon, window);
+                    seen.settle(table, false, |_| false);
+                    got += seen.integrals_of(table, &at, &lobe, blend)[1];
+                }
+                let want = about_axis(&at, &lobe, axis.as_dvec3(), 900, sky);
+                let error = ((got.as_dvec3() - want) / want).abs().max_element();
+                println!(
+                    "roughness {roughness}, height {height}, level {level} ({resolved:?}): {:.2} %",
+                    100.0 * error
+                );
+                assert!(error < 0.02, "roughness {roughness}, height {height}: {got:?} for {want:?}");
+                sum += error;
+                count += 1.0;
+            }
+        }
+    }
+    println!("mean error {:.3} %", 100.0 * sum / count);
+    assert!(sum < 0.004 * count && is_seen == [true; 2], "{sum} of {count}");
 }

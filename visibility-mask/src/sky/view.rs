@@ -1,5 +1,5 @@
 use super::buffer::last_column;
-use super::table::Cell;
+use super::spread::{Spread, is_wide};
 use super::{Horizon, SkyBlend, SkyBuffer, SkyResolution, SkyTable, SkyWindow};
 use crate::lanes::sum;
 use core::f32::consts::FRAC_1_PI;
@@ -10,7 +10,7 @@ use lobe_core::vec3x8::{LANES, Vec3x8};
 use lobe_core::{BrdfLobe, BrushedAt, Facets, Lobe, MicrofacetsAt, Receiver, Schlick, is_lambert};
 use shading::Coverage;
 
-/// The widest step between samples that a lobe's sum is good for: this part of the lobe's standard deviation.
+/// The widest step between samples that a lobe's sum is good for: the lobe's standard deviation is so many of them.
 pub(crate) const STEPS: f32 = 1.5;
 /// Less than this part of a sky is seen through few samples: a room lit through its window.
 pub(crate) const LITTLE: f32 = 1.0 / 8.0;
@@ -117,6 +117,19 @@ impl SkyView {
         exponent * step * step <= 1.0
     }
 
+    /// The same at a receiver. Where the eye is low over a surface, half vectors that turn sideways by an angle turn reflected directions by
+    /// `2 sin(height of the eye)` times it: the highlight is a streak, wide in height and narrow across.
+    ///
+    /// Tables that resolve a lobe but not its streak sum it by several directions for each sample, right for light that is constant between samples.
+    #[must_use]
+    pub fn resolves_at(samples: SkyResolution, lobe: &BrdfLobe, normal: Vec3) -> bool {
+        let is_wide_across = match lobe {
+            BrdfLobe::Cosine(_) => true,
+            BrdfLobe::Microfacets(facets) => is_wide(samples, facets, normal),
+        };
+        is_wide_across && Self::resolves(samples, lobe)
+    }
+
     /// The integrals of sky's radiance times a lobe, over what is seen and over all above the receiver's horizon, for a flux of 1: what
     /// [`cap_integral`](lobe_core::cap_integral) is for a light of uniform radiance.
     pub fn integrals(&mut self, table: &SkyTable, at: &Receiver, lobe: &BrdfLobe) -> [Vec3; 2] {
@@ -133,7 +146,7 @@ impl SkyView {
             }
             BrdfLobe::Cosine(lobe) => {
                 let value = PowerLobe::new(lobe, at.normal);
-                dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &blend, &value))[0]
+                dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &blend, (&value, None)))[0]
             }
             BrdfLobe::Microfacets(facets) => {
                 if let (Schlick::F90, Some((exponent, edge))) = (facets.part, self.edge.take())
@@ -141,14 +154,17 @@ impl SkyView {
                 {
                     return edge;
                 }
+                let resolution = table.meridians().resolution();
+                let spread = Spread::new(resolution, horizon.pole(), (facets, at.normal), blend.begin());
+                let spread = spread.as_ref();
                 let [base, edge] = match facets.grain {
                     None => {
                         let value = facets.at(at.normal);
-                        dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &blend, &value))
+                        dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &blend, (&value, spread)))
                     }
                     Some(grain) => {
                         let value = BrushedAt::new(facets, grain, at.normal);
-                        dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &blend, &value))
+                        dispatch!(Level::new(), simd => self.sums(simd, table, at.normal, &blend, (&value, spread)))
                     }
                 };
                 match facets.part {
@@ -205,7 +221,7 @@ impl SkyView {
         table: &SkyTable,
         normal: Vec3,
         blend: &SkyBlend,
-        lobe: &impl Values<P>,
+        (lobe, spread): (&impl Values<P>, Option<&Spread>),
     ) -> [[Vec3; 2]; P] {
         let Some(horizon) = &self.horizon else { return [[Vec3::ZERO; 2]; P] };
         let zero = f32x8::splat(simd, 0.0);
@@ -223,21 +239,27 @@ impl SkyView {
             let is_crossed = !self.is_dark && self.buffer.is_crossed(block);
             let part = f32x8::splat(simd, if self.is_dark { 0.0 } else { self.buffer.open_part() });
             for (column, cell) in table.block(horizon.pole(), block)[..last].iter().enumerate().skip(start) {
-                let part_of_lobe = blend.of_eight(simd, cell.direction(simd));
+                let v = cell.direction(simd);
+                let part_of_lobe = blend.of_eight(simd, v);
                 if part_of_lobe.is_some_and(|part| !part.simd_gt(zero).any_true()) {
                     continue;
                 }
-                let Some(values) = lobe.values(simd, cell) else { continue };
+                let spread = spread.filter(|spread| spread.is_near(simd, v));
+                let values = match spread {
+                    None => lobe.values(simd, v),
+                    Some(spread) => spread.values(simd, lobe, blend, v),
+                };
+                let Some(values) = values else { continue };
                 let inside = match end {
                     Some(end) => above(simd, end, column),
-                    None => cell.direction(simd).dot_one(normal).simd_gt(zero).select(f32x8::splat(simd, 1.0), zero),
+                    None => v.dot_one(normal).simd_gt(zero).select(f32x8::splat(simd, 1.0), zero),
                 };
                 let mut seen = if is_crossed { self.buffer.seen(simd, block, column) } else { part };
                 if let Some(facet) = facet {
                     seen *= above(simd, facet, column);
                 }
                 let mut light = cell.light(simd);
-                if let Some(part) = part_of_lobe {
+                if let (Some(part), None) = (part_of_lobe, spread) {
                     light = light * part;
                 }
                 for (sums, value) in sums.iter_mut().zip(values) {
@@ -283,10 +305,10 @@ fn above<S: Simd>(simd: S, end: f32x8<S>, column: usize) -> f32x8<S> {
     (end - column as f32).max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, 1.0))
 }
 
-/// The values of a lobe of flux 1, or of the two parts of microfacets, in the directions of eight samples.
-trait Values<const P: usize> {
+/// The values of a lobe of flux 1, or of the two parts of microfacets, in eight unit directions.
+pub(super) trait Values<const P: usize> {
     /// None where all of them are nothing.
-    fn values<S: Simd>(&self, simd: S, cell: &Cell) -> Option<[[f32; LANES]; P]>;
+    fn values<S: Simd>(&self, simd: S, v: Vec3x8<S>) -> Option<[[f32; LANES]; P]>;
 }
 
 /// `(e + 1)/2π (a·v)^e`, or times `n·v`.
@@ -311,8 +333,7 @@ impl PowerLobe {
 
 impl Values<1> for PowerLobe {
     #[inline(always)]
-    fn values<S: Simd>(&self, simd: S, cell: &Cell) -> Option<[[f32; LANES]; 1]> {
-        let v = cell.direction(simd);
+    fn values<S: Simd>(&self, simd: S, v: Vec3x8<S>) -> Option<[[f32; LANES]; 1]> {
         if !v.dot_one(self.axis).simd_gt(f32x8::splat(simd, self.least)).any_true() {
             return None;
         }
@@ -333,14 +354,14 @@ impl Values<1> for PowerLobe {
 
 impl Values<2> for MicrofacetsAt {
     #[inline(always)]
-    fn values<S: Simd>(&self, simd: S, cell: &Cell) -> Option<[[f32; LANES]; 2]> {
-        Some(self.both_of_eight(simd, cell.direction(simd)).map(Into::into))
+    fn values<S: Simd>(&self, simd: S, v: Vec3x8<S>) -> Option<[[f32; LANES]; 2]> {
+        Some(self.both_of_eight(simd, v).map(Into::into))
     }
 }
 
 impl Values<2> for BrushedAt {
     #[inline(always)]
-    fn values<S: Simd>(&self, simd: S, cell: &Cell) -> Option<[[f32; LANES]; 2]> {
-        Some(self.both_of_eight(simd, cell.direction(simd)).map(Into::into))
+    fn values<S: Simd>(&self, simd: S, v: Vec3x8<S>) -> Option<[[f32; LANES]; 2]> {
+        Some(self.both_of_eight(simd, v).map(Into::into))
     }
 }

@@ -21,18 +21,23 @@ fn sky_direction(row: u32, sample: u32) -> vec3f {
     return vec3f(sky_table_at(row, sample, 3u), sky_table_at(row, sample, 4u), sky_table_at(row, sample, 5u));
 }
 
-fn sky_resolves(lobe: Lobe) -> bool {
-    // Directions turn twice as far as half vectors.
-    let exponent = select(lobe.exponent, 0.25 * lobe.exponent, lobe.kind >= LOBE_MICROFACETS_F0);
-    return exponent * SKY_STEP_SQ <= 1.0;
+// `SkyView::resolves_at`.
+fn sky_resolves(at: Receiver, lobe: Lobe) -> bool {
+    if (lobe.kind < LOBE_MICROFACETS_F0) {
+        return lobe.exponent * SKY_STEP_SQ <= 1.0;
+    }
+    // Directions turn twice as far as half vectors. From low views a highlight is narrow across.
+    let deviation = 1.0 / sqrt(lobe.exponent);
+    let height = positive(dot(lobe.axis, at.normal)) + 0.5 * deviation;
+    return 0.25 * lobe.exponent * SKY_STEP_SQ <= 1.0 && 2.0 * deviation * height >= SKY_ACROSS;
 }
 
 // Finds which of the first `count` lobes the samples resolve, as bits; lobes without flux count as resolved. Requires uniform control flow.
-fn sky_choose(lane: u32, count: u32) -> u32 {
+fn sky_choose(lane: u32, at: Receiver, count: u32) -> u32 {
     if (lane == 0u) {
         sky_resolved = 0u;
         for (var k = 0u; k < count; k++) {
-            sky_resolved |= select(0u, 1u << k, sky_resolves(sky_lobes[k]) || all(sky_lobes[k].flux == vec3f(0.0)));
+            sky_resolved |= select(0u, 1u << k, sky_resolves(at, sky_lobes[k]) || all(sky_lobes[k].flux == vec3f(0.0)));
         }
     }
     return workgroupUniformLoad(&sky_resolved);
