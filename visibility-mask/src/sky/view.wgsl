@@ -27,7 +27,7 @@ fn sky_resolves(at: Receiver, lobe: Lobe) -> bool {
         return lobe.exponent * SKY_STEP_SQ <= 1.0;
     }
     // Directions turn twice as far as half vectors. From low views a highlight is narrow across.
-    let deviation = 1.0 / sqrt(lobe.exponent);
+    let deviation = 1.0 / sqrt(max(lobe.exponent, MIN_POSITIVE));
     let height = positive(dot(lobe.axis, at.normal)) + 0.5 * deviation;
     return 0.25 * lobe.exponent * SKY_STEP_SQ <= 1.0 && 2.0 * deviation * height >= SKY_ACROSS;
 }
