@@ -115,7 +115,7 @@ fn resolutions(scene: &Scene, frame: &Frame<'_>) -> Vec<SkyResolution> {
         let lobes = &lobes[place.min(1)];
         lobes.iter().all(|lobe| SkyView::resolves_at(*table, lobe, Vec3::Z))
     };
-    let needed = all.iter().enumerate().position(|table| is_enough(table)).map_or(all.len(), |place| place + 1);
+    let needed = all.iter().enumerate().position(is_enough).map_or(all.len(), |place| place + 1);
     all.truncate(needed);
     all
 }
