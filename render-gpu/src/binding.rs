@@ -13,6 +13,8 @@ pub(crate) enum Slot {
     Images,
     Tables,
     Nodes,
+    /// The table of a sky.
+    Sky,
     Rig,
     Bones,
     Primitives,
@@ -35,6 +37,7 @@ impl Slot {
             Self::Images => 8,
             Self::Tables => 9,
             Self::Nodes => 10,
+            Self::Sky => 11,
             Self::Rig => 12,
             Self::Bones => 13,
             Self::Primitives => 14,

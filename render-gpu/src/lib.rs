@@ -46,6 +46,7 @@ mod resident;
 mod scopes;
 mod screen;
 mod shader;
+mod sky;
 mod texture_writer;
 #[cfg(test)]
 mod validated;
@@ -63,5 +64,6 @@ pub use self::pose::GpuPose;
 pub use self::resident::PixelMeans;
 pub use self::screen::GpuDisplay;
 pub use self::shader::GpuShader;
+pub use self::sky::GpuSky;
 pub use self::texture_writer::GpuTextureWriter;
 pub use glam;

@@ -86,6 +86,11 @@ impl Memory {
         self.last.clear();
     }
 
+    /// Whether anything was uploaded and not [forgotten](Self::forget).
+    pub(crate) const fn is_held(&self) -> bool {
+        !self.last.is_empty()
+    }
+
     /// The buffer, if there is one.
     pub(crate) fn get(&self) -> Option<&wgpu::Buffer> {
         self.buffer.as_ref()

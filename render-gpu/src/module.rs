@@ -6,7 +6,7 @@ use crate::binding::{
 };
 use crate::wgsl;
 use lobe_core::wgsl::{self as lobes, Piece, constant, join};
-use shading::gpu::{GpuBlockers, GpuLight, GpuPages, GpuPass, GpuText};
+use shading::gpu::{GpuBlockers, GpuLight, GpuPages, GpuPass, GpuSkyPart, GpuText};
 use visibility_mask::{Fineness, wgsl as masks};
 
 /// The properties of a frame that its kernels depend on.
@@ -25,6 +25,8 @@ pub(crate) struct Variant {
     pub(crate) stack: Option<u32>,
     /// Whether the paper's method is used instead of moments.
     pub(crate) paper: bool,
+    /// Whether the light is a patch of a sky, which shines on the lobes that the sky's sums leave.
+    pub(crate) is_patch: bool,
 }
 
 /// The texts of the materials.
@@ -102,6 +104,7 @@ pub(crate) struct OwnText {
     pub(crate) coverage: &'static Piece,
     pub(crate) splat: &'static Piece,
     pub(crate) has_edges: bool,
+    pub(crate) sky: Option<GpuSkyPart>,
     pub(crate) buffers: Vec<OwnBuffer>,
 }
 
@@ -113,6 +116,7 @@ impl OwnText {
             coverage: blockers.coverage(),
             splat: blockers.splat(),
             has_edges: blockers.has_edges(),
+            sky: blockers.sky(),
             buffers,
         }
     }
@@ -268,6 +272,9 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     let (world, stack) = variant.world();
     let mut pieces =
         if variant.paper { vec![&wgsl::PAPER_CLASSIFY] } else { [vec![&wgsl::CLASSIFY], variant.integral()].concat() };
+    if !variant.paper {
+        pieces.push(if variant.is_patch { &wgsl::LOBES_LEFT } else { &wgsl::ALL_LOBES });
+    }
     pieces.extend(variant.light());
     pieces.extend(&variant.materials.needs);
     pieces.extend(world);
@@ -313,6 +320,63 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     let declarations = variant.declarations();
     let texts = [&variant.materials.wgsl, &header, &hooks, &declarations, &stack].map(String::as_str);
     Text::new("penumbra", &pieces, &texts, &variant.bindings()).of(variant)
+}
+
+/// The properties of a frame that the kernel depends on which sums its sky at once.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SkyVariant {
+    /// The constants of the sky's samples.
+    pub(crate) header: String,
+    pub(crate) materials: MaterialText,
+    /// The strategies that block something; each has a part for skies.
+    pub(crate) own: Vec<OwnText>,
+    /// Size of the stack for the rays that they trace.
+    pub(crate) stack: Option<u32>,
+}
+
+/// The kernel that sums a sky at once.
+pub(crate) fn sky(variant: &SkyVariant) -> Text {
+    let SkyVariant { header, materials, own, stack } = variant;
+    let parts: Vec<(&OwnText, &GpuSkyPart)> =
+        own.iter().filter_map(|own| own.sky.as_ref().map(|sky| (own, sky))).collect();
+    let each = |of: &dyn Fn(&str) -> String| parts.iter().map(|(own, _)| of(own.name)).collect::<String>();
+    let draw = each(&|name| format!("{name}_sky(lane, at); "));
+    let hide = each(&|name| format!("|| {name}_sky_hides(at, direction) "));
+    let facet = each(&|name| format!("|| {name}_sky_has_facet(at) "));
+    let hooks = format!(
+        "fn blockers_sky(lane: u32, at: Receiver) {{ {draw} }}\n\
+        fn blockers_sky_hide(at: Receiver, direction: vec3f) -> bool {{ return false {hide}; }}\n\
+        fn blockers_sky_have_facet(at: Receiver) -> bool {{ return false {facet}; }}"
+    );
+    let facets = if materials.has_microfacets { &masks::SKY_MICROFACETS } else { &masks::SKY_NO_MICROFACETS };
+    let mut pieces: Vec<&'static Piece> = vec![&wgsl::SKY, facets];
+    pieces.extend(&materials.needs);
+    let mut bindings = SHADED.to_vec();
+    bindings.push((Slot::Sky, Read));
+    let (mut declarations, mut rays) = (String::new(), String::new());
+    for (own, sky) in &parts {
+        pieces.push(sky.piece);
+        declarations += &own.constants;
+        for buffer in own.buffers.iter().filter(|buffer| sky.reads.contains(&buffer.name)) {
+            declarations += &buffer.declaration(Read);
+            bindings.extend(buffer.slots().map(|slot| (slot, Read)));
+        }
+    }
+    if let Some(size) = stack {
+        pieces.push(&wgsl::ANY_HIT);
+        rays = constant("STACK", size);
+        bindings.extend([(Slot::Nodes, Read), (Slot::Primitives, Read)]);
+    }
+    let texts = [&materials.wgsl, header, &hooks, &declarations, &rays].map(String::as_str);
+    let names = parts.iter().map(|(own, _)| own.name).collect::<Vec<_>>().join(" + ");
+    let text = Text::new("sky", &pieces, &texts, &bindings);
+    Text { name: format!("sky ({names}, {})", materials.name), ..text }
+}
+
+/// The kernel that computes the size of the dispatches of a sky's patches.
+pub(crate) fn sky_args() -> Text {
+    let bindings = [(Slot::Frame, Uniform), (Slot::Queue, Write), (Slot::Indirect, Write)];
+    Text::new("args_of_sky", &[&wgsl::SKY_ARGS], &[], &bindings)
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ use lobe_core::Sphere;
 use naga::valid::Capabilities;
 use naga::{AddressSpace, StorageAccess, TypeInner};
 use shading::gpu::{GpuBlockers, GpuContents};
+use visibility_mask::sky::SkyResolution;
 use visibility_shadowmap::PackedMaps;
 use visibility_silhouettes::{GpuSilhouettes, SilhouetteMesh};
 use visibility_spheres::SphereBlockers;
@@ -108,6 +109,7 @@ fn variants() -> impl Iterator<Item = Variant> {
                         own: parts.clone(),
                         stack: (!has_spheres).then_some(64),
                         paper,
+                        is_patch: depth == 4 && !paper,
                     });
                 }
             }
@@ -184,6 +186,37 @@ fn kernels_of_silhouettes_are_valid_and_small() {
     }
 }
 
+/// Sums of skies, by all materials, before nothing, silhouettes, spheres and both; each device has room for their workgroups.
+#[test]
+fn kernels_of_skies_are_valid_and_small() {
+    check("args of a sky", &sky_args());
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let silhouettes = GpuSilhouettes::new(&[SilhouetteMesh::new(0, &corners, &[[0, 1, 2]])]);
+    let mut silhouettes = own(&silhouettes, 8, GpuPages::ONE);
+    silhouettes.constants = constant("SILHOUETTES_DEPTH", &12_u32);
+    let spheres = own(&spheres(), 0, GpuPages::ONE);
+    let both = vec![spheres.clone(), silhouettes.clone()];
+    for models in choices() {
+        for (own, stack) in [
+            (vec![], None),
+            (vec![spheres.clone()], None),
+            (vec![silhouettes.clone()], Some(64)),
+            (both.clone(), Some(64)),
+        ] {
+            for tolerance in [0.01, 0.005, 0.003, 0.001] {
+                let header = masks::sky_header(SkyResolution::of_tolerance(tolerance), 16).expect("room");
+                let variant = SkyVariant { header, materials: set(&models), own: own.clone(), stack };
+                let text = sky(&variant);
+                let size = inlined::size(&check(&text.name, &text));
+                assert!(size <= LARGEST, "{}: {size}", text.name);
+            }
+        }
+    }
+    // Too fine, or with too many lobes: none.
+    assert!(masks::sky_header(SkyResolution::new(1024, 512), 2).is_none());
+    assert!(masks::sky_header(SkyResolution::new(64, 64), 17).is_none());
+}
+
 /// A strategy's pieces name all that they call: nothing comes from another strategy by chance.
 #[test]
 fn each_strategy_is_valid_alone() {
@@ -216,6 +249,7 @@ fn a_kernel_has_only_what_its_scene_uses() {
         own: vec![own(&spheres(), 0, GpuPages::ONE)],
         stack: None,
         paper: false,
+        is_patch: false,
     };
     let unshadowed = Variant { own: Vec::new(), ..lambert.clone() };
     let text = classify(&unshadowed).text;

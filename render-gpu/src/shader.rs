@@ -13,7 +13,8 @@ use crate::occlusion::{Blockers, Occlusion};
 use crate::paper::Paper;
 use crate::picture::Textures;
 use crate::resident::{Resident, Resolve};
-use crate::{Gpu, GpuError, GpuPose};
+use crate::sky::Sky;
+use crate::{Gpu, GpuError, GpuPose, GpuSky};
 use core::num::NonZeroU64;
 use core::ops::Range;
 use glam::{Mat4, Vec3};
@@ -37,6 +38,11 @@ const SLICE: u64 = 1 << 20;
 const SOFTWARE_SLICE: u64 = 1 << 16;
 /// Bytes of the queue before its items.
 const HEADER: u64 = 4 * QUEUE_HEADER as u64;
+/// Bytes of the sizes of two dispatches: the penumbra kernel's, and those of a sky's patches.
+const INDIRECT: u64 = 24;
+const PATCHES: u64 = 12;
+/// The most workgroups of a dispatch of one a point along x, as in `queue.wgsl`.
+const WIDEST: u64 = 1 << 15;
 /// Bytes from one light's uniform to the next: a multiple of the largest alignment that a device may require.
 const FRAME_STRIDE: u64 = 512;
 const FLAT_BY_PAPER: &str = "the paper's method supports sphere lights only";
@@ -78,6 +84,7 @@ pub struct GpuShader {
     /// The paper's method, if requested.
     paper: Option<Paper>,
     look_again: LookAgain,
+    sky: Sky,
     materials: Memory,
     images: Images,
     /// The most lobes that a material has.
@@ -96,6 +103,24 @@ pub struct GpuShader {
     textures: Textures,
     /// Points of the next submission for such a picture.
     turn: u64,
+}
+
+/// The kernels of a frame.
+#[derive(Debug)]
+struct Prepared {
+    /// The number of each light's.
+    kernels: Vec<usize>,
+    /// Words of a queue item.
+    stride: u64,
+    /// The number of the sky's, and its patches among the lights.
+    sky: Option<(usize, Vec<usize>)>,
+}
+
+impl Prepared {
+    /// Whether a light is a patch of a sky that is summed at once.
+    fn is_patch(&self, light: usize) -> bool {
+        self.sky.as_ref().is_some_and(|(_, patches)| patches.contains(&light))
+    }
 }
 
 /// The kernels of a variant.
@@ -121,6 +146,7 @@ impl GpuShader {
             kernels: Vec::new(),
             paper: None,
             look_again: LookAgain::Never,
+            sky: Sky::default(),
             materials: Memory::new("materials", storage),
             images: Images::default(),
             max_lobes: 0,
@@ -185,6 +211,16 @@ impl GpuShader {
         self.look_again = again;
     }
 
+    /// Sums an environment at once from the next frame on: its table, and for each light of the frame whether it is one of its patches. One
+    /// kernel, a workgroup a point, does what `SkyShader` of render-cpu does with one table. Patches shine on the lobes that the
+    /// table's samples do not resolve, and on points that see less than an eighth of the sky.
+    ///
+    /// Patches are lights like others where a strategy has no [part for skies](shading::gpu::GpuBlockers::sky), by the paper's method, for materials
+    /// of more than [16 lobes](visibility_mask::wgsl::SKY_MOST_LOBES), and on devices with too few storage buffers for the kernel.
+    pub fn set_sky(&mut self, sky: Option<(&GpuSky, Vec<bool>)>) {
+        self.sky.set(sky);
+    }
+
     /// Shades at most this many points in one submission (made a multiple of 64): for tests and small memories.
     #[must_use]
     pub fn with_slice(self, points: u32) -> Self {
@@ -208,7 +244,7 @@ impl GpuShader {
         accuracy: Accuracy,
         materials: MaterialText,
         light: GpuText,
-        (shown, roundness): (Shown, Option<f32>),
+        (shown, roundness, is_patch): (Shown, Option<f32>, bool),
     ) -> Result<usize, GpuError> {
         let tolerance = accuracy.tolerance * roundness.map_or(1.0, visibility_mask::fill_factor);
         let variant = Variant {
@@ -223,6 +259,7 @@ impl GpuShader {
             own: self.blockers.own().to_vec(),
             stack: self.blockers.stack(),
             paper: self.paper.is_some(),
+            is_patch,
         };
         self.blockers.compile_all(&self.gpu)?;
         if let Some(known) = self.kernels.iter().position(|(known, _)| *known == variant) {
@@ -239,12 +276,8 @@ impl GpuShader {
         Ok(self.kernels.len() - 1)
     }
 
-    /// Prepares everything that does not depend on the slice: kernels, materials, images. Returns the number of each light's
-    /// kernels, and the words of a queue item.
-    fn prepare<M: GpuMaterials, L: GpuLight>(
-        &mut self,
-        frame: &Frame<'_, M, L>,
-    ) -> Result<(Vec<usize>, u64), GpuError> {
+    /// Prepares everything that does not depend on the slice: kernels, materials, images.
+    fn prepare<M: GpuMaterials, L: GpuLight>(&mut self, frame: &Frame<'_, M, L>) -> Result<Prepared, GpuError> {
         if self.paper.is_some() && frame.lights.iter().any(|light| light.gpu_roundness().is_some()) {
             return Err(GpuError::Unsupported(FLAT_BY_PAPER.to_owned()));
         }
@@ -261,15 +294,21 @@ impl GpuShader {
         self.materials.hold(&self.gpu, bytemuck::cast_slice(&words))?;
         self.max_lobes = max_lobes;
         let materials = MaterialText { name, wgsl, needs, is_lambert, has_microfacets };
+        let patches: Vec<usize> = (0..frame.lights.len()).filter(|light| self.sky.replaces(*light)).collect();
+        let sky = match self.paper.is_none() && !patches.is_empty() {
+            true => self.sky.prepare(&self.gpu, &self.blockers, (&materials, max_lobes))?,
+            false => None,
+        };
         let mut kernels = Vec::with_capacity(frame.lights.len());
-        for light in frame.lights {
-            let shown = Shown::of(light);
+        for (number, light) in frame.lights.iter().enumerate() {
+            let is_patch = sky.is_some() && self.sky.replaces(number);
             let text = light.gpu_text(frame.lights).map_err(GpuError::Unsupported)?;
-            kernels.push(self.kernels(frame.accuracy, materials.clone(), text, (shown, light.gpu_roundness()))?);
+            let form = (Shown::of(light), light.gpu_roundness(), is_patch);
+            kernels.push(self.kernels(frame.accuracy, materials.clone(), text, form)?);
         }
         self.images.hold(&self.gpu, frame.lights.iter().map(LightLobes::image))?;
         let words = frame.lights.iter().map(|light| Shown::of(light).words()).max().unwrap_or(1);
-        Ok((kernels, 1 + words * u64::from(max_lobes)))
+        Ok(Prepared { kernels, stride: 1 + words * u64::from(max_lobes), sky: sky.map(|kernel| (kernel, patches)) })
     }
 
     /// Shades `count` [`GpuReceiver`]s from the beginning of the GPU buffer `points`, and writes each one's radiance (RGB and a
@@ -288,13 +327,13 @@ impl GpuShader {
         count: u32,
         radiance: &wgpu::Buffer,
     ) -> Result<(), GpuError> {
-        let (kernels, stride) = self.prepare(frame)?;
-        let mut part = Part { first: 0, count: self.slice(stride), stride, uniforms: 0, points, radiance };
+        let prepared = self.prepare(frame)?;
+        let mut part = Part { first: 0, count: self.slice(prepared.stride), uniforms: 0, points, radiance };
         while part.first < u64::from(count) {
             part.count = part.count.min(u64::from(count) - part.first);
-            self.hold_uniforms(frame, &[part.count])?;
+            self.hold_uniforms(frame, &prepared, &[part.count])?;
             let mut encoder = self.encoder();
-            self.write(&kernels, &part, &mut encoder, true)?;
+            self.write(&prepared, &part, &mut encoder, true)?;
             self.gpu.scoped("the commands of a slice", || self.gpu.queue().submit([encoder.finish()]))?;
             part.first += part.count;
         }
@@ -315,18 +354,18 @@ impl GpuShader {
         radiance: &wgpu::Buffer,
         encoder: &mut wgpu::CommandEncoder,
     ) -> Result<(), GpuError> {
-        let (kernels, stride) = self.prepare(frame)?;
+        let prepared = self.prepare(frame)?;
         let count = u64::from(count);
-        let slice = self.slice(stride).min(count);
+        let slice = self.slice(prepared.stride).min(count);
         // All slices but the last one have the same size.
         let last = if slice > 0 { (count - 1) % slice + 1 } else { 0 };
-        self.hold_uniforms(frame, &[slice, last])?;
-        let mut part = Part { first: 0, count: slice, stride, uniforms: 0, points, radiance };
+        self.hold_uniforms(frame, &prepared, &[slice, last])?;
+        let mut part = Part { first: 0, count: slice, uniforms: 0, points, radiance };
         while part.first < count {
             if part.first + slice >= count {
                 (part.count, part.uniforms) = (last, frame.lights.len() as u64);
             }
-            self.write(&kernels, &part, encoder, false)?;
+            self.write(&prepared, &part, encoder, false)?;
             part.first += part.count;
         }
         Ok(())
@@ -337,15 +376,20 @@ impl GpuShader {
     }
 
     /// Uploads the uniforms for slices of these sizes.
-    fn hold_uniforms<M, L: GpuLight>(&mut self, frame: &Frame<'_, M, L>, counts: &[u64]) -> Result<(), GpuError> {
-        let bytes: Vec<u8> = counts.iter().flat_map(|count| self.uniforms(frame, *count)).collect();
+    fn hold_uniforms<M, L: GpuLight>(
+        &mut self,
+        frame: &Frame<'_, M, L>,
+        prepared: &Prepared,
+        counts: &[u64],
+    ) -> Result<(), GpuError> {
+        let bytes: Vec<u8> = counts.iter().flat_map(|count| self.uniforms(frame, prepared, *count)).collect();
         self.frames.sized(&self.gpu, FRAME_STRIDE)?;
         self.frames.hold(&self.gpu, &bytes)?;
         Ok(())
     }
 
     /// One uniform a light.
-    fn uniforms<M, L: GpuLight>(&self, frame: &Frame<'_, M, L>, points: u64) -> Vec<u8> {
+    fn uniforms<M, L: GpuLight>(&self, frame: &Frame<'_, M, L>, prepared: &Prepared, points: u64) -> Vec<u8> {
         let mut bytes = vec![0; frame.lights.len() * FRAME_STRIDE as usize];
         for ((number, light), bytes) in (0..).zip(frame.lights).zip(bytes.chunks_exact_mut(FRAME_STRIDE as usize)) {
             let bounds = light.gpu_bounds();
@@ -358,7 +402,11 @@ impl GpuShader {
                 tolerance: frame.accuracy.tolerance,
                 threshold: frame.threshold,
                 point_count: points as u32,
-                queue_stride: 1 + Shown::of(light).words() as u32 * self.max_lobes,
+                queue_stride: match prepared.is_patch(number as usize) {
+                    // All patches have one length of items, behind which lies what the sky leaves to them.
+                    true => prepared.stride as u32,
+                    false => 1 + Shown::of(light).words() as u32 * self.max_lobes,
+                },
                 image: self.images.start(number),
                 number,
                 cells: (1_u32 << frame.accuracy.depth.clamp(1, MAX_DEPTH)) as f32,
@@ -373,20 +421,22 @@ impl GpuShader {
     /// Writes the commands for one slice, whose uniforms are uploaded, and times them if `is_timed`.
     fn write(
         &mut self,
-        kernels: &[usize],
+        prepared: &Prepared,
         part: &Part<'_>,
         encoder: &mut wgpu::CommandEncoder,
         is_timed: bool,
     ) -> Result<(), GpuError> {
         let gpu = self.gpu.clone();
         let tiles = part.count.div_ceil(TILE);
-        let queue = self.queue.sized(&gpu, HEADER + 4 * part.stride * part.count)?.clone();
-        let indirect = self.indirect.sized(&gpu, 12)?.clone();
+        // Behind the items are the lobes that a sky leaves of each point.
+        let left = u64::from(prepared.sky.is_some());
+        let queue = self.queue.sized(&gpu, HEADER + 4 * (prepared.stride + left) * part.count)?.clone();
+        let indirect = self.indirect.sized(&gpu, INDIRECT)?.clone();
         self.blockers.prepare(&gpu, tiles)?;
         let (mut clock, changes) = (self.clock.take(), self.blockers.take_changes());
         let timed = clock.as_mut().filter(|_| is_timed);
         let recorder = Recorder { shader: self, part, tiles, queue: &queue, indirect: &indirect, clock: timed };
-        let recorded = gpu.scoped("the commands of a slice", || recorder.record(kernels, &changes, encoder));
+        let recorded = gpu.scoped("the commands of a slice", || recorder.record(prepared, &changes, encoder));
         self.clock = clock;
         recorded
     }
@@ -409,6 +459,7 @@ impl GpuShader {
             Slot::Queue => self.queue.whole(),
             Slot::Indirect => self.indirect.whole(),
             Slot::Images => self.images.whole(),
+            Slot::Sky => self.sky.resource(),
             Slot::Tables => self.paper.as_ref().and_then(Paper::resource),
             _ => self.blockers.resource(slot),
         }
@@ -429,40 +480,55 @@ struct Recorder<'a> {
 #[derive(Clone, Copy)]
 enum Dispatch<'a> {
     Groups(u64),
-    Indirect(&'a wgpu::Buffer),
+    /// One workgroup a point.
+    Points(u64),
+    /// Of these sizes, from a byte on.
+    Indirect(&'a wgpu::Buffer, u64),
 }
 
 /// A kernel, its buffers, its stage and its dispatch.
 type Step<'a> = (&'a Kernel, wgpu::BindGroup, Stage, Dispatch<'a>);
 
-impl Recorder<'_> {
-    /// `kernels` has the number of each light's kernels.
-    fn record(mut self, kernels: &[usize], changes: &[bool], encoder: &mut wgpu::CommandEncoder) {
-        let (shader, gpu) = (self.shader, &self.shader.gpu);
-        let bind = |kernel: &Kernel| kernel.bind(gpu, |slot| shader.resource(slot, self.part));
-        let steps_of = |number: usize| -> Vec<Step<'_>> {
-            let kernels = &shader.kernels[number].1;
-            let before =
-                shader.blockers.of_tiles().map(|kernel| (Some(kernel), Stage::Cull, Dispatch::Groups(self.tiles)));
-            let own = [
-                (Some(&kernels.classify), Stage::Classify, Dispatch::Groups(self.tiles)),
-                (kernels.args.as_ref(), Stage::Classify, Dispatch::Groups(1)),
-                (kernels.penumbra.as_ref(), Stage::Penumbra, Dispatch::Indirect(self.indirect)),
-            ];
-            before
-                .chain(own)
-                .filter_map(|(kernel, stage, work)| kernel.map(|kernel| (kernel, bind(kernel), stage, work)))
-                .collect()
+impl<'a> Recorder<'a> {
+    fn step(&self, kernel: &'a Kernel, stage: Stage, work: Dispatch<'a>) -> Step<'a> {
+        let shader = self.shader;
+        (kernel, kernel.bind(&shader.gpu, |slot| shader.resource(slot, self.part)), stage, work)
+    }
+
+    /// The passes of a light by the number of its kernels.
+    fn steps_of(&self, number: usize) -> Vec<Step<'a>> {
+        let (variant, kernels) = &self.shader.kernels[number];
+        let of_tiles = match variant.is_patch {
+            true => Dispatch::Indirect(self.indirect, PATCHES),
+            false => Dispatch::Groups(self.tiles),
         };
+        let before = self.shader.blockers.of_tiles().map(|kernel| (Some(kernel), Stage::Cull, of_tiles));
+        let own = [
+            (Some(&kernels.classify), Stage::Classify, of_tiles),
+            (kernels.args.as_ref(), Stage::Classify, Dispatch::Groups(1)),
+            (kernels.penumbra.as_ref(), Stage::Penumbra, Dispatch::Indirect(self.indirect, 0)),
+        ];
+        let all = before.chain(own);
+        all.filter_map(|(kernel, stage, work)| kernel.map(|kernel| self.step(kernel, stage, work))).collect()
+    }
+
+    fn record(mut self, prepared: &Prepared, changes: &[bool], encoder: &mut wgpu::CommandEncoder) {
+        let Prepared { kernels, sky, .. } = prepared;
         let mut steps: Vec<(usize, Vec<Step<'_>>)> = Vec::new();
         for number in kernels {
             if steps.iter().all(|(known, _)| known != number) {
-                steps.push((*number, steps_of(*number)));
+                steps.push((*number, self.steps_of(*number)));
             }
         }
-        let followers = shader.blockers.followers(changes);
+        let followers = self.shader.blockers.followers(changes);
         let followers: Vec<Step<'_>> =
-            followers.map(|(kernel, groups)| (kernel, bind(kernel), Stage::Cull, Dispatch::Groups(groups))).collect();
+            followers.map(|(kernel, groups)| self.step(kernel, Stage::Cull, Dispatch::Groups(groups))).collect();
+        let of_sky = sky.as_ref().and_then(|(number, _)| self.shader.sky.kernels(*number)).map(|[kernel, args]| {
+            [
+                self.step(kernel, Stage::Penumbra, Dispatch::Points(self.part.count)),
+                self.step(args, Stage::Classify, Dispatch::Groups(1)),
+            ]
+        });
         encoder.clear_buffer(self.part.radiance, 16 * self.part.first, Some(16 * self.part.count));
         encoder.clear_buffer(self.queue, 0, Some(HEADER));
         if let Some(clock) = &mut self.clock {
@@ -471,12 +537,20 @@ impl Recorder<'_> {
         for step in &followers {
             self.pass(encoder, 0, step);
         }
-        for (light, number) in (0..).zip(kernels) {
-            if light > 0 {
+        let patches = sky.as_ref().map_or(&[][..], |(_, patches)| patches);
+        // The lobes that the sky leaves to its patches lie in the queue until these are done.
+        let others = (0..kernels.len()).filter(|light| !patches.contains(light));
+        let mut is_first = true;
+        for light in others.chain(patches.iter().copied()) {
+            if !core::mem::take(&mut is_first) {
                 encoder.clear_buffer(self.queue, 0, Some(4));
             }
-            for step in steps.iter().filter(|(known, _)| known == number).flat_map(|(_, steps)| steps) {
-                self.pass(encoder, light, step);
+            if patches.first() == Some(&light) {
+                of_sky.iter().flatten().for_each(|step| self.pass(encoder, light as u64, step));
+            }
+            let number = kernels[light];
+            for step in steps.iter().filter(|(known, _)| *known == number).flat_map(|(_, steps)| steps) {
+                self.pass(encoder, light as u64, step);
             }
         }
     }
@@ -490,7 +564,10 @@ impl Recorder<'_> {
         pass.set_bind_group(0, group, if kernel.has_frame() { &offset } else { &[] });
         match work {
             Dispatch::Groups(count) => pass.dispatch_workgroups(*count as u32, 1, 1),
-            Dispatch::Indirect(buffer) => pass.dispatch_workgroups_indirect(buffer, 0),
+            Dispatch::Points(count) => {
+                pass.dispatch_workgroups((*count).min(WIDEST) as u32, count.div_ceil(WIDEST) as u32, 1);
+            }
+            Dispatch::Indirect(buffer, from) => pass.dispatch_workgroups_indirect(buffer, *from),
         }
     }
 }
@@ -499,8 +576,6 @@ impl Recorder<'_> {
 struct Part<'a> {
     first: u64,
     count: u64,
-    /// Words of a queue item.
-    stride: u64,
     /// The number of its first uniform.
     uniforms: u64,
     points: &'a wgpu::Buffer,
@@ -572,8 +647,8 @@ impl GpuShader {
         assert_eq!(points.receivers.len(), out.len(), "one output a point");
         let watch = Stopwatch::start();
         let mut stats = ShadeStats::default();
-        let (kernels, stride) = self.prepare(frame)?;
-        let tiles = (self.slice(stride) / TILE) as usize;
+        let prepared = self.prepare(frame)?;
+        let tiles = (self.slice(prepared.stride) / TILE) as usize;
         let gpu = self.gpu.clone();
         let mut rest = out;
         for groups in points.groups().chunks(tiles) {
@@ -589,10 +664,10 @@ impl GpuShader {
             let count = groups.len() as u64 * TILE;
             let buffer = pack(&gpu, &mut self.points, points, groups)?;
             let radiance = self.radiance.sized(&gpu, 16 * count)?.clone();
-            let part = Part { first: 0, count, stride, uniforms: 0, points: &buffer, radiance: &radiance };
-            self.hold_uniforms(frame, &[count])?;
+            let part = Part { first: 0, count, uniforms: 0, points: &buffer, radiance: &radiance };
+            self.hold_uniforms(frame, &prepared, &[count])?;
             let mut encoder = self.encoder();
-            self.write(&kernels, &part, &mut encoder, true)?;
+            self.write(&prepared, &part, &mut encoder, true)?;
             let staging = self.staging.sized(&gpu, 16 * count + HEADER)?.clone();
             let queue = self.queue.sized(&gpu, 0)?.clone();
             gpu.scoped("the commands of a slice", || {

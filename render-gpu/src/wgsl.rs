@@ -60,6 +60,7 @@ pub static QUEUE: Piece = Piece::new(include_str!("kernels/queue.wgsl"))
         INTEGRALS = queue::INTEGRALS,
         PRUNED = queue::PRUNED,
         CUT = queue::CUT,
+        SKY_LEFT = queue::SKY_LEFT,
     ])
     .needs(&[&FRAME]);
 /// Integrals in the queue, for lights with the same radiance everywhere.
@@ -83,3 +84,17 @@ pub static PAPER_PENUMBRA: Piece =
     Piece::new(include_str!("kernels/paper_penumbra.wgsl")).needs(&[&QUEUE, &POINTS, &paper::wgsl::VISIBILITY]);
 /// The size of the penumbra kernel's dispatch.
 pub static ARGS: Piece = Piece::new(include_str!("kernels/args.wgsl")).needs(&[&QUEUE]);
+/// Where a sky leaves lobes to its patches.
+static SKY_LEFT: Piece = Piece::new(include_str!("kernels/sky_left.wgsl")).needs(&[&QUEUE]);
+/// The lobes that a light shines on: all.
+pub static ALL_LOBES: Piece = Piece::new("fn lobes_left(point: u32) -> u32 { return 0xffffffffu; }\n");
+/// Those that a sky leaves to its patches.
+pub static LOBES_LEFT: Piece =
+    Piece::new("fn lobes_left(point: u32) -> u32 { return queue.items[sky_left_place(point)]; }\n").needs(&[&SKY_LEFT]);
+/// The table of a sky.
+static SKY_TABLE: Piece = Piece::new("@group(0) @binding(11) var<storage, read> sky_table: array<f32>;\n");
+/// Sums a sky at once. Needs the functions `blockers_sky…` and `brdf_lobe`, a header of a sky, and one of `SKY_MICROFACETS` and `SKY_NO_MICROFACETS`.
+pub static SKY: Piece =
+    Piece::new(include_str!("kernels/sky.wgsl")).needs(&[&SKY_TABLE, &SKY_LEFT, &POINTS, &masks::SKY_VIEW]);
+/// The size of the dispatches of a sky's patches.
+pub static SKY_ARGS: Piece = Piece::new(include_str!("kernels/sky_args.wgsl")).needs(&[&QUEUE]);

@@ -1,6 +1,6 @@
 use crate::on_objects::OnObjects;
 use crate::turn::at_once;
-use crate::{Backend, CustomStrategy, KeptSky, Method, Plan, RenderError, Settings, Shader, SkyFrame};
+use crate::{Backend, CustomStrategy, Device, KeptSky, Method, Plan, RenderError, Settings, Shader, SkyFrame};
 use paper::{PaperIntegrator, PaperVisibility, Tables};
 use render_cpu::{CpuShader, SceneSilhouettes, SkyShader, SurfaceHits, World};
 use scene::{Frame, Object, Shape, Strategy};
@@ -128,18 +128,20 @@ impl<'a> FrameBlockers<'a> {
         }
     }
 
-    /// The same with an environment that a CPU sums at once where it can: before spheres and silhouettes, by
-    /// [`Method::Moments`]. Elsewhere, and on a GPU, its patches are lights.
-    /// Its table is made only where it is used.
+    /// The same with an environment that is summed at once where it can be: before spheres and silhouettes, by
+    /// [`Method::Moments`]. Elsewhere its patches are lights. On a GPU patches also shine on lobes narrower than the first table's samples, and
+    /// before rays that stand for silhouettes there. Its table is made only where it is used.
     pub(crate) fn under(self, kept: &'a mut KeptSky, frame: &Frame<'_>, backend: &Backend, method: Method) -> Self {
-        let is_summed = matches!(backend, Backend::Cpu) && self.sums_skies(method);
+        let device = backend.device();
+        let is_summed = self.sums_skies(method) && (device == Device::Cpu || !self.has_instances);
         let scene = self.world.scene();
-        let sky = if is_summed { kept.follow(scene, frame) } else { None };
-        let silhouettes = self.silhouettes.map(|own| if sky.is_some() { own.under_sky() } else { own });
+        let sky = if is_summed { kept.follow(scene, frame, device) } else { None };
+        let has_forms = sky.is_some() && device == Device::Cpu;
+        let silhouettes = self.silhouettes.map(|own| if has_forms { own.under_sky() } else { own });
         Self { sky, silhouettes, ..self }
     }
 
-    /// Whether a sky before these blockers is summed at once by a CPU.
+    /// Whether a sky before these blockers is summed at once.
     fn sums_skies(&self, method: Method) -> bool {
         let are_drawn = self.maps.is_none() && self.rays.is_none() && self.custom.is_empty();
         are_drawn && method == Method::Moments
@@ -244,6 +246,8 @@ impl<'a> FrameBlockers<'a> {
             }
             let parts = GpuParts { spheres: self.spheres, maps: self.maps.as_ref(), silhouettes: silhouettes.as_ref() };
             let shader = gpu.occluded(tables, &parts, traced, &blockers)?;
+            let sky = self.sky.as_ref().and_then(|sky| Some((sky.packed.as_ref()?, sky.replaced.clone())));
+            shader.set_sky(sky);
             // Software drivers would end the many loops over a map's texels.
             let is_short = shader.gpu().is_software() && parts.maps.is_some();
             shader.set_look_again(if is_short { LookAgain::Never } else { look_again(self.of_own) });

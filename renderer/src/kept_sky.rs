@@ -1,6 +1,9 @@
+use crate::Device;
 use glam::Vec3;
 use lighting::Environment;
 use lobe_core::{BrdfLobe, Receiver};
+#[cfg(feature = "gpu")]
+use render_gpu::GpuSky;
 use scene::{Frame, Scene, Surface};
 use shading::BrdfLobes;
 use std::sync::Arc;
@@ -12,22 +15,28 @@ use visibility_mask::sky::{SkyResolution, SkyTable, SkyView};
 pub struct KeptSky {
     of: Option<Arc<Environment>>,
     tables: Vec<SkyTable>,
+    /// The table that a GPU used last, as it reads it.
+    #[cfg(feature = "gpu")]
+    packed: Option<GpuSky>,
     /// Tables that were made so far.
     made: u64,
 }
 
-/// An environment as a CPU sums it at once: its tables, each of smaller steps than the one before, and which of the scene's lights they
+/// An environment as it is summed at once: its tables, each of smaller steps than the one before, and which of the scene's lights they
 /// stand for.
 #[derive(Clone, Debug)]
 pub struct SkyFrame<'a> {
     pub(crate) tables: Vec<&'a SkyTable>,
     pub(crate) replaced: Vec<bool>,
+    /// The first table as a GPU reads it, on a GPU.
+    #[cfg(feature = "gpu")]
+    pub(crate) packed: Option<GpuSky>,
 }
 
 impl KeptSky {
     /// The sky of a scene for a frame's accuracy and materials. None without an environment, and where its patches are not all among the
-    /// lights as they were made: then they are lights like others.
-    pub fn follow(&mut self, scene: &Scene, frame: &Frame<'_>) -> Option<SkyFrame<'_>> {
+    /// lights as they were made: then they are lights like others. A GPU has the first table alone.
+    pub fn follow(&mut self, scene: &Scene, frame: &Frame<'_>, device: Device) -> Option<SkyFrame<'_>> {
         let environment = scene.environment.as_ref()?;
         let replaced = environment.patches_among(frame.lights)?;
         if !replaced.contains(&true) {
@@ -36,8 +45,15 @@ impl KeptSky {
         if self.of.as_ref().is_none_or(|of| !Arc::ptr_eq(of, environment)) {
             self.of = Some(Arc::clone(environment));
             self.tables.clear();
+            #[cfg(feature = "gpu")]
+            {
+                self.packed = None;
+            }
         }
-        let resolutions = resolutions(scene, frame);
+        let mut resolutions = resolutions(scene, frame);
+        if device == Device::Gpu {
+            resolutions.truncate(1);
+        }
         for resolution in &resolutions {
             if self.table(*resolution).is_none() {
                 let sky = environment.sky();
@@ -45,8 +61,20 @@ impl KeptSky {
                 self.made += 1;
             }
         }
+        #[cfg(feature = "gpu")]
+        if device == Device::Gpu {
+            let first = *resolutions.first()?;
+            if self.packed.as_ref().is_none_or(|packed| packed.resolution() != first) {
+                self.packed = self.table(first).map(GpuSky::new);
+            }
+        }
         let tables = resolutions.into_iter().filter_map(|resolution| self.table(resolution)).collect();
-        Some(SkyFrame { tables, replaced })
+        Some(SkyFrame {
+            tables,
+            replaced,
+            #[cfg(feature = "gpu")]
+            packed: self.packed.clone().filter(|_| device == Device::Gpu),
+        })
     }
 
     fn table(&self, resolution: SkyResolution) -> Option<&SkyTable> {
@@ -87,7 +115,7 @@ fn resolutions(scene: &Scene, frame: &Frame<'_>) -> Vec<SkyResolution> {
         let lobes = &lobes[place.min(1)];
         lobes.iter().all(|lobe| SkyView::resolves_at(*table, lobe, Vec3::Z))
     };
-    let needed = all.iter().enumerate().position(|table| is_enough(table)).map_or(all.len(), |place| place + 1);
+    let needed = all.iter().enumerate().position(is_enough).map_or(all.len(), |place| place + 1);
     all.truncate(needed);
     all
 }

@@ -1,9 +1,10 @@
 //! A renderer on a GPU: the data that it keeps there, and the calls of an interactive program. Ignored without an adapter.
 
+use brdf::Material;
 use core::ops::ControlFlow;
-use glam::{Mat4, Vec3};
+use glam::{Mat4, UVec2, Vec3};
 use libtest_mimic::{Arguments, Trial};
-use lighting::{Light, SphereLight};
+use lighting::{Environment, EnvironmentMap, Light, SphereLight};
 use lobe_core::Sphere;
 use renderer::{Cancel, Device, LayerSet, RenderError, Renderer, Settings, Window};
 use scene::{Animation, Object, Proxy, Scene, Strategy};
@@ -22,6 +23,7 @@ fn main() {
         trial("rays_follow_only_what_moves", rays_follow_only_what_moves),
         trial("the_first_picture_compiles_nothing", the_first_picture_compiles_nothing),
         trial("parts_make_the_picture", parts_make_the_picture),
+        trial("skies_are_summed_at_once", skies_are_summed_at_once),
         trial("layers_of_points", layers_of_points),
         trial("requests_to_stop", requests_to_stop),
         trial("nothing_to_see", nothing_to_see),
@@ -102,6 +104,54 @@ fn parts_make_the_picture() {
         })
         .expect("a picture");
     assert!(picture == want);
+}
+
+/// Ambient light that objects hide, alone and beside an environment: the CPU's picture. Before rays patches are lights.
+fn skies_are_summed_at_once() {
+    let mut scene = stage();
+    scene.materials.fill(Material::lambert(Vec3::splat(0.6)));
+    // One radiance everywhere, with a dark side.
+    let half = (0..128).map(|texel| Vec3::splat(if texel % 16 < 5 { 0.2 } else { 1.0 })).collect();
+    let pictures = [None, Some(EnvironmentMap::new(UVec2::new(16, 8), half).expect("a picture"))];
+    let world = Sphere { center: Vec3::ZERO, radius: 12.0 };
+    let mut before: Vec<Light> = scene.lights.clone();
+    before.truncate(1);
+    let mut gpu = None;
+    for picture in pictures {
+        let environment = Environment::with_ambient(picture, Vec3::new(0.3, 0.4, 0.5), 1, world);
+        scene.lights = before.iter().chain(environment.lights()).cloned().collect();
+        scene.environment = Some(environment.into());
+        let picture = |device: Device| {
+            let settings = Settings { device, ..Settings::default() };
+            Renderer::new(scene.clone(), Animation::default(), settings).expect("a renderer")
+        };
+        let want = picture(Device::Cpu).render().expect("a picture").radiance;
+        let mut ours = picture(Device::Gpu);
+        let got = ours.render().expect("a picture").radiance;
+        assert_eq!(ours.upkeep().sky_tables, 1);
+        let peak = want.iter().map(|v| v.max_element()).fold(0.0, f32::max);
+        let all = want.iter().zip(&got).map(|(a, b)| (*a - *b).abs().max_element() / peak);
+        let (sum, most) = all.fold((0.0, 0.0_f32), |(sum, most), d| (sum + d, most.max(d)));
+        assert!(sum < 1e-5 * want.len() as f32 && most < 1e-3, "{sum:e} {most:e}");
+        gpu = Some(ours);
+    }
+    let mut ours = gpu.expect("a renderer");
+    let skies = |ours: &Renderer| {
+        let compiled = ours.backend().gpu().expect("a GPU").kernels().compiled();
+        compiled.iter().filter(|kernel| kernel.name.starts_with("sky (")).count()
+    };
+    assert_eq!(skies(&ours), 1);
+    let mut by_rays = Renderer::new(
+        ours.scene().clone(),
+        Animation::default(),
+        Settings { device: Device::Gpu, strategy: Some(Strategy::Rays), ..Settings::default() },
+    )
+    .expect("a renderer");
+    by_rays.render().expect("a picture");
+    assert_eq!((skies(&by_rays), by_rays.upkeep().sky_tables), (0, 0));
+    // Another picture needs nothing new.
+    ours.render().expect("a picture");
+    assert_eq!((skies(&ours), ours.upkeep().sky_tables), (1, 1));
 }
 
 fn layers_of_points() {

@@ -195,6 +195,21 @@ pub enum GpuRun {
     Changed(u32),
 }
 
+/// How blockers draw before a whole sky.
+///
+/// With NAME for the blockers' [`name`](GpuBlockers::name), by workgroups of one receiver each:
+/// - `fn NAME_sky(lane: u32, at: Receiver)` draws all outlines above the horizon by `sky_draw_arc` or `sky_cross` of visibility-mask's
+///   `SKY_BUFFER`, in any order; all threads call it, so there may be barriers, and it may be called several times;
+/// - `fn NAME_sky_hides(at: Receiver, direction: vec3f) -> bool`, for one thread, whether they hide a direction;
+/// - `fn NAME_sky_has_facet(at: Receiver) -> bool`, whether the receiver's own facet hides what is below it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GpuSkyPart {
+    /// These functions.
+    pub piece: &'static Piece,
+    /// Names of the part's buffers that they read.
+    pub reads: Vec<&'static str>,
+}
+
 /// Blockers that a GPU can shade with.
 ///
 /// # Functions
@@ -235,6 +250,11 @@ pub trait GpuBlockers: Debug + Sync {
     /// Whether masks are turned across its edges.
     fn has_edges(&self) -> bool {
         false
+    }
+
+    /// How they draw before a whole sky. None, the default: the patches of an environment are lights like others.
+    fn sky(&self) -> Option<GpuSkyPart> {
+        None
     }
 
     /// Whether its functions ask what rays meet. The shader must have a scene for that.

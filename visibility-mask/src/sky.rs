@@ -21,15 +21,15 @@
 mod arcs;
 mod blend;
 mod blockers;
-mod buffer;
+pub(crate) mod buffer;
 mod horizon;
-mod meridians;
+pub(crate) mod meridians;
 mod pole;
-mod spread;
+pub(crate) mod spread;
 mod table;
 #[cfg(test)]
 mod tests;
-mod view;
+pub(crate) mod view;
 mod window;
 
 pub use self::arcs::SkyArcs;

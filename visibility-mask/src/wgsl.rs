@@ -5,6 +5,7 @@
 //! [`FACET`] need a [`header`].
 
 use crate::row::{COARSE, WIDTH};
+use crate::sky::{SkyResolution, buffer, meridians, spread, view};
 use crate::{Fineness, MAX_DEPTH, contour, edges, fineness, near_masks, square, visibility, visible_fraction};
 use lobe_core::wgsl::{self as lobes, Piece};
 use lobe_core::wgsl_numbers;
@@ -53,6 +54,55 @@ pub static EDGES: Piece = Piece::new(include_str!("edges.wgsl"))
 
 /// Coverage of a light by a receiver's own facet.
 pub static FACET: Piece = Piece::new(include_str!("facet.wgsl")).needs(&[&lobes::GEOMETRY]);
+
+/// The sky before one receiver: the horizon, meridians, and counts of surfaces along them. Needs a [`sky_header`], a binding `sky_table` of
+/// [these numbers](crate::sky::SkyTable::packed), and blockers that call `sky_draw_arc` or `sky_cross`.
+pub static SKY_BUFFER: Piece = Piece::new(include_str!("sky/buffer.wgsl"))
+    .numbers(wgsl_numbers![
+        SKY_PLACES = buffer::HALF as u32,
+        SKY_CUTS = buffer::CUTS,
+        SKY_SURE = 1.0 + buffer::MARGIN,
+        SKY_AROUND = meridians::AROUND,
+        SKY_DIAGONAL = meridians::DIAGONAL,
+        SKY_SPREAD = meridians::SPREAD,
+    ])
+    .needs(&[&lobes::SPECIAL, &lobes::GEOMETRY]);
+/// Sums of lobes over what is seen. Needs one of [`SKY_MICROFACETS`] and [`SKY_NO_MICROFACETS`].
+pub static SKY_VIEW: Piece = Piece::new(include_str!("sky/view.wgsl"))
+    .numbers(wgsl_numbers![SKY_STEEP = view::STEEP, SKY_LITTLE = view::LITTLE])
+    .needs(&[&SKY_BUFFER, &TOTAL, &lobes::LOBE]);
+/// [`SKY_VIEW`] with microfacet lobes.
+pub static SKY_MICROFACETS: Piece =
+    Piece::new(include_str!("sky/facets.wgsl")).needs(&[&SKY_VIEW, &lobes::MICROFACETS]);
+/// [`SKY_VIEW`] without microfacets.
+pub static SKY_NO_MICROFACETS: Piece = Piece::new(
+    "fn sky_set_facets(at: Receiver, lobe: Lobe) {}
+fn sky_facets(lobe: Lobe, v: vec3f) -> f32 { return 0.0; }
+",
+)
+.needs(&[&SKY_VIEW]);
+
+/// Threads of a workgroup that sums a sky.
+pub const SKY_LANES: u32 = 64;
+/// The most lobes of a material that a workgroup sums over a sky.
+pub const SKY_MOST_LOBES: u32 = 16;
+
+/// The constants of [`SKY_BUFFER`] and [`SKY_VIEW`] for the samples of a table and so many lobes a material. None for samples or lobes that
+/// kernels have no room for.
+#[must_use]
+pub fn sky_header(samples: SkyResolution, most_lobes: u32) -> Option<String> {
+    let (rows, along) = (samples.rows(), samples.samples());
+    let has_room = rows <= 256 && rows.is_multiple_of(32) && along < 256 && along.is_multiple_of(16);
+    let step = view::STEPS * samples.pitch();
+    (has_room && most_lobes <= SKY_MOST_LOBES).then(|| {
+        lobes::constant("LANES", &SKY_LANES)
+            + &lobes::constant("SKY_ROWS", &rows)
+            + &lobes::constant("SKY_SAMPLES", &along)
+            + &lobes::constant("SKY_LOBES", &most_lobes.max(1))
+            + &lobes::constant("SKY_STEP_SQ", &(step * step))
+            + &lobes::constant("SKY_ACROSS", &(spread::ACROSS * samples.pitch()))
+    })
+}
 
 /// Results that threads compute together.
 pub static TOTAL: Piece = Piece::new(include_str!("total.wgsl"));

@@ -4,10 +4,12 @@ use crate::tree::{Node, Tree, WIDE};
 use crate::{SilhouetteMesh, wgsl};
 use glam::Vec3;
 use lobe_core::wgsl::{Piece, constant};
-use shading::gpu::{GpuBlockers, GpuBuffer};
+use shading::gpu::{GpuBlockers, GpuBuffer, GpuSkyPart};
 
 /// No triangle on a side of an edge, or no child in a place of a node.
 pub(crate) const NONE: u32 = u32::MAX;
+/// The buffer of nodes, corners, triangles and edges.
+const DATA: &str = "silhouettes_data";
 /// Rows of a node's child.
 const CHILD: usize = 3;
 
@@ -181,7 +183,7 @@ impl Packed {
         for (triangle, [x, y, z, d]) in triangles.iter().zip(planes) {
             self.triangles.push(floats([*x, *y, *z], d.to_bits()));
             let [a, b, c] = triangle.map(|i| first_corner + i);
-            self.triangles.push([a, b, c, 0]);
+            self.triangles.push([a, b, c, u32::from(mesh.is_closed())]);
         }
         self.edges.extend(mesh.upward_edges().map(|([a, b], sides)| {
             let [one, other] = sides.map(|t| t.map_or(NONE, |t| first_triangle + t));
@@ -211,11 +213,15 @@ impl GpuBlockers for GpuSilhouettes {
         true
     }
 
+    fn sky(&self) -> Option<GpuSkyPart> {
+        Some(GpuSkyPart { piece: &wgsl::SKY, reads: vec![DATA] })
+    }
+
     fn asks_any_hit(&self) -> bool {
         true
     }
 
     fn buffers(&self) -> Vec<GpuBuffer<'_>> {
-        vec![GpuBuffer::of("silhouettes_data", "vec4u", self.rows.as_flattened())]
+        vec![GpuBuffer::of(DATA, "vec4u", self.rows.as_flattened())]
     }
 }

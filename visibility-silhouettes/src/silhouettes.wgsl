@@ -30,12 +30,11 @@ struct SilhouetteEye {
 
 fn silhouettes_eye(at: Receiver, cone: Cone) -> SilhouetteEye {
     let x = any_hit_leave(at);
-    let size = abs(x);
     let tan = SILHOUETTES_AROUND * cone_tan(cone);
     silhouettes_set_outline();
     return SilhouetteEye(
         x,
-        (size.x + size.y) + size.z,
+        silhouettes_reach(x),
         cone,
         orthonormal_basis_u(cone.axis),
         orthonormal_basis_v(cone.axis),
@@ -145,10 +144,6 @@ fn silhouettes_far(cone: Cone) -> f32 {
     return select(cone.distance * cos * cos, 3e38, cone.distance > 1e30);
 }
 
-fn silhouettes_corner(eye: SilhouetteEye, corner: u32) -> vec3f {
-    return bitcast<vec3f>(silhouettes_data[silhouettes_data[0].y + corner].xyz) - eye.x;
-}
-
 // Distances of a point, relative to the receiver, inside the square's sides.
 fn silhouettes_sides(eye: SilhouetteEye, p: vec3f) -> vec4f {
     let across = vec2f(dot(eye.u, p), dot(eye.v, p));
@@ -184,36 +179,12 @@ fn silhouettes_meet(eye: SilhouetteEye, row: u32) -> bool {
     return abs(dot(to, normals)) - dot(half, abs(normals)) - unsure <= away * middle.w;
 }
 
-// 1 if the receiver is in front of a triangle, −1 behind it, 0 if there is none. The same for all edges of the triangle: in f32 if
-// that is certain, else from its corners.
-fn silhouettes_side(eye: SilhouetteEye, triangle: u32) -> i32 {
-    if (triangle == SILHOUETTES_NONE) {
-        return 0;
-    }
-    let row = silhouettes_data[0].z + 2u * triangle;
-    let plane = bitcast<vec4f>(silhouettes_data[row]);
-    if (all(plane.xyz == vec3f(0.0))) {
-        return 0;
-    }
-    var value = dot(plane.xyz, eye.x) + plane.w;
-    if (abs(value) <= SILHOUETTES_UNSURE * (abs(plane.w) + eye.reach)) {
-        let corners = silhouettes_data[row + 1u].xyz + silhouettes_data[0].y;
-        value = any_hit_side(
-            bitcast<vec3f>(silhouettes_data[corners.x].xyz),
-            bitcast<vec3f>(silhouettes_data[corners.y].xyz),
-            bitcast<vec3f>(silhouettes_data[corners.z].xyz),
-            eye.x
-        );
-    }
-    return select(select(0, -1, value < 0.0), 1, value > 0.0);
-}
-
 // The growth of the number of surfaces from left to right across an edge, looking from its first end to the second; 0 if it is not
 // a silhouette, or certainly not in front of the light.
 fn silhouettes_step(eye: SilhouetteEye, edge: u32) -> i32 {
     let ends = silhouettes_data[silhouettes_data[0].w + edge];
-    let a = silhouettes_corner(eye, ends.x);
-    let b = silhouettes_corner(eye, ends.y);
+    let a = silhouettes_from(eye.x, ends.x);
+    let b = silhouettes_from(eye.x, ends.y);
     if (!eye.is_wide) {
         if (any(max(silhouettes_sides(eye, a), silhouettes_sides(eye, b)) < vec4f(0.0))) {
             return 0;
@@ -221,7 +192,7 @@ fn silhouettes_step(eye: SilhouetteEye, edge: u32) -> i32 {
     }
     var step = 0;
     for (var k = 0u; k < 2u; k++) {
-        let side = silhouettes_side(eye, select(ends.z, ends.w, k == 1u));
+        let side = silhouettes_side(eye.x, select(ends.z, ends.w, k == 1u));
         step += select(side, -side, k == 1u);
     }
     if (step != 0 && ((!eye.is_wide && silhouettes_beside(eye, a, b)) || silhouettes_beside_outline(a, b))) {

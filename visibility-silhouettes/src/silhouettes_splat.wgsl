@@ -175,8 +175,8 @@ fn silhouettes_use(lane: u32, eye: SilhouetteEye, count: u32) {
     for (var k = lane; k < count; k += LANES) {
         let entry = silhouettes_list[k];
         let ends = silhouettes_data[silhouettes_data[0].w + entry / 8u];
-        let a = silhouettes_corner(eye, ends.x);
-        let b = silhouettes_corner(eye, ends.y);
+        let a = silhouettes_from(eye.x, ends.x);
+        let b = silhouettes_from(eye.x, ends.y);
         if (silhouettes_adds) {
             silhouettes_add(eye, a, b);
         } else {

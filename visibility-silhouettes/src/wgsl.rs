@@ -4,19 +4,22 @@
 use crate::{beside, blockers, count, gpu, hull, project, select};
 use lobe_core::wgsl::{GEOMETRY, Piece};
 use lobe_core::wgsl_numbers;
-use visibility_mask::wgsl::{EDGES, FACET, MASK, TOTAL};
+use visibility_mask::wgsl::{EDGES, FACET, MASK, SKY_BUFFER, TOTAL};
+
+/// Corners, and sides of triangles.
+static SIDES: Piece = Piece::new(include_str!("silhouettes_sides.wgsl"))
+    .numbers(wgsl_numbers![SILHOUETTES_UNSURE = hull::UNSURE, SILHOUETTES_NONE = gpu::NONE])
+    .needs(&[&GEOMETRY]);
 
 /// Edges of meshes, and which of them are silhouettes before a receiver's light.
 static SILHOUETTES: Piece = Piece::new(include_str!("silhouettes.wgsl"))
     .numbers(wgsl_numbers![
-        SILHOUETTES_UNSURE = hull::UNSURE,
         SILHOUETTES_AROUND = select::AROUND,
         SILHOUETTES_AROUND_SQ = select::AROUND_SQ,
-        SILHOUETTES_NONE = gpu::NONE,
         SILHOUETTES_MARGIN = beside::MARGIN,
         SILHOUETTES_CORNERS = beside::MOST,
     ])
-    .needs(&[&GEOMETRY, &FACET]);
+    .needs(&[&SIDES, &FACET]);
 
 /// `silhouettes_coverage`.
 pub(crate) static COVERAGE: Piece = Piece::new(include_str!("silhouettes_coverage.wgsl")).needs(&[&SILHOUETTES]);
@@ -31,3 +34,8 @@ pub(crate) static SPLAT: Piece = Piece::new(include_str!("silhouettes_splat.wgsl
         SILHOUETTES_FEW = count::FEW,
     ])
     .needs(&[&SILHOUETTES, &MASK, &EDGES, &TOTAL]);
+
+/// `silhouettes_sky`, `silhouettes_sky_hides` and `silhouettes_sky_has_facet`.
+pub(crate) static SKY: Piece = Piece::new(include_str!("silhouettes_sky.wgsl"))
+    .numbers(wgsl_numbers![SILHOUETTES_SKY_FAR = f32::MAX])
+    .needs(&[&SIDES, &SKY_BUFFER]);

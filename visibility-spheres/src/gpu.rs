@@ -3,12 +3,14 @@
 use crate::packed::{LIST_WORDS, SPHERE_BLOCK};
 use crate::{SphereBlockers, wgsl};
 use lobe_core::wgsl::Piece;
-use shading::gpu::{GpuBlockers, GpuBuffer, GpuContents, GpuPass, GpuRun};
+use shading::gpu::{GpuBlockers, GpuBuffer, GpuContents, GpuPass, GpuRun, GpuSkyPart};
 
 const SPHERES: &str = "spheres";
 const BOUNDS: &str = "spheres_bounds";
 const LISTS: &str = "spheres_lists";
 
+/// The most spheres that are all drawn for each point before a sky.
+const MOST_BEFORE_SKIES: usize = 1024;
 /// Threads of the workgroups that make bounds.
 const GROUP: usize = 64;
 
@@ -28,6 +30,11 @@ impl GpuBlockers for SphereBlockers {
 
     fn has_edges(&self) -> bool {
         true
+    }
+
+    fn sky(&self) -> Option<GpuSkyPart> {
+        let is_few = self.order().len() <= MOST_BEFORE_SKIES;
+        is_few.then(|| GpuSkyPart { piece: &wgsl::SPHERES_SKY, reads: vec![SPHERES] })
     }
 
     fn is_empty(&self) -> bool {

@@ -15,11 +15,6 @@ fn light_sphere(cone: Cone) -> LightSphere {
     return LightSphere(sin, cos, cone.distance * sin, cone.distance * cone.distance * (cos * cos));
 }
 
-// How much a receiver of the own object at the distance d sees of the near sphere instead of the whole one.
-fn nearness(whole: f32, d: f32) -> f32 {
-    return whole / max(max(d, whole), 1.1754944e-38);
-}
-
 struct Look {
     blocked: BlockedCone,
     // LIT where it hides nothing.
@@ -44,16 +39,9 @@ fn sphere_before_plane(to: vec3f, radius: f32, plane: vec4f) -> u32 {
 
 // The part of a light that one sphere hides.
 fn spheres_look(index: u32, at: Receiver, cone: Cone, light: LightSphere) -> Look {
-    let sphere = spheres[index];
-    let own = sphere.object == at.object;
-    var to = sphere.center - at.position;
-    var radius = sphere.radius;
-    if (own) {
-        let w = nearness(radius, length(to));
-        to += sphere.own_offset * w;
-        radius -= (radius - sphere.own_radius) * w;
-    }
-    var blocked = blocked_cone(to, radius, select(0.0, sphere.own_distance, own));
+    var blocked = spheres_blocked(index, at);
+    let to = blocked.to;
+    let radius = blocked.radius;
     if (blocked.empty) {
         return Look(blocked, LIT);
     }
@@ -75,21 +63,6 @@ fn spheres_look(index: u32, at: Receiver, cone: Cone, light: LightSphere) -> Loo
         }
     }
     return Look(blocked, blocked_cover(blocked, cone.axis, light.sin, light.cos));
-}
-
-// Whether an object has a sphere.
-fn spheres_cast(object: u32) -> bool {
-    var first = 0u;
-    var end = arrayLength(&spheres);
-    while (first < end) {
-        let middle = (first + end) / 2u;
-        if (spheres[middle].caster < object) {
-            first = middle + 1u;
-        } else {
-            end = middle;
-        }
-    }
-    return object != NO_OBJECT && first < arrayLength(&spheres) && spheres[min(first, arrayLength(&spheres) - 1u)].caster == object;
 }
 
 // How much of the light the receiver's own facet hides, and its horizon does not.

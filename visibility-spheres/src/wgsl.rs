@@ -7,7 +7,7 @@ use crate::packed::{LIST_ROOM, LIST_WORDS, SPHERE_BLOCK};
 use crate::{blocked_cones, ellipse, shaft, wide_cone};
 use lobe_core::wgsl::{GEOMETRY, Piece, SPECIAL};
 use lobe_core::wgsl_numbers;
-use visibility_mask::wgsl::{EDGES, FACET, MASK, TOTAL};
+use visibility_mask::wgsl::{EDGES, FACET, MASK, SKY_BUFFER, TOTAL};
 
 /// The struct of a blocker, the layout of a tile's list.
 pub static PACKED: Piece = Piece::new(include_str!("packed.wgsl")).numbers(wgsl_numbers![
@@ -28,9 +28,12 @@ static CONE_TEST: Piece = Piece::new(include_str!("cone_test.wgsl"))
     .needs(&[&GEOMETRY]);
 /// The cone that a sphere blocks.
 static BLOCKED_CONE: Piece = Piece::new(include_str!("blocked_cone.wgsl")).needs(&[&GEOMETRY]);
+/// Spheres as receivers see them.
+static SEEN: Piece = Piece::new(include_str!("seen.wgsl")).needs(&[&PACKED, &BLOCKED_CONE]);
+/// `spheres_sky`, `spheres_sky_hides` and `spheres_sky_has_facet`.
+pub static SPHERES_SKY: Piece = Piece::new(include_str!("spheres_sky.wgsl")).needs(&[&SEEN, &SKY_BUFFER]);
 /// `spheres_coverage`. Needs `OUTLINE` or `NO_OUTLINE` of `lobe-core`.
-pub static SPHERES: Piece =
-    Piece::new(include_str!("spheres.wgsl")).needs(&[&PACKED, &CONE_TEST, &BLOCKED_CONE, &FACET]);
+pub static SPHERES: Piece = Piece::new(include_str!("spheres.wgsl")).needs(&[&SEEN, &CONE_TEST, &FACET]);
 /// A sphere on a mask.
 static ELLIPSE: Piece =
     Piece::new(include_str!("ellipse.wgsl")).numbers(wgsl_numbers![FLAT = ellipse::FLAT]).needs(&[&MASK]);

@@ -1,6 +1,6 @@
 // Classifies each point for one light: a lit point gets the light's radiance, a dark one nothing, and one in penumbra is queued
 // with its integrals. As `Integrator::by_moments`. 64 threads, one tile. Calls the light's functions, brdf's, `light_integral`
-// and `blockers_coverage(tile, at, cone)`.
+// `blockers_coverage(tile, at, cone)`, and `lobes_left(point)`, the lobes that this light shines on, as bits.
 
 // `MaskVisibility::coverage`, before any mask is made.
 fn coverage_of(tile: u32, at: Receiver, cone: Cone) -> u32 {
@@ -18,6 +18,10 @@ fn classify_point(tile: u32, point: u32) {
     if (at.material == NO_MATERIAL) {
         return;
     }
+    let left = lobes_left(point);
+    if (left == 0u) {
+        return;
+    }
     let cone = light_cone(at);
     let bright = light_radiance(at);
     let lobes = brdf_lobe_count(at.material);
@@ -28,7 +32,7 @@ fn classify_point(tile: u32, point: u32) {
         let lobe = brdf_lobe(at.material, at, k);
         // A lobe without flux has no integral.
         var integral = Integral();
-        if (any(lobe.flux != vec3f(0.0))) {
+        if (any(lobe.flux != vec3f(0.0)) && ((left >> (k % 32u)) & 1u) != 0u) {
             integral = light_integral(at, lobe, cone);
             count(INTEGRALS);
         }

@@ -15,3 +15,5 @@ pub(crate) const INTEGRALS: usize = 3;
 pub(crate) const PRUNED: usize = 4;
 /// Threads whose loops the driver ended early.
 pub(crate) const CUT: usize = 5;
+/// Points of which a sky leaves lobes to its patches.
+pub(crate) const SKY_LEFT: usize = 6;

@@ -1,6 +1,6 @@
 //! Pictures that are shaded without leaving the device.
 
-use super::{GpuShader, HEADER, Part, TILE, pack};
+use super::{GpuShader, HEADER, Part, Prepared, TILE, pack};
 use crate::kernels;
 use crate::kernels::queue::CUT;
 use crate::resident::{Resident, Resolve};
@@ -55,19 +55,19 @@ impl GpuShader {
         assert_eq!(points.receivers.len(), means.pixels.len(), "one pixel a point");
         let watch = Stopwatch::start();
         let mut stats = ShadeStats::default();
-        let (kernels, stride) = self.prepare(frame)?;
+        let prepared = self.prepare(frame)?;
         let places = self.hold_points(points, means)?;
         let buffer = self.residents[0].points.sized(&self.gpu, 0)?.clone();
         let radiance = self.radiance.sized(&self.gpu, 16 * places)?.clone();
-        let most = self.slice(stride);
-        let mut part = Part { first: 0, count: 0, stride, uniforms: 0, points: &buffer, radiance: &radiance };
+        let most = self.slice(prepared.stride);
+        let mut part = Part { first: 0, count: 0, uniforms: 0, points: &buffer, radiance: &radiance };
         while part.first < places {
             if cancel.is_some_and(Cancel::is_cancelled) {
                 return Ok(None);
             }
             let (turn, before) = (Stopwatch::start(), stages(&stats));
             part.count = self.turn.min(most).min(places - part.first);
-            let cut = self.shade_part(frame, &kernels, &part, &mut stats).await?;
+            let cut = self.shade_part(frame, &prepared, &part, &mut stats).await?;
             if cut > 0 {
                 return Err(GpuError::LoopsCut { threads: cut });
             }
@@ -110,14 +110,14 @@ impl GpuShader {
     async fn shade_part<M: GpuMaterials, L: GpuLight>(
         &mut self,
         frame: &Frame<'_, M, L>,
-        kernels: &[usize],
+        prepared: &Prepared,
         part: &Part<'_>,
         stats: &mut ShadeStats,
     ) -> Result<u32, GpuError> {
         let gpu = self.gpu.clone();
-        self.hold_uniforms(frame, &[part.count])?;
+        self.hold_uniforms(frame, prepared, &[part.count])?;
         let mut encoder = self.encoder();
-        self.write(kernels, part, &mut encoder, true)?;
+        self.write(prepared, part, &mut encoder, true)?;
         let staging = self.staging.sized(&gpu, HEADER)?.clone();
         let queue = self.queue.sized(&gpu, 0)?.clone();
         gpu.scoped("the commands of a slice", || {

@@ -15,6 +15,7 @@ mod pose;
 mod rays;
 mod robust;
 mod silhouettes;
+mod sky;
 mod spheres;
 mod texture_writer;
 
@@ -42,6 +43,7 @@ fn main() {
     trials.extend(rays::trials(gpu.as_ref()));
     trials.extend(robust::trials(gpu.as_ref()));
     trials.extend(silhouettes::trials(gpu.as_ref()));
+    trials.extend(sky::trials(gpu.as_ref()));
     trials.extend(spheres::trials(gpu.as_ref()));
     trials.extend(texture_writer::trials(gpu.as_ref()));
     let conclusion = libtest_mimic::run(&arguments, trials);

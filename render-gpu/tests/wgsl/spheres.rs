@@ -3,7 +3,7 @@
 use crate::validated::module;
 use lighting::SphereLight;
 use lobe_core::wgsl::{NO_OUTLINE, join};
-use render_gpu::wgsl::{ARGS, CLASSIFY, FRAME, INTEGRALS};
+use render_gpu::wgsl::{ALL_LOBES, ARGS, CLASSIFY, FRAME, INTEGRALS};
 use shading::gpu::GpuLight as _;
 use visibility_mask::{Fineness, wgsl as masks};
 use visibility_spheres::{BlockerSphere, wgsl};
@@ -37,7 +37,7 @@ fn classification_validates() {
     let stub = "fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cone.one_minus_cos; }";
     let lambert = brdf::Material::lambert(glam::Vec3::ONE).model().wgsl().expect("lambert");
     let (materials, reflectance) = brdf::wgsl::compose(&[lambert]);
-    let pieces = [&CLASSIFY, &INTEGRALS, SphereLight::WGSL, &NO_OUTLINE, &wgsl::SPHERES];
+    let pieces = [&CLASSIFY, &ALL_LOBES, &INTEGRALS, SphereLight::WGSL, &NO_OUTLINE, &wgsl::SPHERES];
     let text = join(&[pieces.as_slice(), &materials].concat()) + BUFFERS + HOOK + stub + &reflectance;
     assert_eq!(module(&text).entry_points[0].workgroup_size, [64, 1, 1]);
 }

@@ -5,12 +5,12 @@ use glam::Vec3;
 use lobe_core::vec3x8::LANES;
 
 /// Half a surface, which is also the number of places in a sample.
-const HALF: i32 = 1 << 11;
+pub(crate) const HALF: i32 = 1 << 11;
 const ONE: i32 = 2 * HALF;
 /// The lowest digits of a count say through how many outlines the sample is cut.
-const CUTS: u32 = 7;
+pub(crate) const CUTS: u32 = 7;
 /// Samples whose lower end is so near to the horizon are not certain to be above it.
-const MARGIN: f32 = 0.01;
+pub(crate) const MARGIN: f32 = 0.01;
 /// The most rays that are traced.
 const WITNESSES: usize = 3;
 

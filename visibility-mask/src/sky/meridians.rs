@@ -3,6 +3,13 @@ use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::{DVec3, Vec3};
 use lobe_core::vec3x8::{LANES, Vec3x8};
 
+/// A little more than 1, for the rounding of a box's sides.
+pub(crate) const AROUND: f32 = 1.000_01;
+/// `|x| + |y|` is at most as many times the distance as the inverse of this.
+pub(crate) const DIAGONAL: f32 = 0.707;
+/// Rounding of azimuth numbers.
+pub(crate) const SPREAD: f32 = 1e-5;
+
 /// Directions around a receiver: half great circles from a pole to the opposite one, and samples along each.
 ///
 /// A meridian is the middle of a wedge of directions. Wedges are of equal width in the *azimuth number* `p` in −2…2, samples in the
@@ -187,7 +194,7 @@ impl Meridians {
         let scale = self.resolution.rows as f32 * 0.25;
         let sides = [half.x, half.y, half.z];
         // No wider than a circle around the box, seen along the pole.
-        let off = (sides[x] * sides[x] + sides[y] * sides[y]).sqrt() * 1.000_01;
+        let off = (sides[x] * sides[x] + sides[y] * sides[y]).sqrt() * AROUND;
         let (p, s) = spread(simd, [x, y], middle, off);
         let first = ((p - s + 2.0) * scale - 0.5).ceil();
         let last = ((p + s + 2.0) * scale - 0.5).ceil();
@@ -222,9 +229,9 @@ fn spread<S: Simd>(simd: S, [x, y]: [usize; 2], v: Vec3x8<S>, off: f32x8<S>) -> 
     let v = [v.x, v.y, v.z];
     // No longer than the distance. The azimuth number turns no faster than the azimuth.
     let (wide, high) = (v[x].abs(), v[y].abs());
-    let distance = wide.max(high).max((wide + high) * 0.707) - off;
+    let distance = wide.max(high).max((wide + high) * DIAGONAL) - off;
     let spread = distance.simd_gt(f32x8::splat(simd, 0.0)).select(off / distance, f32x8::splat(simd, 4.0));
-    (azimuth(simd, v[x], v[y]), spread + 1e-5)
+    (azimuth(simd, v[x], v[y]), spread + SPREAD)
 }
 
 /// The azimuth number of eight vectors; 0 of those along the axis.

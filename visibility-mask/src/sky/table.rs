@@ -81,6 +81,25 @@ impl SkyTable {
         self.cells.iter().map(|cells| size_of_val(&cells[..])).sum()
     }
 
+    /// The numbers that a GPU's kernels read ([`wgsl::SKY_BUFFER`](crate::wgsl::SKY_BUFFER)): cosines and sines of the rows; then, for each pole, for each of six
+    /// components of light and direction and each sample, a number a row.
+    #[must_use]
+    pub fn packed(&self) -> Vec<f32> {
+        let resolution = self.meridians.resolution();
+        let (rows, samples) = (resolution.rows(), resolution.samples());
+        let circle = |axis: usize| (0..rows).map(move |row| self.meridians.row(row)[axis]);
+        let mut all: Vec<f32> = circle(0).chain(circle(1)).collect();
+        all.reserve(6 * 6 * rows * samples);
+        for cells in &self.cells {
+            for (component, sample) in (0..6).flat_map(|component| (0..samples).map(move |sample| (component, sample)))
+            {
+                let blocks = cells[sample..].iter().step_by(samples);
+                all.extend(blocks.flat_map(|Cell(columns)| columns[component]));
+            }
+        }
+        all
+    }
+
     /// The samples of eight rows of a pole.
     #[inline(always)]
     pub(super) fn block(&self, pole: Pole, block: usize) -> &[Cell] {
@@ -166,6 +185,12 @@ mod tests {
         let sky = |v: Vec3| Vec3::new(1.0, 0.5 + 0.5 * v.y, (v.x * 3.0).sin().powi(2));
         let resolution = SkyResolution::new(32, 32);
         let table = SkyTable::new(resolution, 64, sky);
+        let words = table.packed();
+        assert_eq!(words.len(), 64 + 36 * 32 * 32);
+        assert_eq!([words[7], words[32 + 7]], table.meridians.row(7));
+        let packed = |pole: Pole, component: usize, sample: usize, row: usize| {
+            words[64 + ((6 * pole.number() + component) * 32 + sample) * 32 + row]
+        };
         for pole in Pole::ALL {
             let (mut sum, mut count) = (DVec3::ZERO, 0);
             for block in 0..resolution.blocks() {
@@ -181,6 +206,7 @@ mod tests {
                 }
             }
             assert_eq!(count, 32 * 32);
+            assert_eq!(packed(pole, 5, 9, 17), table.block(pole, 2)[9].0[5][1]);
             let all = 4.0 * core::f64::consts::PI;
             // ∫ sin²(3x) dω = 2π (1 − sin 6/6).
             let want = DVec3::new(all, 0.5 * all, 0.5 * all * (1.0 - 6.0_f64.sin() / 6.0));

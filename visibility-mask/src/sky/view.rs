@@ -11,13 +11,13 @@ use lobe_core::{BrdfLobe, BrushedAt, Facets, Lobe, MicrofacetsAt, Receiver, Schl
 use shading::Coverage;
 
 /// The widest step between samples that a lobe's sum is good for: the lobe's standard deviation is so many of them.
-const STEPS: f32 = 1.5;
+pub(crate) const STEPS: f32 = 1.5;
 /// Less than this part of a sky is seen through few samples: a room lit through its window.
-const LITTLE: f32 = 1.0 / 8.0;
+pub(crate) const LITTLE: f32 = 1.0 / 8.0;
 /// Of a lobe what is below this part of its peak is left out.
 const NOTHING: f32 = 1e-5;
 /// Below this cosine to the pole a normal's horizon may cross meridians near their beginning.
-const STEEP: f32 = 0.05;
+pub(crate) const STEEP: f32 = 0.05;
 
 /// The sky as one receiver after the other sees it: sums of a [`SkyTable`] over the part that a [`SkyBuffer`] leaves lit.
 ///
