@@ -5,6 +5,7 @@ mod compile;
 use crate::GpuError;
 use crate::binding::{Binding, Slot};
 use crate::module::Text;
+use crate::pipeline::Pipeline;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -38,9 +39,7 @@ impl KernelCache {
 /// One compiled entry point and its list of buffers. Clones are the same kernel.
 #[derive(Clone, Debug)]
 pub(crate) struct Kernel {
-    label: &'static str,
-    pipeline: wgpu::ComputePipeline,
-    layout: wgpu::BindGroupLayout,
+    pipeline: Pipeline,
     slots: Vec<Slot>,
 }
 
@@ -51,10 +50,10 @@ impl Kernel {
     }
 
     pub(crate) const fn pipeline(&self) -> &wgpu::ComputePipeline {
-        &self.pipeline
+        self.pipeline.pipeline()
     }
 
     pub(crate) const fn label(&self) -> &'static str {
-        self.label
+        self.pipeline.label()
     }
 }

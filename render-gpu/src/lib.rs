@@ -41,6 +41,7 @@ mod module;
 mod occlusion;
 mod paper;
 mod picture;
+mod pipeline;
 mod pose;
 mod resident;
 mod scopes;

@@ -1,6 +1,7 @@
 //! Points of a part of a picture that stay on the device, and the pixels that are their means.
 
 use crate::memory::Memory;
+use crate::pipeline::{Pipeline, READ, buffer, entry, written};
 use crate::wgsl::RESOLVE;
 use crate::{Gpu, GpuError, GpuPicture, TILE};
 use bytemuck::{Pod, Zeroable};
@@ -109,7 +110,6 @@ impl Resident {
         let [firsts, weights, rest] = [&self.firsts, &self.weights, &self.rest].map(Memory::whole);
         let buffers = [kernel.part.whole(), firsts, weights, radiance, rest];
         gpu.scoped("the pixels of a picture", || {
-            let label = Some(LABEL);
             let view = picture.texture().create_view(&wgpu::TextureViewDescriptor::default());
             let buffers = (0..).zip(buffers).filter_map(|(binding, buffer)| {
                 Some(wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::Buffer(buffer?) })
@@ -117,17 +117,10 @@ impl Resident {
             let texture = wgpu::BindGroupEntry { binding: 10, resource: wgpu::BindingResource::TextureView(&view) };
             let entries: Vec<_> = buffers.chain([texture]).collect();
             let device = gpu.device();
-            let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label,
-                layout: &kernel.layout,
-                entries: &entries,
-            });
+            let group = kernel.pipeline.group(device, &entries);
+            let label = Some(kernel.pipeline.label());
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes: None });
-            pass.set_pipeline(&kernel.pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups(means.size[0].div_ceil(TILE), means.size[1].div_ceil(TILE), 1);
-            drop(pass);
+            kernel.pipeline.record(&mut encoder, (&group, &[]), means.size.map(|side| side.div_ceil(TILE)));
             gpu.queue().submit([encoder.finish()]);
         })
     }
@@ -152,65 +145,29 @@ fn places(means: &PixelMeans<'_>, groups: &[Range<usize>]) -> (Vec<u32>, Vec<u32
     (firsts, weights)
 }
 
-const LABEL: &str = "resolve_pixels";
-
 /// The kernel that makes pixels of points.
 #[derive(Debug)]
 pub(crate) struct Resolve {
     part: Memory,
-    layout: wgpu::BindGroupLayout,
-    pipeline: wgpu::ComputePipeline,
+    pipeline: Pipeline,
 }
 
 impl Resolve {
     pub(crate) fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         let binding = "@group(0) @binding(10) var target_texture: texture_storage_2d<rgba32float, write>;\n";
         let text = binding.to_owned() + &join(&[&RESOLVE]);
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty,
-            count: None,
-        };
-        let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-        let read = || buffer(wgpu::BufferBindingType::Storage { read_only: true });
-        let texture = wgpu::BindingType::StorageTexture {
-            access: wgpu::StorageTextureAccess::WriteOnly,
-            format: wgpu::TextureFormat::Rgba32Float,
-            view_dimension: wgpu::TextureViewDimension::D2,
-        };
+        let entries = [
+            entry(0, buffer(wgpu::BufferBindingType::Uniform)),
+            entry(1, READ),
+            entry(2, READ),
+            entry(3, READ),
+            entry(4, READ),
+            entry(10, written(wgpu::TextureFormat::Rgba32Float)),
+        ];
         gpu.scoped("the kernel of a picture's pixels", || {
-            let (device, label) = (gpu.device(), Some(LABEL));
-            let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label,
-                source: wgpu::ShaderSource::Wgsl(text.into()),
-            });
-            let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label,
-                entries: &[
-                    entry(0, buffer(wgpu::BufferBindingType::Uniform)),
-                    entry(1, read()),
-                    entry(2, read()),
-                    entry(3, read()),
-                    entry(4, read()),
-                    entry(10, texture),
-                ],
-            });
-            let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label,
-                bind_group_layouts: &[Some(&layout)],
-                ..Default::default()
-            });
-            let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label,
-                layout: Some(&pipeline_layout),
-                module: &module,
-                entry_point: label,
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            });
+            let pipeline = Pipeline::new(gpu.device(), "resolve_pixels", text, &entries);
             let part = Memory::new("a part of a picture", BufferUsages::UNIFORM | BufferUsages::COPY_DST);
-            Self { part, layout, pipeline }
+            Self { part, pipeline }
         })
     }
 }

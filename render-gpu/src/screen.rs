@@ -1,5 +1,6 @@
 //! Pictures as screens show them, without leaving the device.
 
+use crate::pipeline::{Pipeline, buffer, entry, written};
 use crate::wgsl::DISPLAY;
 use crate::{Gpu, GpuError, GpuPicture, TILE};
 use lobe_core::wgsl::join;
@@ -22,8 +23,7 @@ pub(crate) const AGX: u32 = 3;
 #[derive(Debug)]
 pub struct GpuDisplay {
     gpu: Gpu,
-    layout: wgpu::BindGroupLayout,
-    pipeline: wgpu::ComputePipeline,
+    pipeline: Pipeline,
 }
 
 impl GpuDisplay {
@@ -33,24 +33,8 @@ impl GpuDisplay {
     /// [`GpuError`] where the device refuses it.
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         gpu.scoped("the kernel of a display", || {
-            let (device, label) = (gpu.device(), Some("display_pixels"));
-            let text = wgpu::ShaderSource::Wgsl(join(&[&DISPLAY]).into());
-            let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source: text });
-            let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &ENTRIES });
-            let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label,
-                bind_group_layouts: &[Some(&layout)],
-                ..Default::default()
-            });
-            let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label,
-                layout: Some(&pipeline_layout),
-                module: &module,
-                entry_point: label,
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            });
-            Self { gpu: gpu.clone(), layout, pipeline }
+            let pipeline = Pipeline::new(gpu.device(), "display_pixels", join(&[&DISPLAY]), &ENTRIES);
+            Self { gpu: gpu.clone(), pipeline }
         })
     }
 
@@ -75,7 +59,7 @@ impl GpuDisplay {
         };
         let look = [display.exposure.exp2().to_bits(), tone, 0, 0];
         self.gpu.scoped("the commands of a display", || {
-            let (device, label) = (self.gpu.device(), Some("display_pixels"));
+            let (device, label) = (self.gpu.device(), Some(self.pipeline.label()));
             let texture = device.create_texture(&wgpu::TextureDescriptor {
                 label,
                 size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
@@ -94,56 +78,30 @@ impl GpuDisplay {
                 usage: wgpu::BufferUsages::UNIFORM,
             });
             let [source, shown] = [picture.texture(), &texture].map(|texture| texture.create_view(&Default::default()));
-            let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label,
-                layout: &self.layout,
-                entries: &[
-                    wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
-                    wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&source) },
-                    wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(&shown) },
-                ],
-            });
+            let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+            let entries = [
+                entry(0, uniform.as_entire_binding()),
+                entry(1, wgpu::BindingResource::TextureView(&source)),
+                entry(2, wgpu::BindingResource::TextureView(&shown)),
+            ];
+            let group = self.pipeline.group(device, &entries);
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes: None });
-            pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups(width.div_ceil(TILE), height.div_ceil(TILE), 1);
-            drop(pass);
+            self.pipeline.record(&mut encoder, (&group, &[]), [width, height].map(|side| side.div_ceil(TILE)));
             self.gpu.queue().submit([encoder.finish()]);
             texture
         })
     }
 }
 
-const ENTRIES: [wgpu::BindGroupLayoutEntry; 3] = {
-    const fn entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
-        wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None }
-    }
-    let view_dimension = wgpu::TextureViewDimension::D2;
-    [
-        entry(
-            0,
-            wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Uniform,
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-        ),
-        entry(
-            1,
-            wgpu::BindingType::Texture {
-                sample_type: wgpu::TextureSampleType::Float { filterable: false },
-                view_dimension,
-                multisampled: false,
-            },
-        ),
-        entry(
-            2,
-            wgpu::BindingType::StorageTexture {
-                access: wgpu::StorageTextureAccess::WriteOnly,
-                format: wgpu::TextureFormat::Rgba8Unorm,
-                view_dimension,
-            },
-        ),
-    ]
-};
+const ENTRIES: [wgpu::BindGroupLayoutEntry; 3] = [
+    entry(0, buffer(wgpu::BufferBindingType::Uniform)),
+    entry(
+        1,
+        wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        },
+    ),
+    entry(2, written(wgpu::TextureFormat::Rgba8Unorm)),
+];

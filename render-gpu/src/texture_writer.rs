@@ -1,4 +1,5 @@
 use crate::layout::GpuReceiver;
+use crate::pipeline::{Pipeline, READ, buffer, entry, written};
 use crate::wgsl::TEXTURE_WRITER;
 use crate::{Gpu, GpuError, TILE};
 use core::num::NonZeroU64;
@@ -26,8 +27,7 @@ use wgpu::util::DeviceExt;
 #[derive(Debug)]
 pub struct GpuTextureWriter {
     format: wgpu::TextureFormat,
-    layout: wgpu::BindGroupLayout,
-    pipeline: wgpu::ComputePipeline,
+    pipeline: Pipeline,
 }
 
 impl GpuTextureWriter {
@@ -47,49 +47,15 @@ impl GpuTextureWriter {
         };
         let binding = format!("@group(0) @binding(10) var target_texture: texture_storage_2d<{name}, write>;");
         let text = binding + &join(&[&TEXTURE_WRITER]);
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty,
-            count: None,
-        };
-        let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-        let read = wgpu::BufferBindingType::Storage { read_only: true };
-        let texture = wgpu::BindingType::StorageTexture {
-            access: wgpu::StorageTextureAccess::WriteOnly,
-            format,
-            view_dimension: wgpu::TextureViewDimension::D2,
-        };
+        let entries = [
+            entry(0, buffer(wgpu::BufferBindingType::Uniform)),
+            entry(1, READ),
+            entry(3, READ),
+            entry(10, written(format)),
+        ];
         gpu.scoped("the kernel of a texture writer", || {
-            let device = gpu.device();
-            let label = Some("write_points");
-            let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label,
-                source: wgpu::ShaderSource::Wgsl(text.into()),
-            });
-            let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label,
-                entries: &[
-                    entry(0, buffer(wgpu::BufferBindingType::Uniform)),
-                    entry(1, buffer(read)),
-                    entry(3, buffer(read)),
-                    entry(10, texture),
-                ],
-            });
-            let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label,
-                bind_group_layouts: &[Some(&layout)],
-                ..Default::default()
-            });
-            let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label,
-                layout: Some(&pipeline_layout),
-                module: &module,
-                entry_point: label,
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            });
-            Self { format, layout, pipeline }
+            let pipeline = Pipeline::new(gpu.device(), "write_points", text, &entries);
+            Self { format, pipeline }
         })
     }
 
@@ -165,21 +131,14 @@ impl GpuTextureWriter {
                     usage: wgpu::BufferUsages::UNIFORM,
                 });
                 let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
-                let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("write_points"),
-                    layout: &self.layout,
-                    entries: &[
-                        entry(0, uniform.as_entire_binding()),
-                        entry(1, part(points, POINT)),
-                        entry(3, part(radiance, 16)),
-                        entry(10, wgpu::BindingResource::TextureView(&view)),
-                    ],
-                });
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-                pass.set_pipeline(&self.pipeline);
-                pass.set_bind_group(0, &group, &[]);
-                pass.dispatch_workgroups(columns, count, 1);
-                drop(pass);
+                let entries = [
+                    entry(0, uniform.as_entire_binding()),
+                    entry(1, part(points, POINT)),
+                    entry(3, part(radiance, 16)),
+                    entry(10, wgpu::BindingResource::TextureView(&view)),
+                ];
+                let group = self.pipeline.group(device, &entries);
+                self.pipeline.record(encoder, (&group, &[]), [columns, count]);
                 first += count;
             }
         })

@@ -3,8 +3,9 @@
 use super::Kernel;
 use crate::binding::{Access, Slot};
 use crate::module::Text;
+use crate::pipeline::{Pipeline, entry};
 use crate::{Gpu, GpuError};
-use wgpu::BufferUsages;
+use wgpu::{BindingType, BufferUsages};
 
 /// Size in bytes of the buffers for a dispatch without workgroups: at least the fixed part of each buffer.
 const EMPTY: u64 = 4096;
@@ -37,27 +38,8 @@ impl Kernel {
         }
         let entries: Vec<_> = bindings.iter().map(|(slot, of)| layout_entry(*slot, access(*of))).collect();
         gpu.scoped("a kernel", || {
-            let device = gpu.device();
-            let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(label),
-                source: wgpu::ShaderSource::Wgsl(text.into()),
-            });
-            let layout = device
-                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries });
-            let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some(label),
-                bind_group_layouts: &[Some(&layout)],
-                ..Default::default()
-            });
-            let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(label),
-                layout: Some(&pipeline_layout),
-                module: &module,
-                entry_point: Some(label),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            });
-            Self { label, pipeline, layout, slots: bindings.iter().map(|(slot, _)| *slot).collect() }
+            let pipeline = Pipeline::new(gpu.device(), label, text, &entries);
+            Self { pipeline, slots: bindings.iter().map(|(slot, _)| *slot).collect() }
         })
     }
 
@@ -94,11 +76,7 @@ impl Kernel {
                 Some(wgpu::BindGroupEntry { binding: slot.binding(), resource })
             })
             .collect();
-        gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(self.label),
-            layout: &self.layout,
-            entries: &entries,
-        })
+        self.pipeline.group(gpu.device(), &entries)
     }
 
     /// Submits the kernel alone, with `groups` workgroups along x and y and the first uniform; does not wait.
@@ -110,11 +88,7 @@ impl Kernel {
 
     /// Writes the kernel into an encoder, as a pass of its own.
     pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, group: &wgpu::BindGroup, groups: [u32; 2]) {
-        let label = Some(self.label);
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes: None });
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, group, if self.has_frame() { &[0] } else { &[] });
-        pass.dispatch_workgroups(groups[0], groups[1], 1);
+        self.pipeline.record(encoder, (group, if self.has_frame() { &[0] } else { &[] }), groups);
     }
 }
 
@@ -124,10 +98,6 @@ fn layout_entry(slot: Slot, access: Access) -> wgpu::BindGroupLayoutEntry {
         Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
         Access::Write => wgpu::BufferBindingType::Storage { read_only: false },
     };
-    wgpu::BindGroupLayoutEntry {
-        binding: slot.binding(),
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: slot == Slot::Frame, min_binding_size: None },
-        count: None,
-    }
+    let buffer = BindingType::Buffer { ty, has_dynamic_offset: slot == Slot::Frame, min_binding_size: None };
+    entry(slot.binding(), buffer)
 }
