@@ -1,17 +1,6 @@
 // Silhouettes before a whole sky, by a workgroup of LANES threads: `Looker` of look.rs for meshes without simplified forms.
 
-// Nodes that a round visits, with eight threads each.
-const SILHOUETTES_SKY_NODES = LANES / 8u;
-const SILHOUETTES_SKY_LEAVES = 8u * SILHOUETTES_SKY_NODES;
-// The most waiting nodes: on each level the children that a round finds, minus those that the next one takes.
-const SILHOUETTES_SKY_STACK = 7u * SILHOUETTES_DEPTH * SILHOUETTES_SKY_NODES + 8u;
-
-var<workgroup> silhouettes_stack: array<u32, SILHOUETTES_SKY_STACK>;
-var<workgroup> silhouettes_waiting: atomic<u32>;
-var<workgroup> silhouettes_leaves: array<vec2u, SILHOUETTES_SKY_LEAVES>;
-var<workgroup> silhouettes_leaf_count: atomic<u32>;
-// The first thread's values for all threads: the nodes that wait, and those of this round.
-var<workgroup> silhouettes_plan: vec2u;
+const SILHOUETTES_NODES = LANES / 8u;
 
 // Whether a child of a node may have silhouettes above the horizon that cross a meridian. Its three rows begin at `row`.
 fn silhouettes_sky_meets(x: vec3f, row: u32) -> bool {
@@ -56,47 +45,29 @@ fn silhouettes_sky_edge(x: vec3f, edge: u32) {
 fn silhouettes_sky(lane: u32, at: Receiver) {
     let x = any_hit_leave(at);
     if (lane == 0u) {
-        silhouettes_stack[0] = 0u;
-        atomicStore(&silhouettes_waiting, 1u);
+        silhouettes_begin();
     }
     workgroupBarrier();
     loop {
         if (lane == 0u) {
-            let waiting = atomicLoad(&silhouettes_waiting);
-            let next = min(waiting, SILHOUETTES_SKY_NODES);
-            atomicStore(&silhouettes_waiting, waiting - next);
-            atomicStore(&silhouettes_leaf_count, 0u);
-            silhouettes_plan = vec2u(waiting - next, next);
+            silhouettes_begin_round(SILHOUETTES_NODES);
         }
         let plan = workgroupUniformLoad(&silhouettes_plan);
         if (plan.y == 0u) {
             break;
         }
-        var count = SILHOUETTES_NONE;
-        var first = 0u;
-        if (lane / 8u < plan.y) {
-            let row = silhouettes_data[0].x + 24u * silhouettes_stack[plan.x + lane / 8u] + 3u * (lane % 8u);
-            count = silhouettes_data[row + 2u].w;
-            first = silhouettes_data[row + 1u].w;
-            if (count != SILHOUETTES_NONE && !silhouettes_sky_meets(x, row)) {
-                count = SILHOUETTES_NONE;
-            }
-        }
+        let row = silhouettes_child(lane, plan);
+        let is_met = row != SILHOUETTES_NONE && silhouettes_sky_meets(x, row);
         workgroupBarrier();
-        if (count == 0u) {
-            let place = atomicAdd(&silhouettes_waiting, 1u);
-            if (place < SILHOUETTES_SKY_STACK) {
-                silhouettes_stack[place] = first;
-            }
-        } else if (count != SILHOUETTES_NONE) {
-            silhouettes_leaves[atomicAdd(&silhouettes_leaf_count, 1u)] = vec2u(first, count);
+        if (is_met) {
+            silhouettes_keep(row);
         }
         workgroupBarrier();
         let edges = 8u * atomicLoad(&silhouettes_leaf_count);
         for (var e = lane; e < edges; e += LANES) {
-            let leaf = silhouettes_leaves[e / 8u];
-            if (e % 8u < leaf.y) {
-                silhouettes_sky_edge(x, leaf.x + e % 8u);
+            let edge = silhouettes_leaf_edge(e);
+            if (edge != SILHOUETTES_NONE) {
+                silhouettes_sky_edge(x, edge);
             }
         }
         workgroupBarrier();

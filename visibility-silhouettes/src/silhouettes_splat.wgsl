@@ -3,11 +3,7 @@
 // The threads search the hierarchy together, one thread for a child of a node, then the edges of the leaves. All sums are of
 // integers, so no order of the threads changes a mask.
 
-// The most waiting nodes: on each level the children that a round finds, minus those that the next one takes.
-const SILHOUETTES_STACK = 7u * SILHOUETTES_DEPTH * SILHOUETTES_NODES + 8u;
-// Nodes that a round visits, with eight threads each.
 const SILHOUETTES_NODES = 4u;
-const SILHOUETTES_LEAVES = 8u * SILHOUETTES_NODES;
 // Silhouettes that are kept for the next mask of the receiver, if these are all; a round finds up to eight in a leaf.
 const SILHOUETTES_ROOM = 512u;
 // Samples of a row that are counted at a time, two in a word: fewer for masks of many rows, whose workgroups need more memory.
@@ -16,15 +12,9 @@ const SILHOUETTES_WORDS = SILHOUETTES_PART / 2u;
 // Words with one bit a sample.
 const SILHOUETTES_BITS = WIDTH / 32u;
 
-var<workgroup> silhouettes_stack: array<u32, SILHOUETTES_STACK>;
-var<workgroup> silhouettes_waiting: atomic<u32>;
-var<workgroup> silhouettes_leaves: array<vec2u, SILHOUETTES_LEAVES>;
-var<workgroup> silhouettes_leaf_count: atomic<u32>;
 // Edges and their steps; their number.
 var<workgroup> silhouettes_list: array<u32, SILHOUETTES_ROOM>;
 var<workgroup> silhouettes_found: atomic<u32>;
-// The first thread's values for all threads.
-var<workgroup> silhouettes_plan: vec2u;
 // `row_width`, which all threads load at once: browsers want proof that they meet at barriers.
 var<workgroup> silhouettes_width: u32;
 // Whether the list has all silhouettes of the receiver.
@@ -91,8 +81,7 @@ fn silhouettes_each(lane: u32, eye: SilhouetteEye) {
     let is_known = workgroupUniformLoad(&silhouettes_known) != 0u;
     if (!is_known) {
         if (lane == 0u) {
-            silhouettes_stack[0] = 0u;
-            atomicStore(&silhouettes_waiting, 1u);
+            silhouettes_begin();
             atomicStore(&silhouettes_found, 0u);
         }
         workgroupBarrier();
@@ -121,44 +110,25 @@ fn silhouettes_list_more(lane: u32, eye: SilhouetteEye) -> bool {
     var is_last = false;
     loop {
         if (lane == 0u) {
-            let waiting = atomicLoad(&silhouettes_waiting);
             let is_full = atomicLoad(&silhouettes_found) > SILHOUETTES_ROOM - 8u * SILHOUETTES_LEAVES;
-            let next = select(min(waiting, SILHOUETTES_NODES), 0u, is_full);
-            atomicStore(&silhouettes_waiting, waiting - next);
-            atomicStore(&silhouettes_leaf_count, 0u);
-            silhouettes_plan = vec2u(waiting - next, next);
+            silhouettes_begin_round(select(SILHOUETTES_NODES, 0u, is_full));
         }
         let plan = workgroupUniformLoad(&silhouettes_plan);
         if (plan.y == 0u) {
             is_last = plan.x == 0u;
             break;
         }
-        var count = SILHOUETTES_NONE;
-        var first = 0u;
-        if (lane / 8u < plan.y) {
-            let node = silhouettes_stack[plan.x + lane / 8u];
-            let row = silhouettes_data[0].x + 24u * node + 3u * (lane % 8u);
-            count = silhouettes_data[row + 2u].w;
-            first = silhouettes_data[row + 1u].w;
-            if (count != SILHOUETTES_NONE && !silhouettes_meet(eye, row)) {
-                count = SILHOUETTES_NONE;
-            }
-        }
+        let row = silhouettes_child(lane, plan);
+        let is_met = row != SILHOUETTES_NONE && silhouettes_meet(eye, row);
         workgroupBarrier();
-        if (count == 0u) {
-            let place = atomicAdd(&silhouettes_waiting, 1u);
-            if (place < SILHOUETTES_STACK) {
-                silhouettes_stack[place] = first;
-            }
-        } else if (count != SILHOUETTES_NONE) {
-            silhouettes_leaves[atomicAdd(&silhouettes_leaf_count, 1u)] = vec2u(first, count);
+        if (is_met) {
+            silhouettes_keep(row);
         }
         workgroupBarrier();
         let edges = 8u * atomicLoad(&silhouettes_leaf_count);
         for (var e = lane; e < edges; e += LANES) {
-            let leaf = silhouettes_leaves[e / 8u];
-            if (e % 8u < leaf.y) {
-                let edge = leaf.x + e % 8u;
+            let edge = silhouettes_leaf_edge(e);
+            if (edge != SILHOUETTES_NONE) {
                 let step = silhouettes_step(eye, edge);
                 if (step != 0) {
                     silhouettes_list[atomicAdd(&silhouettes_found, 1u)] = 8u * edge + u32(step + 2);

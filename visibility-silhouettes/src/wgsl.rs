@@ -21,6 +21,9 @@ static SILHOUETTES: Piece = Piece::new(include_str!("silhouettes.wgsl"))
     ])
     .needs(&[&SIDES, &FACET]);
 
+/// The search of the hierarchy. Needs `SILHOUETTES_NODES` and `SILHOUETTES_DEPTH`.
+static WALK: Piece = Piece::new(include_str!("silhouettes_walk.wgsl")).needs(&[&SIDES]);
+
 /// `silhouettes_coverage`.
 pub(crate) static COVERAGE: Piece = Piece::new(include_str!("silhouettes_coverage.wgsl")).needs(&[&SILHOUETTES]);
 
@@ -33,9 +36,9 @@ pub(crate) static SPLAT: Piece = Piece::new(include_str!("silhouettes_splat.wgsl
         SILHOUETTES_WIDEST = blockers::WIDEST_DISC,
         SILHOUETTES_FEW = count::FEW,
     ])
-    .needs(&[&SILHOUETTES, &MASK, &EDGES, &TOTAL]);
+    .needs(&[&SILHOUETTES, &WALK, &MASK, &EDGES, &TOTAL]);
 
 /// `silhouettes_sky`, `silhouettes_sky_hides` and `silhouettes_sky_has_facet`.
 pub(crate) static SKY: Piece = Piece::new(include_str!("silhouettes_sky.wgsl"))
     .numbers(wgsl_numbers![SILHOUETTES_SKY_FAR = f32::MAX])
-    .needs(&[&SIDES, &SKY_BUFFER]);
+    .needs(&[&WALK, &SKY_BUFFER]);
