@@ -6,13 +6,13 @@ mod oracle;
 use brdf::{Material, MetallicRoughness, ModifiedPhong};
 use core::f32::consts::PI;
 use glam::{DVec3, Mat3, UVec2, Vec3};
-use lighting::{Environment, EnvironmentMap, Light};
+use lighting::{Environment, Light};
 use lobe_core::Sphere;
 use oracle::{Error, errors};
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SkyShader, SurfaceHits, World};
 use scene::{Camera, Frame, Mesh, Object, Projection, Proxy, Scene, Shade, ShadingPoints};
 use shading::Accuracy;
-use test_scenes::globe;
+use test_scenes::{environment_map, globe};
 use visibility_mask::MaskVisibility;
 use visibility_mask::sky::{SkyResolution, SkyTable};
 use visibility_silhouettes::SilhouetteBlockers;
@@ -31,13 +31,7 @@ fn window(v: Vec3) -> Vec3 {
 }
 
 fn environment(radiance: impl Fn(Vec3) -> Vec3, size: UVec2) -> Environment {
-    let at = |x: u32, y: u32| {
-        let (turn, down) = (((x as f32 + 0.5) / size.x as f32 - 0.5) * 2.0 * PI, (y as f32 + 0.5) / size.y as f32 * PI);
-        radiance(Vec3::new(turn.sin() * down.sin(), down.cos(), -turn.cos() * down.sin()))
-    };
-    let texels = (0..size.y).flat_map(|y| (0..size.x).map(move |x| (x, y))).map(|(x, y)| at(x, y)).collect();
-    let map = EnvironmentMap::new(size, texels).expect("a picture");
-    Environment::new(map, 1, Sphere { center: Vec3::ZERO, radius: 10.0 })
+    Environment::new(environment_map(size, radiance), 1, Sphere { center: Vec3::ZERO, radius: 10.0 })
 }
 
 fn floor() -> Object {

@@ -6,8 +6,8 @@ pub use opening::{Opening, ROOM, room};
 
 use brdf::Material;
 use core::f32::consts::PI;
-use glam::Vec3;
-use lighting::SphereLight;
+use glam::{UVec2, Vec3};
+use lighting::{EnvironmentMap, SphereLight};
 use lobe_core::Sphere;
 use scene::{Camera, Mesh, Object, Projection, Proxy, Scene, Shape};
 
@@ -78,4 +78,18 @@ pub fn globe(n: u32, center: Vec3, radius: f32, smooth: bool) -> Mesh {
         mesh.smooth_normals();
     }
     mesh
+}
+
+/// A picture of all directions, of a radiance by direction.
+///
+/// # Panics
+/// For sizes and radiances that [`EnvironmentMap::new`] refuses.
+#[must_use]
+pub fn environment_map(size: UVec2, radiance: impl Fn(Vec3) -> Vec3) -> EnvironmentMap {
+    let texel = |k: u32| {
+        let turn = (((k % size.x) as f32 + 0.5) / size.x as f32 - 0.5) * 2.0 * PI;
+        let down = ((k / size.x) as f32 + 0.5) / size.y as f32 * PI;
+        radiance(Vec3::new(turn.sin() * down.sin(), down.cos(), -turn.cos() * down.sin()))
+    };
+    EnvironmentMap::new(size, (0..size.x * size.y).map(texel).collect()).expect("a picture")
 }

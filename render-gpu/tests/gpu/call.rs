@@ -149,3 +149,23 @@ fn run(
     let view = read.slice(..).get_mapped_range().expect("mapped");
     bytemuck::cast_slice(&view).to_vec()
 }
+
+/// The bytes of a texture, `pixel` of each pixel.
+pub(crate) fn texture_bytes(gpu: &Gpu, texture: &wgpu::Texture, pixel: u32) -> Vec<u8> {
+    let (width, row) = ((pixel * texture.width()) as usize, (pixel * texture.width()).next_multiple_of(256));
+    let read = gpu.device().create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(row * texture.height()),
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
+    let to = wgpu::TexelCopyBufferInfo { buffer: &read, layout };
+    encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
+    gpu.queue().submit([encoder.finish()]);
+    read.slice(..).map_async(wgpu::MapMode::Read, |result| result.expect("mapped"));
+    gpu.device().poll(wgpu::PollType::wait_indefinitely()).expect("done");
+    let view = read.slice(..).get_mapped_range().expect("mapped");
+    view.chunks_exact(row as usize).flat_map(|row| &row[..width]).copied().collect()
+}

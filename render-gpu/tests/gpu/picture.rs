@@ -1,6 +1,6 @@
 //! Pictures that stay on the device.
 
-use crate::call::trial;
+use crate::call::{texture_bytes, trial};
 use core::ops::ControlFlow;
 use glam::Vec3;
 use libtest_mimic::Trial;
@@ -145,7 +145,7 @@ fn displays(gpu: &Gpu) {
         for exposure in [-3.3, 0.0, 1.7] {
             let display = Display { exposure, tone, ..Display::default() };
             let want = display.bytes(&pixels, &Window::whole(size[0] as usize, size[1] as usize));
-            let got = bytes(gpu, &show.show(&picture, &display).expect("a GPU"));
+            let got = texture_bytes(gpu, &show.show(&picture, &display).expect("a GPU"), 4);
             let pairs = || got.as_chunks::<4>().0.iter().zip(want.as_chunks::<3>().0);
             assert!(pairs().all(|(got, _)| got[3] == 255));
             let differences: Vec<u8> =
@@ -156,26 +156,6 @@ fn displays(gpu: &Gpu) {
         }
     }
     assert!(!picture.is_read(), "shown without a copy on the CPU");
-}
-
-/// The bytes of a texture, four a pixel.
-fn bytes(gpu: &Gpu, texture: &wgpu::Texture) -> Vec<u8> {
-    let (width, row) = (4 * texture.width() as usize, (4 * texture.width()).next_multiple_of(256));
-    let read = gpu.device().create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size: u64::from(row * texture.height()),
-        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
-    let to = wgpu::TexelCopyBufferInfo { buffer: &read, layout };
-    encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
-    gpu.queue().submit([encoder.finish()]);
-    read.slice(..).map_async(wgpu::MapMode::Read, |result| result.expect("mapped"));
-    gpu.device().poll(wgpu::PollType::wait_indefinitely()).expect("done");
-    let view = read.slice(..).get_mapped_range().expect("mapped");
-    view.chunks_exact(row as usize).flat_map(|row| &row[..width]).copied().collect()
 }
 
 /// A picture that is dropped leaves its texture to the next one; a picture that is looked at keeps it.

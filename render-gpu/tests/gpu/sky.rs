@@ -3,17 +3,16 @@
 use crate::call::trial;
 use crate::rays::fence;
 use brdf::{Material, MetallicRoughness, ModifiedPhong};
-use core::f32::consts::PI;
 use glam::{UVec2, Vec3};
 use libtest_mimic::Trial;
-use lighting::{Environment, EnvironmentMap, Light};
+use lighting::{Environment, Light};
 use lobe_core::Sphere;
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SkyShader, SurfaceHits, World};
 use render_gpu::{Gpu, GpuShader, GpuSky, GpuWorld, Occlusion};
 use scene::{Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints};
 use shading::gpu::GpuBlockers;
 use shading::{Accuracy, LightLobes as _};
-use test_scenes::globe;
+use test_scenes::{environment_map, globe};
 use visibility_mask::MaskVisibility;
 use visibility_mask::sky::{SkyResolution, SkyTable};
 use visibility_silhouettes::{GpuSilhouettes, SilhouetteBlockers};
@@ -25,19 +24,13 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
 
 /// A smooth sky with a glow and a hard window, and a sphere around the scene.
 fn environment() -> Environment {
-    let size = UVec2::new(64, 32);
     let radiance = |v: Vec3| {
         let is_window = v.x > 0.3 && v.x < 0.6 && v.y > 0.5 && v.z < 0.0;
         let glow = v.dot(Vec3::new(-0.6, 0.7, 0.4).normalize()).max(0.0).powi(12);
         let above = Vec3::new(3.0, 2.6, 2.0) * glow + Vec3::splat(if is_window { 9.0 } else { 0.0 });
         Vec3::new(0.4, 0.5, 0.6) + if v.y > 0.0 { above + Vec3::splat(0.3 * v.y) } else { Vec3::ZERO }
     };
-    let texel = |k: u32| {
-        let turn = (((k % size.x) as f32 + 0.5) / size.x as f32 - 0.5) * 2.0 * PI;
-        let down = ((k / size.x) as f32 + 0.5) / size.y as f32 * PI;
-        radiance(Vec3::new(turn.sin() * down.sin(), down.cos(), -turn.cos() * down.sin()))
-    };
-    let map = EnvironmentMap::new(size, (0..size.x * size.y).map(texel).collect()).expect("a picture");
+    let map = environment_map(UVec2::new(64, 32), radiance);
     Environment::new(map, 1, Sphere { center: Vec3::ZERO, radius: 10.0 })
 }
 

@@ -1,6 +1,6 @@
 //! Radiance in a caller's texture.
 
-use crate::call::trial;
+use crate::call::{texture_bytes, trial};
 use libtest_mimic::Trial;
 use render_gpu::{Gpu, GpuError, GpuReceiver, GpuTextureWriter, NO_MATERIAL};
 use wgpu::TextureFormat::{Rgba8Unorm, Rgba32Float};
@@ -54,21 +54,8 @@ fn each_point_at_its_pixel(gpu: &Gpu) {
         let (points, radiance) =
             (filled(gpu, bytemuck::cast_slice(&points)), filled(gpu, bytemuck::cast_slice(&radiance)));
         writer.submit(gpu, &points, &radiance, &texture).expect("it fits");
-        let read = gpu.device().create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: u64::from(16 * width * height),
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * width), rows_per_image: None };
-        let to = wgpu::TexelCopyBufferInfo { buffer: &read, layout };
-        encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
-        gpu.queue().submit([encoder.finish()]);
-        read.slice(..).map_async(wgpu::MapMode::Read, |result| result.expect("mapped"));
-        gpu.device().poll(wgpu::PollType::wait_indefinitely()).expect("done");
-        let view = read.slice(..).get_mapped_range().expect("mapped");
-        let texels: &[[f32; 4]] = bytemuck::cast_slice(&view);
+        let bytes = texture_bytes(gpu, &texture, 16);
+        let texels: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
         for (i, texel) in texels.iter().enumerate() {
             let (red, there) = pixel(i as u32 % width, i as u32 / width);
             assert_eq!(*texel, [red, 0.25, 1e6, f32::from(u8::from(there))], "{width}×{height} {i}");
