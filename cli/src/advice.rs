@@ -1,7 +1,7 @@
 //! Advice: the strategy that suits an object, and the reason.
 
 use crate::console::counted;
-use cosine_lobes::scene::{Animation, Mesh, Object, Projection, Proxy, Scene, Shape, Strategy};
+use cosine_lobes::scene::{Animation, Bounds, Mesh, Object, Projection, Proxy, Scene, Shape, Strategy};
 use cosine_lobes::shading::LightLobes;
 use cosine_lobes::sphere_sets::SetQuality;
 use glam::{DVec3, Vec3};
@@ -172,19 +172,24 @@ fn is_backdrop(scene: &Scene, animation: &Animation, number: usize, mesh: &Mesh)
     }
     let counts = |(n, o): &(usize, &Object)| *n != number && !(silent && casts_nothing(o));
     let boxes = scene.objects.iter().enumerate().filter(counts).map(|(_, o)| o.shape.bounds());
+    let size = |bounds: &Bounds| f64::from((bounds.max - bounds.min).length());
+    let own = size(&mesh.bounds());
+    // A part of 1e-4 of the box or of the mesh, of the smaller one, may be behind: what stands on a floor touches it.
+    let slack = |other: f64| 1e-4 * own.min(other);
     let corners = boxes.flat_map(|b| {
+        let may_be_behind = slack(size(&b));
         let pick = move |k: usize| {
             let high = Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2 & 1) as f32);
-            b.min + (b.max - b.min) * high
+            ((b.min + (b.max - b.min) * high).as_dvec3(), -may_be_behind)
         };
         (0..8).map(pick)
     });
-    let mut points: Vec<(DVec3, f64)> = corners.map(|p| (p.as_dvec3(), 0.0)).collect();
-    points.extend(
-        scene.lights.iter().map(|l| l.bounds()).map(|sphere| (sphere.center.as_dvec3(), f64::from(sphere.radius))),
-    );
-    let own = mesh.bounds();
-    let slack = 1e-4 * f64::from((own.max - own.min).length());
+    // How far they must be before each triangle.
+    let mut points: Vec<(DVec3, f64)> = corners.collect();
+    points.extend(scene.lights.iter().map(|light| light.bounds()).map(|sphere| {
+        let radius = f64::from(sphere.radius);
+        (sphere.center.as_dvec3(), radius - slack(2.0 * radius))
+    }));
     let (eye, [.., forward]) = (scene.camera.eye.as_dvec3(), scene.camera.axes());
     let are_parallel = matches!(scene.camera.projection, Projection::Orthographic { .. });
     let toward_eye = |a: DVec3| if are_parallel { -forward.as_dvec3() } else { eye - a };
@@ -192,11 +197,11 @@ fn is_backdrop(scene: &Scene, animation: &Animation, number: usize, mesh: &Mesh)
     if mesh.triangles.len() * (points.len() + mesh.positions.len()) > 10_000_000 {
         return false;
     }
-    points.extend(mesh.positions.iter().map(|p| (p.as_dvec3(), 0.0)));
+    points.extend(mesh.positions.iter().map(|p| (p.as_dvec3(), -slack(own))));
     mesh.triangles.iter().all(|t| {
         let [a, b, c] = t.map(|i| mesh.positions[i as usize].as_dvec3());
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { return true };
         let normal = if normal.dot(toward_eye(a)) < 0.0 { -normal } else { normal };
-        points.iter().all(|(p, radius)| normal.dot(*p - a) - radius >= -slack)
+        points.iter().all(|(p, before)| normal.dot(*p - a) >= *before)
     })
 }

@@ -147,6 +147,14 @@ fn only_what_has_nothing_behind_it_is_a_backdrop() {
         fs::write(folder.join("below.toml"), below.replace("fov = 30.0", keys)).unwrap();
         assert_eq!(advice("below.toml"), [floor, "spheres"], "{keys}");
     }
+    // A sheet below a wide floor is behind it, although the gap is thin beside the size of the floor.
+    let cellar = "\n[[objects]]\nquad = { center = [0, -1, 0], u = [1, 0, 0], v = [0, 0, -1] }\n";
+    let wide = SCENE.replace("size = 20.0 }", "size = 20000.0 }");
+    assert_ne!(wide, SCENE);
+    for (below, floor) in [("", "none"), (cellar, "silhouettes")] {
+        fs::write(folder.join("wide.toml"), format!("{wide}{below}")).unwrap();
+        assert_eq!(advice("wide.toml")[0], floor, "{below}");
+    }
 }
 
 /// A set that an earlier picture left behind speaks against spheres where it is bad, and for them nowhere.
