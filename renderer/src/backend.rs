@@ -259,6 +259,15 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> Shader for CpuShader<V, I,
     }
 }
 
+/// Refuses layers, which a GPU does not have.
+#[cfg(feature = "gpu")]
+const fn has_no_layers(request: &ShadeRequest<'_>) -> Result<(), RenderError> {
+    if request.unshadowed || request.lights || request.counts {
+        return Err(RenderError::NotOnGpu(LAYERS));
+    }
+    Ok(())
+}
+
 #[cfg(feature = "gpu")]
 impl Shader for GpuShader {
     async fn shade_with(
@@ -268,9 +277,7 @@ impl Shader for GpuShader {
         out: &mut [Vec3],
         request: &ShadeRequest<'_>,
     ) -> Result<(ShadeStats, PointLayers), RenderError> {
-        if request.unshadowed || request.lights || request.counts {
-            return Err(RenderError::NotOnGpu(LAYERS));
-        }
+        has_no_layers(request)?;
         let stats = self.shade_async(points, frame, out, request.cancel).await?.ok_or(RenderError::Cancelled)?;
         Ok((stats, PointLayers::default()))
     }
@@ -283,9 +290,7 @@ impl Shader for GpuShader {
         picture: &GpuPicture,
         request: &ShadeRequest<'_>,
     ) -> Result<ShadeStats, RenderError> {
-        if request.unshadowed || request.lights || request.counts {
-            return Err(RenderError::NotOnGpu(LAYERS));
-        }
+        has_no_layers(request)?;
         let stats = GpuShader::shade_picture(self, points, means, frame, picture, request.cancel).await?;
         stats.ok_or(RenderError::Cancelled)
     }

@@ -185,7 +185,7 @@ fn self_shadow(i: usize, row: &[f32]) -> Result<SelfShadow, SetFileError> {
     check_length(&format!("the distance of self_shadow {i}"), distance)?;
     // Allows for the rounding of numbers in the file.
     if !offset.is_finite() || offset.length() + radius > 1.001 {
-        return refuse(format!("the ball of self_shadow {i} reaches out of its sphere"));
+        return refuse(format!("self_shadow {i} reaches out of its sphere"));
     }
     Ok(SelfShadow { offset, radius, distance })
 }

@@ -41,7 +41,7 @@ pub(crate) struct Maps {
 type Coming = ((u64, LightHandle), Receiver<Option<MapView>>);
 
 impl Maps {
-    /// Whether the map of a picture with so many changes is there.
+    /// Whether the map of a picture with this number of changes is there.
     pub(crate) fn is_of(&self, edits: u64) -> bool {
         self.of.is_some_and(|(of, _)| of == edits)
     }

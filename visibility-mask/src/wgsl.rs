@@ -87,7 +87,7 @@ pub const SKY_LANES: u32 = 64;
 /// The most lobes of a material that a workgroup sums over a sky.
 pub const SKY_MOST_LOBES: u32 = 16;
 
-/// The constants of [`SKY_BUFFER`] and [`SKY_VIEW`] for the samples of a table and so many lobes a material. None for samples or lobes that
+/// The constants of [`SKY_BUFFER`] and [`SKY_VIEW`] for the samples of a table and a number of lobes a material. None for samples or lobes that
 /// kernels have no room for.
 #[must_use]
 pub fn sky_header(samples: SkyResolution, most_lobes: u32) -> Option<String> {

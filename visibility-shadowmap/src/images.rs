@@ -18,7 +18,7 @@ pub struct MapImage {
 }
 
 impl ShadowMap {
-    /// All layers, with at most so many pixels a side: a pixel has the nearest surface of its texels.
+    /// All layers, with at most `most` pixels a side: a pixel has the nearest surface of its texels.
     ///
     /// `distance = z₀/(1 + q)` for a texel's depth `q` and the face's reference distance `z₀`.
     ///

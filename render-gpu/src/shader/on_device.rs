@@ -146,7 +146,7 @@ fn stages(stats: &ShadeStats) -> f64 {
     stats.stages.lighting + stats.stages.mask
 }
 
-/// The points of the next submission, after one of so many that took so many times as long as it was to take: more or fewer by a factor of
+/// The points of the next submission, after one of `count` that took `times` as long as it was to take: more or fewer by a factor of
 /// two at most.
 fn next_turn(turn: u64, count: u64, times: f64) -> u64 {
     let wanted = count as f64 / times.max(1e-6);

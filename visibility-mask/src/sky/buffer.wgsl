@@ -163,7 +163,7 @@ fn sky_arc(a: vec3f, b: vec3f) -> SkyArc {
     return SkyArc(plane, i32(first), i32(rows));
 }
 
-// Draws an arc, to the right of which the number of surfaces grows by so many half surfaces.
+// Draws an arc, to the right of which the number of surfaces grows by `step`, in half surfaces.
 fn sky_draw_arc(arc: SkyArc, step: i32) {
     // Away from the pole is to the left of an arc that runs counter-clockwise.
     let outward = select(step, -step, arc.rows > 0);
@@ -176,7 +176,7 @@ fn sky_draw_arc(arc: SkyArc, step: i32) {
     }
 }
 
-// Says that an outline crosses a row at a place in samples from the pole, beyond which so many more half surfaces lie.
+// Says that an outline crosses a row at a place in samples from the pole, beyond which `step` more half surfaces lie.
 fn sky_cross(row: u32, place: f32, step: i32) {
     let column = floor(place);
     let fraction = u32((place - column) * f32(SKY_HALF) + 0.5);

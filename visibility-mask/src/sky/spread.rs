@@ -5,7 +5,7 @@ use glam::Vec3;
 use lobe_core::Microfacets;
 use lobe_core::vec3x8::{LANES, Vec3x8};
 
-/// The widest step between samples that is good for a streak: its width is so many of them.
+/// The widest step between samples that is good for a streak: the factor by which its width is larger.
 pub(crate) const ACROSS: f32 = 1.3;
 /// Directions at most that stand for one sample across such a streak.
 const MOST_ACROSS: usize = 16;

@@ -10,7 +10,7 @@ use lobe_core::vec3x8::{LANES, Vec3x8};
 use lobe_core::{BrdfLobe, BrushedAt, Facets, Lobe, MicrofacetsAt, Receiver, Schlick, is_lambert};
 use shading::Coverage;
 
-/// The widest step between samples that a lobe's sum is good for: the lobe's standard deviation is so many of them.
+/// The widest step between samples that a lobe's sum is good for: the factor by which the lobe's standard deviation is larger.
 pub(crate) const STEPS: f32 = 1.5;
 /// Less than this part of a sky is seen through few samples: a room lit through its window.
 pub(crate) const LITTLE: f32 = 1.0 / 8.0;
