@@ -33,6 +33,8 @@ impl Order {
 /// A picture for the screen.
 #[derive(Clone, Debug)]
 pub(crate) struct Print {
+    /// What it is of: the session may have made a newer one since.
+    pub(crate) picture: Arc<Picture>,
     pub(crate) image: Sheet,
     /// The reference beside it, where that is to be seen and is there.
     pub(crate) reference: Option<Arc<ColorImage>>,
@@ -144,7 +146,7 @@ fn develop(order: &Order, enlarger: Option<&Enlarger>) -> Print {
         truth.filter(|_| look.split.is_some()).map(|truth| photo(truth.size, &truth.radiance, look.display));
     let figures = truth.filter(|_| look.wants_reference()).and_then(|truth| figures(picture, truth));
     let image = sheet(picture, truth.map(|truth| &**truth), look, enlarger);
-    Print { image, reference, figures }
+    Print { picture: Arc::clone(picture), image, reference, figures }
 }
 
 /// The pixels of a view. A picture on the window's GPU stays there where it is shown as it is.

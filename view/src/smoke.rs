@@ -99,10 +99,14 @@ impl Smoke {
         let has_spheres = |desk: &Desk| !desk.shows_spheres || desk.spheres.0 == desk.editor.picture().edits;
         let has_pixel = !self.wants_pixel || self.looks > FRAMES;
         let has_map = |desk: &Desk| !desk.maps.is_shown || desk.maps.is_of(desk.editor.picture().edits);
-        let is_there = |desk: &Desk| desk.editor.is_finished() && has_pixel && has_spheres(desk) && has_map(desk);
+        // Not its coarse beginnings.
+        let has_whole = |desk: &Desk| {
+            desk.editor.is_finished() && print.is_some_and(|print| Arc::ptr_eq(&print.picture, desk.editor.picture()))
+        };
+        let is_there = |desk: &Desk| has_whole(desk) && has_pixel && has_spheres(desk) && has_map(desk);
         self.map_looks += u32::from(desk.is_some_and(|desk| desk.maps.is_shown && has_map(desk)));
         let is_ready = |desk: &Desk| is_there(desk) && (!desk.maps.is_shown || self.map_looks > FRAMES);
-        if is_seen && !self.is_saving && desk.is_some_and(is_ready) {
+        if !self.is_saving && desk.is_some_and(is_ready) {
             self.is_saving = true;
             let (first, whole) = (self.first.unwrap_or_default().as_secs_f64(), self.start.elapsed().as_secs_f64());
             let device = desk.map(|desk| desk.editor.scene().device.clone()).unwrap_or_default();
