@@ -228,7 +228,7 @@ fn tiles_and_threads_do_not_matter() {
     }
 }
 
-/// Quarter turns of everything, which keep the poles, change nothing but rounding.
+/// Quarter turns of everything change which edges pass which samples, and nothing else.
 #[test]
 fn quarter_turns_do_not_matter() {
     let scene = scene(vec![dented()], metal(0.4));
@@ -252,11 +252,11 @@ fn quarter_turns_do_not_matter() {
         let got = shade(&turned, &environment, &points, Accuracy::default());
         let scale = plain.iter().map(|p| p.max_element()).fold(0.0, f32::max);
         let errors: Vec<f32> = got.iter().zip(&plain).map(|(a, b)| (*a - *b).abs().max_element() / scale).collect();
-        // Another picture of the same sky, and a few edges that pass a row on its other side.
+        // Another picture of the same sky, other rows.
         let mean = errors.iter().sum::<f32>() / errors.len() as f32;
         let most = errors.iter().copied().fold(0.0, f32::max);
         println!("mean {mean:.6}, most {most:.6}");
-        assert!(mean < 1e-3 && most < 2e-2, "{turn}: {mean}, {most}");
+        assert!(mean < 2e-3 && most < 3e-2, "{turn}: {mean}, {most}");
     }
 }
 
@@ -273,16 +273,17 @@ fn blockers_only_darken() {
     }
 }
 
-/// Corners straight above receivers, along the pole and an axis beside it.
+/// Corners at the pole, as receivers see them.
 #[test]
 fn corners_at_the_pole_are_no_traps() {
     let n = 6;
     let mut spike = Mesh::default();
     for (x, z) in (0..n).flat_map(|i| (0..n).map(move |k| (i as f32 * 0.25, k as f32 * 0.25))) {
         let first = spike.positions.len() as u32;
-        // Its tip hangs above (x, z).
-        let corners = [(0.0, 1.0, 0.0), (0.1, 1.6, 0.1), (-0.1, 1.6, 0.1), (0.0, 1.6, -0.1)];
-        spike.positions.extend(corners.map(|(dx, y, dz)| Vec3::new(x + dx, y, z + dz)));
+        // Its tip hangs in the direction of the pole from (x, z).
+        let tip = visibility_mask::sky::Pole::nearest(Vec3::Y).world(Vec3::Z);
+        let corners = [(0.0, 0.0, 0.0), (0.1, 0.6, 0.1), (-0.1, 0.6, 0.1), (0.0, 0.6, -0.1)];
+        spike.positions.extend(corners.map(|(dx, dy, dz)| tip + Vec3::new(x + dx, dy, z + dz)));
         spike.triangles.extend([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]].map(|t| t.map(|i| i + first)));
     }
     let scene = scene(vec![spike], Material::lambert(Vec3::ONE));
@@ -290,10 +291,10 @@ fn corners_at_the_pole_are_no_traps() {
     let receivers: Vec<_> = (0..n).flat_map(|i| (0..n).map(move |k| at(i as f32 * 0.25, k as f32 * 0.25))).collect();
     let points = ShadingPoints { materials: vec![0; receivers.len()], receivers, ..ShadingPoints::default() };
     let environment = environment(sky, UVec2::new(128, 64));
-    let got = shade(&scene, &environment, &points, Accuracy::new(0.003));
+    let got = shade(&scene, &environment, &points, Accuracy::new(0.001));
     let error = errors(&scene, &environment, &points, &got);
     println!("{error:?}");
-    assert!(error.mean < 0.12 && error.largest < 0.5);
+    assert!(error.mean < 0.1 && error.largest < 0.4);
 }
 
 /// A window that is hardly wider than samples lights a room: through the finer masks of patches.

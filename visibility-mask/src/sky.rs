@@ -24,7 +24,7 @@ mod blockers;
 pub(crate) mod buffer;
 mod horizon;
 pub(crate) mod meridians;
-mod pole;
+pub(crate) mod pole;
 pub(crate) mod spread;
 mod table;
 #[cfg(test)]

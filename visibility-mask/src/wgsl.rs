@@ -5,7 +5,7 @@
 //! [`FACET`] need a [`header`].
 
 use crate::row::{COARSE, WIDTH};
-use crate::sky::{SkyResolution, buffer, meridians, spread, view};
+use crate::sky::{SkyResolution, buffer, meridians, pole, spread, view};
 use crate::{Fineness, MAX_DEPTH, contour, edges, fineness, near_masks, square, visibility, visible_fraction};
 use lobe_core::wgsl::{self as lobes, Piece};
 use lobe_core::wgsl_numbers;
@@ -61,6 +61,7 @@ pub static SKY_BUFFER: Piece = Piece::new(include_str!("sky/buffer.wgsl"))
     .numbers(wgsl_numbers![
         SKY_PLACES = buffer::HALF as u32,
         SKY_CUTS = buffer::CUTS,
+        SKY_AXES = pole::AXES,
         SKY_SURE = 1.0 + buffer::MARGIN,
         SKY_AROUND = meridians::AROUND,
         SKY_DIAGONAL = meridians::DIAGONAL,

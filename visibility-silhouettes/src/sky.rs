@@ -296,9 +296,8 @@ impl<'a> Sift<'a> {
     #[inline(always)]
     fn crosses<S: Simd>(&self, simd: S, list: &EdgeList, first: usize, horizon: &Horizon) -> mask32x8<S> {
         let (center, half) = self.hull.receivers();
-        let beside = horizon.pole().local(half).abs();
         // As far as receivers are from the middle, seen along the pole.
-        let off = f32x8::splat(simd, beside.truncate().length() * 1.01);
+        let off = f32x8::splat(simd, horizon.pole().reach(half) * 1.01);
         let ends = [list.load3(simd, ENDS[0], first).minus(center), list.load3(simd, ENDS[1], first).minus(center)];
         self.meridians.may_cross(simd, horizon, ends, off)
     }

@@ -118,6 +118,18 @@ impl Number for (f32, f32) {
     }
 }
 
+/// A `vec3f`.
+impl Number for glam::Vec3 {
+    fn write(&self, out: &mut String) {
+        out.push_str("vec3f(");
+        for (k, number) in self.to_array().iter().enumerate() {
+            out.push_str(if k > 0 { ", " } else { "" });
+            number.write(out);
+        }
+        out.push(')');
+    }
+}
+
 /// An array, which is not empty.
 impl<T: Number> Number for [T] {
     fn write(&self, out: &mut String) {
@@ -184,6 +196,7 @@ mod tests {
             constant("A", &[(0.5, -1.0), (2.0, 1e9)]),
             "const A = array(vec2f(0.5f, -1.0f), vec2f(2.0f, 1000000000.0f));\n"
         );
+        assert_eq!(constant("V", &glam::Vec3::new(0.5, -1.0, 2.0)), "const V = vec3f(0.5f, -1.0f, 2.0f);\n");
         assert_eq!(constant("N", &usize::MAX), "const N = 4294967295u;\n");
     }
 

@@ -72,10 +72,8 @@ impl SkyArcs {
         keep: mask32x8<S>,
     ) -> mask32x8<S> {
         let zero = f32x8::splat(simd, 0.0);
-        let ([x, y, z], sign) = horizon.pole().axes();
-        let (p, q) = ([a.x, a.y, a.z], [b.x, b.y, b.z]);
-        let (p, q) = ([p[x], p[y], p[z] * sign], [q[x], q[y], q[z] * sign]);
-        let (first, last) = (meridians.rows_before(simd, p[0], p[1]), meridians.rows_before(simd, q[0], q[1]));
+        let (p, q) = (horizon.pole().local_of(a), horizon.pole().local_of(b));
+        let (first, last) = (meridians.rows_before(simd, p.x, p.y), meridians.rows_before(simd, q.x, q.y));
         let keep = keep & !first.simd_eq(last);
         if !keep.any_true() {
             return keep;
@@ -85,7 +83,7 @@ impl SkyArcs {
         if !keep.any_true() {
             return keep;
         }
-        let plane = Vec3x8::new(p[0], p[1], p[2]).cross(Vec3x8::new(q[0], q[1], q[2]));
+        let plane = p.cross(q);
         let all = f32x8::splat(simd, meridians.resolution().rows() as f32);
         let half = all * 0.5;
         let rows = last - first;
@@ -102,7 +100,7 @@ impl SkyArcs {
         if is_axial.any_true() {
             // Through the pole, for which no plane stands, or through the opposite one, which is never seen.
             let [to_p, to_q] = [a, b].map(|v| v.length_squared().sqrt());
-            keep &= !(is_axial & (p[2] * to_q + q[2] * to_p).simd_lt(zero));
+            keep &= !(is_axial & (p.z * to_q + q.z * to_p).simd_lt(zero));
             plane = plane.or(is_axial, Vec3x8::new(zero, zero, zero));
         }
         let len = self.len;

@@ -39,6 +39,8 @@ var<workgroup> sky_plan: i32;
 struct SkyHorizon {
     normal: vec3f,
     pole: u32,
+    // The x, y and z of the pole's frame in the world.
+    frame: mat3x3f,
     // The normal in the pole's frame.
     local: vec3f,
     is_facet: bool,
@@ -57,32 +59,40 @@ var<private> sky_own_least: i32;
 var<private> sky_own_least_of_any: i32;
 var<private> sky_own_run: u32;
 
-fn sky_pole(normal: vec3f) -> u32 {
-    let size = abs(normal);
+// The frame of the pole that is nearest to a normal: its x, y and z in the world; and the pole's number.
+fn sky_set_pole(normal: vec3f) {
+    var axes = SKY_AXES;
+    let size = abs(vec3f(dot(axes[0], normal), dot(axes[1], normal), dot(axes[2], normal)));
     var axis = select(0u, 1u, size.y > size.x);
     axis = select(axis, 2u, size.z > max(size.x, size.y));
-    let along = select(select(normal.z, normal.y, axis == 1u), normal.x, axis == 0u);
-    return select(axis, axis + 3u, along < 0.0);
+    let one = axes[(axis + 1u) % 3u];
+    let other = axes[(axis + 2u) % 3u];
+    let up = axes[axis];
+    if (dot(up, normal) < 0.0) {
+        sky_horizon.pole = axis + 3u;
+        sky_horizon.frame = mat3x3f(other, one, -up);
+    } else {
+        sky_horizon.pole = axis;
+        sky_horizon.frame = mat3x3f(one, other, up);
+    }
 }
+
+// One order of additions, so that a corner of two edges has one azimuth, however a compiler joins them.
+fn sky_along(axis: vec3f, v: vec3f) -> f32 { return fma(axis.z, v.z, fma(axis.y, v.y, axis.x * v.x)); }
 
 // A vector of the world in the pole's frame.
 fn sky_local(v: vec3f) -> vec3f {
-    let axis = sky_horizon.pole % 3u;
-    let turned = select(select(v, v.zxy, axis == 1u), v.yzx, axis == 0u);
-    return select(turned, vec3f(turned.y, turned.x, -turned.z), sky_horizon.pole > 2u);
+    let frame = sky_horizon.frame;
+    return vec3f(sky_along(frame[0], v), sky_along(frame[1], v), sky_along(frame[2], v));
 }
 
 // A vector of the pole's frame in the world.
-fn sky_world(v: vec3f) -> vec3f {
-    let axis = sky_horizon.pole % 3u;
-    let turned = select(v, vec3f(v.y, v.x, -v.z), sky_horizon.pole > 2u);
-    return select(select(turned, turned.yzx, axis == 1u), turned.zxy, axis == 0u);
-}
+fn sky_world(v: vec3f) -> vec3f { return sky_horizon.frame * v; }
 
 fn sky_set_horizon(at: Receiver, has_facet: bool) {
     let normal = select(at.normal, at.face, has_facet);
     sky_horizon.normal = normal;
-    sky_horizon.pole = sky_pole(normal);
+    sky_set_pole(normal);
     sky_horizon.local = sky_local(normal);
     sky_horizon.is_facet = has_facet && any(at.face != at.normal);
 }
@@ -101,9 +111,10 @@ fn sky_rows_before(azimuth: f32) -> f32 { return ceil((azimuth + 2.0) * (0.25 * 
 // Whether a box may hold edges that cross a meridian: its middle as seen from the receiver, and half its sides. `may_cross_boxes`.
 fn sky_may_cross(middle: vec3f, half: vec3f) -> bool {
     let to = sky_local(middle).xy;
-    let size = sky_local(half).xy;
+    let frame = sky_horizon.frame;
+    let size = vec2f(dot(abs(frame[0]), half), dot(abs(frame[1]), half));
     // No wider than a circle around the box, seen along the pole.
-    let off = sqrt(dot(size, size)) * SKY_AROUND;
+    let off = sqrt(min(dot(size, size), dot(half, half))) * SKY_AROUND;
     let wide = abs(to);
     let distance = max(max(wide.x, wide.y), (wide.x + wide.y) * SKY_DIAGONAL) - off;
     // The azimuth number turns no faster than the azimuth.

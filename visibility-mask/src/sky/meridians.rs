@@ -1,4 +1,4 @@
-use super::Horizon;
+use super::{Horizon, Pole};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::{DVec3, Vec3};
 use lobe_core::vec3x8::{LANES, Vec3x8};
@@ -172,10 +172,9 @@ impl Meridians {
     /// to the pole.
     #[inline(always)]
     pub fn may_cross<S: Simd>(&self, simd: S, horizon: &Horizon, ends: [Vec3x8<S>; 2], off: f32x8<S>) -> mask32x8<S> {
-        let ([x, y, _], _) = horizon.pole().axes();
         let scale = self.resolution.rows as f32 * 0.25;
-        let (p, s) = spread(simd, [x, y], ends[0], off);
-        let (q, t) = spread(simd, [x, y], ends[1], off);
+        let (p, s) = spread(simd, horizon.pole(), ends[0], off);
+        let (q, t) = spread(simd, horizon.pole(), ends[1], off);
         let first = (((p - s).min(q - t) + 2.0) * scale - 0.5).ceil();
         let last = (((p + s).max(q + t) + 2.0) * scale - 0.5).ceil();
         !first.simd_eq(last)
@@ -190,12 +189,10 @@ impl Meridians {
         middle: Vec3x8<S>,
         half: Vec3x8<S>,
     ) -> mask32x8<S> {
-        let ([x, y, _], _) = horizon.pole().axes();
         let scale = self.resolution.rows as f32 * 0.25;
-        let sides = [half.x, half.y, half.z];
         // No wider than a circle around the box, seen along the pole.
-        let off = (sides[x] * sides[x] + sides[y] * sides[y]).sqrt() * AROUND;
-        let (p, s) = spread(simd, [x, y], middle, off);
+        let off = horizon.pole().reach_of(half) * AROUND;
+        let (p, s) = spread(simd, horizon.pole(), middle, off);
         let first = ((p - s + 2.0) * scale - 0.5).ceil();
         let last = ((p + s + 2.0) * scale - 0.5).ceil();
         !first.simd_eq(last)
@@ -225,13 +222,14 @@ pub(super) fn row_number(row: f64, rows: usize) -> f64 {
 
 /// The azimuth numbers of eight vectors, and how much they change within `off` of the receiver.
 #[inline(always)]
-fn spread<S: Simd>(simd: S, [x, y]: [usize; 2], v: Vec3x8<S>, off: f32x8<S>) -> (f32x8<S>, f32x8<S>) {
-    let v = [v.x, v.y, v.z];
+fn spread<S: Simd>(simd: S, pole: Pole, v: Vec3x8<S>, off: f32x8<S>) -> (f32x8<S>, f32x8<S>) {
+    let [x, y, _] = pole.frame();
+    let (x, y) = (v.dot_one(x), v.dot_one(y));
     // No longer than the distance. The azimuth number turns no faster than the azimuth.
-    let (wide, high) = (v[x].abs(), v[y].abs());
+    let (wide, high) = (x.abs(), y.abs());
     let distance = wide.max(high).max((wide + high) * DIAGONAL) - off;
     let spread = distance.simd_gt(f32x8::splat(simd, 0.0)).select(off / distance, f32x8::splat(simd, 4.0));
-    (azimuth(simd, v[x], v[y]), spread + SPREAD)
+    (azimuth(simd, x, y), spread + SPREAD)
 }
 
 /// The azimuth number of eight vectors; 0 of those along the axis.
@@ -280,13 +278,12 @@ mod tests {
         let mut random = Random::new(9);
         let mut between = 0;
         for case in 0..4000 {
-            let pole = crate::sky::Pole::ALL[case % 6];
+            let pole = Pole::ALL[case % 6];
             let up = pole.world(Vec3::Z);
             let horizon = Horizon::new(&lobe_core::Receiver::on_surface(Vec3::ZERO, up, up), false);
             let middle = random.axis().as_vec3();
             let size = random.log_uniform(1e-3, 1.0) as f32;
             let half = random.axis().as_vec3().abs() * size;
-            let ([x, y, _], _) = pole.axes();
             dispatch!(Level::new(), simd => {
                 let may = meridians.may_cross_boxes(simd, &horizon, Vec3x8::splat(simd, middle), Vec3x8::splat(simd, half));
                 if may.any_true() {
@@ -294,8 +291,8 @@ mod tests {
                 }
                 between += 1;
                 let place = |v: Vec3| -> f32 {
-                    let rows: [f32; 8] =
-                        meridians.rows_before(simd, f32x8::splat(simd, v[x]), f32x8::splat(simd, v[y])).into();
+                    let v = pole.local_of(Vec3x8::splat(simd, v));
+                    let rows: [f32; 8] = meridians.rows_before(simd, v.x, v.y).into();
                     rows[0] % 64.0
                 };
                 for corner in 0..8 {

@@ -29,8 +29,7 @@ pub(super) struct Spread {
     /// In parts of a cell along the circle of its height and along its meridian: multiples of two numbers, so that they are even in any direction.
     places: [[f32; 2]; MOST_ACROSS],
     count: usize,
-    axes: [usize; 3],
-    sign: f32,
+    pole: Pole,
     /// Of azimuth and elevation numbers.
     steps: [f32; 2],
     /// The mirrored view, and the square of the chord to it beyond which the lobe is wide enough.
@@ -58,10 +57,9 @@ impl Spread {
             let k = k as f32 + 0.5;
             [k / count as f32, (k * GOLDEN).fract()].map(|place| place - 0.5)
         });
-        let (axes, sign) = pole.axes();
         let steps = [4.0 / samples.rows() as f32, 2.0 / samples.samples() as f32];
         let mirror = facets.at(normal).highlight().0;
-        Some(Self { places, count, axes, sign, steps, mirror, reach: reach * reach })
+        Some(Self { places, count, pole, steps, mirror, reach: reach * reach })
     }
 
     /// Whether any of eight directions is so near to the mirrored view that the lobe is narrow there.
@@ -74,24 +72,16 @@ impl Spread {
     /// `dφ/dp = (|x| + |y|)²/ρ²` and `dθ/de = (ρ + |z|)²`.
     #[inline(always)]
     fn sides<S: Simd>(&self, simd: S, v: Vec3x8<S>) -> [Vec3x8<S>; 2] {
-        let world = [v.x, v.y, v.z];
-        let [x, y, z] = self.axes.map(|axis| world[axis]);
-        let z = z * self.sign;
+        let Vec3x8 { x, y, z } = self.pole.local_of(v);
         let square = (x * x + y * y).max(f32x8::splat(simd, 1e-6));
         let radius = square.sqrt();
         let (sum, all) = (x.abs() + y.abs(), radius + z.abs());
         let around = sum * sum / square * self.steps[0];
         let along = all * all * self.steps[1];
         let beside = along * z / radius;
-        let zero = f32x8::splat(simd, 0.0);
-        [[-y * around, x * around, zero], [x * beside, y * beside, -radius * along]].map(|local| {
-            let mut side = [zero; 3];
-            for (axis, part) in self.axes.into_iter().zip(local) {
-                side[axis] = part;
-            }
-            side[self.axes[2]] *= self.sign;
-            Vec3x8::new(side[0], side[1], side[2])
-        })
+        let [one, other, up] = self.pole.frame();
+        let (one, other, up) = (Vec3x8::splat(simd, one), Vec3x8::splat(simd, other), Vec3x8::splat(simd, up));
+        [one * (-y * around) + other * (x * around), one * (x * beside) + other * (y * beside) + up * (-radius * along)]
     }
 
     /// The mean of the values of a part of a lobe.

@@ -150,6 +150,31 @@ fn triangles_leave_what_lamberts_formula_says() {
     assert!(sum / f64::from(count) < 1e-3);
 }
 
+/// Around a tower of 1 × 1 × 4 on a floor, whose edges are parallel to the floor's normal: with a pole there the mean was 4.1e-3, the worst 1.1e-2.
+#[test]
+fn shadows_of_upright_edges_have_no_steps() {
+    let table = uniform(SkyResolution::new(64, 64));
+    let (mut sum, mut worst) = (0.0, 0.0_f64);
+    for degree in 0..360 {
+        let (sin, cos) = (f64::from(degree)).to_radians().sin_cos();
+        let from = Vec3::new(2.0 * cos as f32, 0.0, 2.0 * sin as f32);
+        let side = |k: usize| {
+            let out = [Vec3::X, Vec3::Z, -Vec3::X, -Vec3::Z][k];
+            let (middle, half) = (0.5 * out, 0.5 * Vec3::new(out.z, 0.0, -out.x));
+            let [a, b] = [middle - half, middle + half].map(|corner| corner - from);
+            let [c, d] = [b, a].map(|corner| corner + 4.0 * Vec3::Y);
+            (middle.dot(out) < from.dot(out)).then_some([[a, b, c], [a, c, d]])
+        };
+        let triangles: Vec<_> = (0..4).filter_map(side).flatten().collect();
+        let at = Receiver::on_surface(Vec3::ZERO, Vec3::Y, Vec3::Y);
+        let want = 1.0 - triangles.iter().map(|corners| form_factor(at.normal, corners)).sum::<f64>();
+        let error = (seen(&table, &at, false, &triangles) - want).abs();
+        (sum, worst) = (sum + error, worst.max(error));
+    }
+    println!("mean {:.6}, worst {worst:.6}", sum / 360.0);
+    assert!(sum / 360.0 < 7e-4 && worst < 7e-3);
+}
+
 /// More triangles never leave more light, and a number without meaning comes from none of them, however they degenerate.
 #[test]
 fn blockers_only_darken_and_nothing_is_nan() {
@@ -257,7 +282,7 @@ fn parts_of_narrow_lobes_come_to_them() {
     let resolutions: Vec<SkyResolution> = tables.iter().map(|table| table.meridians().resolution()).collect();
     assert_eq!(resolutions, [first, SkyResolution::new(256, 128), SkyResolution::new(1024, 512)]);
     let mut views = vec![SkyView::default(); tables.len()];
-    let (mut sums, count) = ([0.0; 2], 60);
+    let (mut sums, mut large, count) = ([0.0; 2], 0, 200);
     for case in 0..count {
         let normal = random.axis();
         let view = beside(&mut random, normal, 1.3);
@@ -294,12 +319,13 @@ fn parts_of_narrow_lobes_come_to_them() {
         let all = about_axis(&at, &lobe, mirrored, 200, sky);
         for (k, want) in [want, all].into_iter().enumerate() {
             let error = ((got[k].as_dvec3() - want) / all).abs().max_element();
-            assert!(error < [0.04, 0.015][k], "case {case}, {lobe:?}: {got:?} for {want:?}");
+            large += usize::from(error > [0.04, 0.015][k]);
+            assert!(error < [0.1, 0.05][k], "case {case}, {lobe:?}: {got:?} for {want:?}");
             sums[k] += error / f64::from(count as u32);
         }
     }
-    println!("mean errors of what is seen, and of all: {sums:.5?}");
-    assert!(sums[0] < 6e-3 && sums[1] < 3e-3, "{sums:?}");
+    println!("mean errors of what is seen, and of all: {sums:.5?}, {large} large ones");
+    assert!(sums[0] < 4e-3 && sums[1] < 1.5e-3 && large < 10, "{sums:?} {large}");
 }
 
 /// The integral of light times a lobe by rings about its axis, which lie the closer the nearer to it.
