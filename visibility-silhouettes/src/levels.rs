@@ -359,7 +359,7 @@ fn in_leaves(edges: &[(Edge, Tag)], corners: &[Vec3], triangles: &[[u32; 3]]) ->
         let edges: Vec<Edge> = order.iter().map(|i| run[*i as usize].0).collect();
         tree.leaves().into_iter().map(|leaf| (run[0].1, edges[leaf].to_vec())).collect::<Vec<_>>()
     };
-    runs.par_iter().map(leaves_of).collect::<Vec<_>>().concat()
+    runs.par_iter().flat_map_iter(leaves_of).collect()
 }
 
 /// The place of a form among those of the patches in each other, and the form above it; 0 for none.
