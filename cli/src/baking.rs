@@ -1,6 +1,6 @@
 //! `lobes bake`.
 
-use crate::args::{BakeArgs, ClockArgs};
+use crate::args::{BakeArgs, ClockArgs, ConsoleArgs};
 use crate::console::{self, STOP, counted, note, progress, say};
 use crate::failure::Failure;
 use crate::files;
@@ -24,13 +24,13 @@ fn bake_file(args: &BakeArgs) -> Result<(), Failure> {
     let path = |frame: Option<u32>| frame.map_or(args.output.clone(), |frame| files::numbered(&args.output, frame));
     files::distinct(&frames.iter().map(|frame| path(*frame)).collect::<Vec<_>>(), [&args.file])?;
     sweep_unfinished(&args.output);
-    console::set_threads(args.threads)?;
+    console::set_threads(args.console.threads)?;
     // Opened before the long work, so that a path that cannot be written is refused at once.
     let mut opened = Some(files::create_glb(&path(frames[0]))?);
     let start = Instant::now();
     let options = args.model.options(args.clip.as_deref());
     let mut baker = Baker::open(&args.file, &options, args.settings(), args.render_settings())?;
-    if !args.quiet {
+    if !args.console.quiet {
         baker.notes().iter().for_each(|line| note(format_args!("lobes: warning: {line}")));
     }
     baker.set_cancel(STOP.clone());
@@ -52,7 +52,7 @@ fn bake_file(args: &BakeArgs) -> Result<(), Failure> {
         }
         let file = opened.take().map_or_else(|| files::create_glb(&output), Ok)?;
         baker.seek(moment.time)?;
-        let mut journal = Journal::open(&output, stamp.origin(moment.time), args.quiet);
+        let mut journal = Journal::open(&output, stamp.origin(moment.time), args.console.quiet);
         let (mut baked, seconds) = bake_moment(args, &mut baker, &mut journal)?;
         let maps = maps(&baked)?;
         if is_sequence {
@@ -72,7 +72,7 @@ fn bake_file(args: &BakeArgs) -> Result<(), Failure> {
 fn bake_moment(args: &BakeArgs, baker: &mut Baker, journal: &mut Journal) -> Result<(Baked, f64), Failure> {
     let start = Instant::now();
     let bars = [(Stage::Coordinates, "coordinates"), (Stage::Light, "light")];
-    let bars = bars.map(|(stage, name)| (stage, progress(name, 1000, args.quiet)));
+    let bars = bars.map(|(stage, name)| (stage, progress(name, 1000, args.console.quiet)));
     let mut hear = |stage, done| {
         let bar = bars.iter().find(|(of, _)| *of == stage);
         bar.inspect(|(_, bar)| bar.set_position((1000.0 * done) as u64));
@@ -81,7 +81,7 @@ fn bake_moment(args: &BakeArgs, baker: &mut Baker, journal: &mut Journal) -> Res
     let baked = baker.bake_with(&mut hear, journal);
     bars.iter().for_each(|(_, bar)| bar.finish_and_clear());
     let baked = baked?;
-    if baked.subdivision.is_some_and(|made| made.is_cut) && !args.quiet {
+    if baked.subdivision.is_some_and(|made| made.is_cut) && !args.console.quiet {
         note(format_args!(
             "lobes: warning: subdivision ended at {} vertices before light was near enough everywhere (--vertices, --density)",
             baked.vertices
@@ -140,9 +140,7 @@ impl BakeStamp {
             frames: None,
             clock: ClockArgs::default(),
             clip: None,
-            threads: None,
-            quiet: false,
-            json: false,
+            console: ConsoleArgs::default(),
             ..args.clone()
         };
         let (renderer, file) = (baker.renderer(), baker.document());
@@ -201,15 +199,15 @@ struct Done<'a> {
 impl Done<'_> {
     fn frame(&mut self, moment: Moment, output: &Path, (baked, maps): (&Baked, &[PathBuf]), seconds: f64) {
         let Self { args, load, .. } = *self;
-        match (args.json, moment.frame) {
+        match (args.console.json, moment.frame) {
             (true, None) => say(figures(baked, maps, Some(load), seconds)),
             (true, Some(frame)) => {
                 let mut all = figures(baked, maps, None, seconds);
                 all["frame"] = frame.into();
                 self.frames.push(all);
             }
-            (false, None) if !args.quiet => summary(args, output, (baked, maps), [load, seconds]),
-            (false, Some(_)) if !args.quiet => say(format_args!(
+            (false, None) if !args.console.quiet => summary(args, output, (baked, maps), [load, seconds]),
+            (false, Some(_)) if !args.console.quiet => say(format_args!(
                 "{}: {}, {seconds:.2} s",
                 output.display(),
                 match baked.vertices {
@@ -224,9 +222,9 @@ impl Done<'_> {
     fn end(self) {
         let Some((start, end)) = self.args.frames else { return };
         let made = (end - start) as usize - self.skipped;
-        if self.args.json {
+        if self.args.console.json {
             say(json!({"frames": self.frames, "skipped_frames": self.skipped, "load_seconds": self.load}));
-        } else if !self.args.quiet {
+        } else if !self.args.console.quiet {
             say(format_args!("{} baked, {} there already", counted(made, "frame"), self.skipped));
         }
     }

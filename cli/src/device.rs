@@ -16,7 +16,7 @@ pub(crate) fn renderer(
     animation: Animation,
     settings: Settings,
 ) -> Result<Renderer, Failure> {
-    let quiet = args.view.quiet;
+    let quiet = args.view.console.quiet;
     let backend = match args.device {
         args::Device::Cpu => Backend::Cpu,
         args::Device::Gpu => {

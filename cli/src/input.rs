@@ -40,15 +40,32 @@ fn too_bright(number: usize, material: &Material) -> Option<String> {
 
 /// The scene of a view, with the requested size.
 pub(crate) fn view(args: &ViewArgs) -> Result<(Scene, Animation), Failure> {
-    console::set_threads(args.threads)?;
-    let (mut scene, animation) = load(args.file.as_deref(), &args.model.options(args.clip.as_deref()), args.quiet)?;
+    console::set_threads(args.console.threads)?;
+    let (mut scene, animation) =
+        load(args.file.as_deref(), &args.model.options(args.clip.as_deref()), args.console.quiet)?;
     if let Some((width, height)) = args.size {
         (scene.width, scene.height) = (width, height);
     }
-    if scene.lights.is_empty() && !args.quiet {
+    if scene.lights.is_empty() && !args.console.quiet {
         console::note("lobes: warning: the scene has no light: its picture is black (a table `[[lights]]` adds one)");
     }
     Ok((scene, animation))
+}
+
+/// Refuses more visible points than `most`.
+///
+/// `points` is their name in the message, `work` what they are too many for, `hint` the option that helps.
+pub(crate) fn check_size(
+    scene: &Scene,
+    samples: u32,
+    most: u64,
+    [points, work, hint]: [&str; 3],
+) -> Result<(), Failure> {
+    let count = u64::from(scene.width) * u64::from(scene.height) * u64::from(samples);
+    if count > most {
+        return Err(Failure::new(format_args!("{count} {points} are too many for a {work}, at most {most}{hint}")));
+    }
+    Ok(())
 }
 
 /// The blocker spheres of those objects that the plan gives some; the scene is at its first moment.

@@ -7,7 +7,6 @@ use crate::input;
 use crate::moment;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Geometry, REPLICATES, Reference, ReferenceJob};
-use cosine_lobes::render_cpu::PixelSamples;
 use cosine_lobes::renderer::{Plan, exposure};
 use cosine_lobes::scene::{BlockerSet, Scene, Strategy};
 use cosine_lobes::{ExrLayer, Picture};
@@ -24,7 +23,7 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     files::distinct(&args.output, &view.file)?;
     let (mut scene, animation) = input::view(view)?;
     let moment = moment::single(view.clock, &animation)?;
-    check_size(&scene, view.samples())?;
+    input::check_size(&scene, view.samples().usual(), MAX_POINTS, ["camera rays", "reference", ""])?;
     let files = Files::create(&args.output, None)?;
     let strategy = (args.geometry != Choice::Scene).then_some(Strategy::Spheres);
     let planned = |scene: &Scene| Plan::with_backdrops(strategy, scene);
@@ -33,7 +32,7 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let spheres = match takes_spheres {
         true => {
             let plan = planned(&scene);
-            Some(input::make_spheres(&mut scene, &animation, &plan, view.quiet)?)
+            Some(input::make_spheres(&mut scene, &animation, &plan, view.console.quiet)?)
         }
         false => None,
     };
@@ -46,12 +45,7 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         spheres.pose(&scene, Some((&animation, moment.time)), &mut blockers)?;
     }
     let solid = planned(&scene).by_surfaces(&scene);
-    let geometry = match args.geometry {
-        _ if args.unshadowed => Geometry::None,
-        Choice::Mesh => Geometry::Mesh,
-        Choice::Scene if solid.contains(&true) => Geometry::Mixed(&solid),
-        Choice::Scene | Choice::Spheres => Geometry::Spheres,
-    };
+    let geometry = geometry(args, &solid);
     let world = World::new(&scene);
     let whole = [0..scene.width, 0..scene.height];
     let gbuffer = GBuffer::sampled(&world, [scene.width, scene.height], view.samples(), whole, &STOP);
@@ -81,20 +75,19 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let counts = [gbuffer.len(), blockers.spheres.len(), world.triangle_count(), scene.lights.len()];
     report(args, counts, seconds, [mean(&std_error), mean(picture.pixels())])
 }
-
-fn check_size(scene: &Scene, samples: PixelSamples) -> Result<(), Failure> {
-    let points = u64::from(scene.width) * u64::from(scene.height) * u64::from(samples.usual());
-    if points > MAX_POINTS {
-        return Err(Failure::new(format_args!(
-            "{points} camera rays are too many for a reference, at most {MAX_POINTS}"
-        )));
+/// The geometry that blocks light; `solid` has the objects whose surfaces do by their strategies.
+fn geometry<'a>(args: &ReferenceArgs, solid: &'a [bool]) -> Geometry<'a> {
+    match args.geometry {
+        _ if args.unshadowed => Geometry::None,
+        Choice::Mesh => Geometry::Mesh,
+        Choice::Scene if solid.contains(&true) => Geometry::Mixed(solid),
+        Choice::Scene | Choice::Spheres => Geometry::Spheres,
     }
-    Ok(())
 }
 
 /// Takes all samples that are not in the checkpoint; the seconds.
 fn sample(args: &ReferenceArgs, reference: &mut Reference<'_>, checkpoint: &Path) -> Result<f64, Failure> {
-    let is_quiet = args.view.quiet;
+    let is_quiet = args.view.console.quiet;
     let all = reference.work(args.spp);
     let done = |r: &Reference<'_>| 100.0 * (1.0 - r.work(args.spp) as f64 / all.max(1) as f64);
     if checkpoint::resume(reference, checkpoint, is_quiet)? && !is_quiet {
@@ -125,7 +118,7 @@ fn report(
     [mean_error, mean_radiance]: [f64; 2],
 ) -> Result<(), Failure> {
     let samples = args.spp.next_multiple_of(REPLICATES);
-    if args.view.json {
+    if args.view.console.json {
         say(serde_json::to_string_pretty(&json!({
             "geometry": if args.unshadowed { "none".to_owned() } else { name(&args.geometry) },
             "spp": samples,
@@ -137,7 +130,7 @@ fn report(
             "stderr": mean_error,
             "mean": mean_radiance,
         }))?);
-    } else if !args.view.quiet {
+    } else if !args.view.console.quiet {
         let relative = if mean_radiance > 0.0 { 100.0 * mean_error / mean_radiance } else { 0.0 };
         say(format_args!("{samples} samples, {points} points, {seconds:.2} s"));
         say(format_args!("standard error {mean_error:.3e}, {relative:.4} % of the mean radiance {mean_radiance:.6}"));

@@ -18,12 +18,27 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     console::cancellable(|| pictures(args))
 }
 
-fn pictures(args: &RenderArgs) -> Result<(), Failure> {
+/// Refuses outputs that are inputs, and layers without a file for them; removes what an interrupted run has left.
+fn check_outputs(args: &RenderArgs) -> Result<(), Failure> {
     files::distinct(args.output.iter().chain(&args.stats), &args.view.file)?;
     args.output.iter().for_each(|path| sweep_unfinished(path));
     if args.layers && !args.output.iter().any(|path| files::holds_layers(path)) {
         return Err(Failure::new("--layers: no .exr file is written, and no other holds layers (-o picture.exr)"));
     }
+    Ok(())
+}
+
+/// Refuses a resolution of shadow maps where none is made.
+fn check_maps(args: &RenderArgs, renderer: &Renderer) -> Result<(), Failure> {
+    if args.map_resolution.is_some() && !renderer.plan().wants_maps(renderer.scene()) {
+        let word = name(&args.visibility);
+        return Err(Failure::new(format_args!("--map-resolution: no shadow map is made with --visibility {word}")));
+    }
+    Ok(())
+}
+
+fn pictures(args: &RenderArgs) -> Result<(), Failure> {
+    check_outputs(args)?;
     let mut figures = Figures::default();
     let (scene, animation) = seconds(&mut figures.load, || input::view(&args.view))?;
     let window = args.window(scene.width, scene.height)?;
@@ -36,11 +51,8 @@ fn pictures(args: &RenderArgs) -> Result<(), Failure> {
     let settings = Settings { keep_points: moments.len() > 1 && is_still, ..args.settings() };
     let mut renderer = device::renderer(args, scene, animation, settings)?;
     renderer.set_cancel(STOP.clone());
-    if args.map_resolution.is_some() && !renderer.plan().wants_maps(renderer.scene()) {
-        let word = name(&args.visibility);
-        return Err(Failure::new(format_args!("--map-resolution: no shadow map is made with --visibility {word}")));
-    }
-    let quiet = args.view.quiet;
+    check_maps(args, &renderer)?;
+    let quiet = args.view.console.quiet;
     figures.device = renderer.backend().name();
     let all = moments.len();
     let paths = |moment: &Moment| -> Vec<PathBuf> {
@@ -116,9 +128,9 @@ fn report(args: &RenderArgs, stats: &serde_json::Value, file: Option<Output>) ->
         let path = output.path().to_owned();
         output.finish(|file| writeln!(file, "{text}").map_err(|source| ImageFileError::Io { path, source }))?;
     }
-    if args.view.json {
+    if args.view.console.json {
         say(serde_json::to_string_pretty(stats)?);
-    } else if !args.view.quiet {
+    } else if !args.view.console.quiet {
         stats::print(args, stats);
     }
     Ok(())

@@ -102,6 +102,11 @@ pub(crate) fn run(args: &SpheresArgs) -> Result<(), Failure> {
         let rgb: Vec<u8> = map.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
         write_png(output, map.width() as usize, map.height() as usize, &rgb)?;
     }
+    tell(args, &set, seconds, triangles.len())
+}
+
+/// Prints what the set is like.
+fn tell(args: &SpheresArgs, set: &SphereSet, seconds: f64, triangles: usize) -> Result<(), Failure> {
     let q = &set.quality;
     if args.json {
         say(serde_json::to_string_pretty(&json!({
@@ -114,7 +119,7 @@ pub(crate) fn run(args: &SpheresArgs) -> Result<(), Failure> {
             "p95_gap": q.p95_gap,
             "silhouette_error": q.silhouette_error,
             "self_distance": set.self_distance,
-            "triangles": triangles.len(),
+            "triangles": triangles,
         }))?);
     } else if !args.quiet {
         say(format_args!("spheres           {} in {seconds:.2} s", set.spheres.len()));

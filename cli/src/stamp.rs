@@ -1,6 +1,6 @@
 //! The origin of a sequence's pictures, as a line that their files carry.
 
-use crate::args::{ClockArgs, Device, RenderArgs, ViewArgs};
+use crate::args::{ClockArgs, ConsoleArgs, Device, RenderArgs, ViewArgs};
 use crate::console::note;
 use crate::fingerprint::Fingerprint;
 use cosine_lobes::read_stamp;
@@ -21,9 +21,7 @@ impl Stamp {
             size: None,
             clock: ClockArgs::default(),
             clip: None,
-            threads: None,
-            quiet: false,
-            json: false,
+            console: ConsoleArgs::default(),
             ..args.view.clone()
         };
         let options = RenderArgs {

@@ -6,7 +6,7 @@ use crate::files::numbered;
 use cosine_lobes::Window;
 use cosine_lobes::render_gpu::CompiledKernel;
 use cosine_lobes::renderer::{Clocks, FrameClocks, ImageStats};
-use cosine_lobes::scene::{Scene, ShadeStats};
+use cosine_lobes::scene::{Counts, Scene, ShadeStats, StageSeconds};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -32,6 +32,27 @@ pub(crate) struct Figures {
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or_default()
+}
+
+fn stage_seconds(stages: &StageSeconds) -> Value {
+    json!({
+        "reflectance": stages.reflectance,
+        "lighting": stages.lighting,
+        "mask": stages.mask,
+        "visibility_lobes": stages.visibility_lobes,
+        "integration": stages.integration,
+    })
+}
+
+fn numbers(counts: &Counts) -> Value {
+    json!({
+        "lobes": counts.lobes,
+        "integrals": counts.integrals,
+        "pruned": counts.pruned,
+        "lit_points": counts.lit_points,
+        "dark_points": counts.dark_points,
+        "penumbra_points": counts.penumbra_points,
+    })
 }
 
 pub(crate) fn summary(args: &RenderArgs, scene: &Scene, window: &Window, figures: &Figures) -> Value {
@@ -67,21 +88,8 @@ pub(crate) fn summary(args: &RenderArgs, scene: &Scene, window: &Window, figures
         "map_bytes": last.map_bytes,
         "seconds": seconds,
         "points_per_second": if seconds > 0.0 { points as f64 / seconds } else { 0.0 },
-        "stages": {
-            "reflectance": stages.reflectance,
-            "lighting": stages.lighting,
-            "mask": stages.mask,
-            "visibility_lobes": stages.visibility_lobes,
-            "integration": stages.integration,
-        },
-        "counts": {
-            "lobes": counts.lobes,
-            "integrals": counts.integrals,
-            "pruned": counts.pruned,
-            "lit_points": counts.lit_points,
-            "dark_points": counts.dark_points,
-            "penumbra_points": counts.penumbra_points,
-        },
+        "stages": stage_seconds(&stages),
+        "counts": numbers(&counts),
         "update_seconds": median(updates().map(|f| f.pose + f.spheres + f.hierarchy + f.silhouettes + f.maps).collect()),
         "update": {
             "pose": update(|f| f.pose),

@@ -66,7 +66,15 @@ impl Teller {
                 let bar = self.shading.get_or_insert_with(|| progress("shading", length, self.quiet));
                 bar.set_position(self.done * of + done);
             }
-            _ if self.quiet => {}
+            other if !self.quiet => self.tell(other),
+            _ => {}
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Prints a line about an event, if it is worth one.
+    fn tell(&self, event: Event<'_>) {
+        match event {
             Event::Damaged { path } => {
                 note(format_args!("lobes: warning: {}: damaged; made anew", path.display()));
             }
@@ -86,7 +94,7 @@ impl Teller {
             }
             Event::Map { light, advice } => {
                 let instead = match advice.fineness {
-                    MapFineness::Fine => return ControlFlow::Continue(()),
+                    MapFineness::Fine => return,
                     MapFineness::Coarse => "",
                     MapFineness::TooCoarse => "; `--visibility silhouettes` needs no map",
                 };
@@ -102,6 +110,5 @@ impl Teller {
             }
             _ => {}
         }
-        ControlFlow::Continue(())
     }
 }

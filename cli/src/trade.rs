@@ -34,9 +34,9 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     let (mut scene, animation) = input::view(view)?;
     let moment = moment::single(view.clock, &animation)?;
     let samples = view.samples.unwrap_or(1);
-    check_size(&scene, samples)?;
+    input::check_size(&scene, samples, MAX_POINTS, ["points", "sweep", " (--size)"])?;
     let strategies = strategies(args, &scene)?;
-    let gpu = if args.device.contains(&TradeDevice::Gpu) { device::gpu(view.quiet)? } else { Backend::Cpu };
+    let gpu = if args.device.contains(&TradeDevice::Gpu) { device::gpu(view.console.quiet)? } else { Backend::Cpu };
     let failed = |e: std::io::Error| Failure::new(format_args!("{}: {e}", args.output.display()));
     std::fs::create_dir_all(&args.output).map_err(failed)?;
 
@@ -44,11 +44,11 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     let mut sets = Vec::new();
     let all = strategies.iter().copied().filter(|v| *v != Visibility::Spheres);
     for visibility in all {
-        sets.push((visibility, posed(&mut scene, &animation, moment.time, visibility, view.quiet)?));
+        sets.push((visibility, posed(&mut scene, &animation, moment.time, visibility, view.console.quiet)?));
     }
     let by_spheres = args.geometry == TradeGeometry::Spheres || strategies.contains(&Visibility::Spheres);
     let visibility = if by_spheres { Visibility::Spheres } else { Visibility::None };
-    let blockers = posed(&mut scene, &animation, moment.time, visibility, view.quiet)?;
+    let blockers = posed(&mut scene, &animation, moment.time, visibility, view.console.quiet)?;
     sets.push((visibility, blockers.clone()));
     animation.seek(moment.time, &mut scene);
     let stamp = stamp(args, &scene, &blockers);
@@ -62,7 +62,7 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
 
     let truth = Truth::find(args, &world, &gbuffer, &blockers)?;
     let settings = setting::all(args, &strategies, &gpu.name());
-    let mut record = Record::open(&args.output, &stamp, view.quiet);
+    let mut record = Record::open(&args.output, &stamp, view.console.quiet);
     let mut stage = Stage::new(args, &world, &gbuffer, &blockers, &sets, gbuffer_times[1], gpu);
     measure(args, &mut stage, &settings, &truth, &mut record, &stamp)?;
     // Rows of other settings than this run's are kept, and shown.
@@ -71,9 +71,9 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     record.write_tables(&about, stage.points())?;
     plot::write(&args.output, &title, record.rows())?;
     sheet::write(args, &mut stage, &settings, record.rows(), &truth)?;
-    if view.json {
+    if view.console.json {
         say(serde_json::to_string_pretty(record.rows())?);
-    } else if !view.quiet {
+    } else if !view.console.quiet {
         for row in record.rows().iter().filter(|r| r.front) {
             say(row.sentence());
         }
@@ -81,17 +81,6 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     }
     Ok(())
 }
-
-fn check_size(scene: &Scene, samples: u32) -> Result<(), Failure> {
-    let points = u64::from(scene.width) * u64::from(scene.height) * u64::from(samples);
-    if points > MAX_POINTS {
-        return Err(Failure::new(format_args!(
-            "{points} points are too many for a sweep, at most {MAX_POINTS} (--size)"
-        )));
-    }
-    Ok(())
-}
-
 /// Measures the settings that have no row yet.
 fn measure(
     args: &TradeArgs,
@@ -101,7 +90,7 @@ fn measure(
     record: &mut Record,
     stamp: &str,
 ) -> Result<(), Failure> {
-    let is_quiet = args.view.quiet;
+    let is_quiet = args.view.console.quiet;
     let left = |record: &Record| settings.iter().filter(|s| record.find(s).is_none()).count();
     if settings.iter().any(|s| s.method == "paper") && (left(record) > 0 || !args.output.join("sheet.png").exists()) {
         let mut teller = Teller::new(is_quiet);

@@ -1,4 +1,4 @@
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Mat4, Vec3};
 
 /// The object number of a receiver that belongs to no object with blockers of its own.
 pub const NO_OBJECT: u32 = u32::MAX;
@@ -62,6 +62,24 @@ impl Sphere {
         }
         Ok(())
     }
+}
+
+/// Whether a matrix scales all directions by `scale` and keeps right angles, so that spheres stay spheres: it turns, mirrors and moves.
+///
+/// For its columns `a` within the relative tolerance t: `||aᵢ| − s| ≤ t·s` and `|aᵢ·aₖ| ≤ t·s²`, in f64. False where a number is missing.
+///
+/// ```
+/// use glam::{Mat4, Quat, Vec3};
+/// use lobe_core::scales_evenly;
+/// let turned = Mat4::from_scale_rotation_translation(Vec3::splat(2.0), Quat::from_rotation_x(1.0), Vec3::ONE);
+/// assert!(scales_evenly(&turned, 2.0, 1e-4));
+/// assert!(!scales_evenly(&Mat4::from_scale(Vec3::new(2.0, 2.0, 2.1)), 2.0, 1e-4));
+/// ```
+#[must_use]
+pub fn scales_evenly(matrix: &Mat4, scale: f64, tolerance: f64) -> bool {
+    let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.truncate().as_dvec3());
+    axes.iter().all(|axis| (axis.length() - scale).abs() <= tolerance * scale)
+        && [(0, 1), (1, 2), (2, 0)].iter().all(|&(i, k)| axes[i].dot(axes[k]).abs() <= tolerance * scale * scale)
 }
 
 /// How a blocker sphere is seen by receivers of its own object that are near it, in units of its radius R, so that it follows

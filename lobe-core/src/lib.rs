@@ -57,7 +57,7 @@ pub mod wgsl;
 pub use crate::brdf_lobe::BrdfLobe;
 pub use crate::cap::{cap_integral, cap_integrals, sphere_light_irradiance};
 pub use crate::compact::compact_runs;
-pub use crate::geometry::{Cone, NO_OBJECT, Receiver, SelfShadow, Sphere, orthonormal_basis};
+pub use crate::geometry::{Cone, NO_OBJECT, Receiver, SelfShadow, Sphere, orthonormal_basis, scales_evenly};
 pub use crate::grain::{BrushedAt, Facets, Grain};
 pub use crate::lobe::{Lobe, power};
 pub use crate::lobes::{LobeBuffer, LobeWriter, Lobes};

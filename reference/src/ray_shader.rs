@@ -80,6 +80,17 @@ enum Targets<'a> {
     Surfaces(&'a World<'a>),
 }
 
+impl Targets<'_> {
+    /// The place where rays begin, and the normal of the facet that they do not go below: rays that leave it do not meet it.
+    fn start(&self, at: &Receiver) -> (Vec3, Vec3) {
+        match self {
+            Self::Surfaces(world) if at.object == NO_OBJECT => (world.leave(at.position, at.face), at.normal),
+            Self::Surfaces(world) => (world.leave(at.position, at.face), at.face),
+            Self::Spheres(spheres) => (at.position, spheres.facet(at)),
+        }
+    }
+}
+
 impl<'a> RayShader<'a> {
     /// Rays against the spheres that the `spheres` strategy sees, with the same rule for a receiver's own ones. Builds a
     /// hierarchy over them.
@@ -221,6 +232,7 @@ impl<'a> RayShader<'a> {
         let [x, y, z] = at.position.to_array().map(|x| u64::from(x.to_bits()));
         let sequence = Sequence::new(mix(mix(x | y << 32, z), *number));
         let samples = if *clear { self.samples.min(CLEAR_SAMPLES) } else { self.samples };
+        let (origin, facet) = self.targets.start(at);
         let mut sum = Vec3::ZERO;
         for seen in (0..samples).filter_map(|i| area::sample(area, sequence.get(i, 0), sequence.get(i, 1))) {
             let v = seen.direction.as_vec3();
@@ -228,17 +240,12 @@ impl<'a> RayShader<'a> {
             if value == Vec3::ZERO {
                 continue;
             }
-            let is_hidden = || match &self.targets {
-                Targets::Spheres(spheres) => {
-                    spheres.facet(at).dot(v) <= 0.0 || spheres.hide(at, v, seen.distance as f32)
-                }
-                Targets::Surfaces(world) => {
-                    let facet = if at.object == NO_OBJECT { at.normal } else { at.face };
-                    facet.dot(v) <= 0.0 || hidden(world, world.leave(at.position, at.face), v, seen.distance as f32)
-                }
+            let is_met = || match &self.targets {
+                Targets::Spheres(spheres) => spheres.hide(at, v, seen.distance as f32),
+                Targets::Surfaces(world) => hidden(world, origin, v, seen.distance as f32),
             };
             *rays += u64::from(!clear);
-            if *clear || !is_hidden() {
+            if *clear || !(facet.dot(v) <= 0.0 || is_met()) {
                 sum += value;
             }
         }
@@ -265,12 +272,7 @@ impl<'a> RayShader<'a> {
         let to_center = sphere.center - at.position;
         let radius_sq = sphere.radius * sphere.radius;
         let inside = omc > 1.0;
-        // Rays that leave a facet do not meet it, although they go below it.
-        let (origin, facet) = match &self.targets {
-            Targets::Surfaces(world) if at.object == NO_OBJECT => (world.leave(at.position, at.face), at.normal),
-            Targets::Surfaces(world) => (world.leave(at.position, at.face), at.face),
-            Targets::Spheres(spheres) => (at.position, spheres.facet(at)),
-        };
+        let (origin, facet) = self.targets.start(at);
         let (axis, b0, b1) = (Vec3x8::splat(simd, axis), Vec3x8::splat(simd, b0), Vec3x8::splat(simd, b1));
         let to_center = Vec3x8::splat(simd, to_center);
         // Without blockers the integrand is smooth.

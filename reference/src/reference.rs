@@ -222,54 +222,11 @@ impl Sampler {
         tallies: &mut [Tally],
         range: core::ops::Range<u32>,
     ) {
-        let scene = job.world.scene();
-        let points = &job.gbuffer.points;
-        let receivers = &points.receivers[first..first + tallies.len()];
         let mut sums = vec![[[DVec3::ZERO; 2]; REPLICATES as usize]; tallies.len()];
-        for (number, light) in scene.lights.iter().enumerate() {
+        for (number, light) in job.world.scene().lights.iter().enumerate() {
             // The lights of an environment are replaced by samples of its picture.
-            if sky.is_some() && matches!(light, Light::Sky(_)) {
-                continue;
-            }
-            let geometry = if light.has_shadows() { job.geometry } else { Geometry::None };
-            if geometry.has_spheres() {
-                let bounds = receivers.iter().fold(Bounds::EMPTY, |b, at| b.with_point(at.position));
-                tile_candidates(receivers, light.bounds_from(&bounds.sphere()), job.blockers, &mut self.candidates);
-            }
-            for (i, (at, sums)) in receivers.iter().zip(&mut sums).enumerate() {
-                let Some(area) = light.kind().area(at.position) else { continue };
-                let cone = LightCone::new(at.position, area.bounds);
-                if cone.one_minus_cos() <= 0.0 {
-                    continue;
-                }
-                if geometry.has_spheres() {
-                    // A shape may reach through all of the sphere around it.
-                    let farthest = if area.is_sphere() { cone.surface_range().1 } else { cone.far_side() };
-                    self.occluders.select(at, &cone, farthest, &self.candidates, job.blockers);
-                } else {
-                    self.occluders.none();
-                }
-                let material = &job.gbuffer.materials[points.materials[first + i] as usize];
-                let sharpest = self.sharpest(material, at);
-                let below = -at.normal.as_dvec3().normalize_or_zero();
-                let pair = Pair {
-                    horizon: cone.cut_by(below).then(|| Cap::new(&cone, below, 0.0)),
-                    azimuths: cone.azimuths_beside(below),
-                    world: job.world,
-                    geometry,
-                    at,
-                    material,
-                    radiance: light.radiance(at),
-                    area: (!area.is_sphere()).then_some(area),
-                    cone,
-                    occluders: &self.occluders,
-                    origin: job.world.leave(at.position, at.face),
-                    glossy: sharpest * cone.one_minus_cos() > GLOSSY,
-                };
-                for (replicate, sum) in sums.iter_mut().enumerate() {
-                    let key = mix(mix(mix(job.seed, (first + i) as u64), number as u64), replicate as u64);
-                    pair.sample(key, range.clone(), &mut self.meridian, sum);
-                }
+            if sky.is_none() || !matches!(light, Light::Sky(_)) {
+                self.light(job, (number, light), first, &mut sums, range.clone());
             }
         }
         if let Some(sky) = sky.filter(|sky| !sky.is_black()) {
@@ -282,6 +239,59 @@ impl Sampler {
             for (r, [radiance, unshadowed]) in sums.iter().enumerate() {
                 merge(&mut tally.radiance[r], *radiance);
                 merge(&mut tally.unshadowed[r], *unshadowed);
+            }
+        }
+    }
+
+    /// Adds one light to the points from `first` on.
+    fn light(
+        &mut self,
+        job: &ReferenceJob<'_>,
+        (number, light): (usize, &Light),
+        first: usize,
+        sums: &mut [[[DVec3; 2]; REPLICATES as usize]],
+        range: core::ops::Range<u32>,
+    ) {
+        let points = &job.gbuffer.points;
+        let receivers = &points.receivers[first..first + sums.len()];
+        let geometry = if light.has_shadows() { job.geometry } else { Geometry::None };
+        if geometry.has_spheres() {
+            let bounds = receivers.iter().fold(Bounds::EMPTY, |b, at| b.with_point(at.position));
+            tile_candidates(receivers, light.bounds_from(&bounds.sphere()), job.blockers, &mut self.candidates);
+        }
+        for (i, (at, sums)) in receivers.iter().zip(sums).enumerate() {
+            let Some(area) = light.kind().area(at.position) else { continue };
+            let cone = LightCone::new(at.position, area.bounds);
+            if cone.one_minus_cos() <= 0.0 {
+                continue;
+            }
+            if geometry.has_spheres() {
+                // A shape may reach through all of the sphere around it.
+                let farthest = if area.is_sphere() { cone.surface_range().1 } else { cone.far_side() };
+                self.occluders.select(at, &cone, farthest, &self.candidates, job.blockers);
+            } else {
+                self.occluders.none();
+            }
+            let material = &job.gbuffer.materials[points.materials[first + i] as usize];
+            let sharpest = self.sharpest(material, at);
+            let below = -at.normal.as_dvec3().normalize_or_zero();
+            let pair = Pair {
+                horizon: cone.cut_by(below).then(|| Cap::new(&cone, below, 0.0)),
+                azimuths: cone.azimuths_beside(below),
+                world: job.world,
+                geometry,
+                at,
+                material,
+                radiance: light.radiance(at),
+                area: (!area.is_sphere()).then_some(area),
+                cone,
+                occluders: &self.occluders,
+                origin: job.world.leave(at.position, at.face),
+                glossy: sharpest * cone.one_minus_cos() > GLOSSY,
+            };
+            for (replicate, sum) in sums.iter_mut().enumerate() {
+                let key = mix(mix(mix(job.seed, (first + i) as u64), number as u64), replicate as u64);
+                pair.sample(key, range.clone(), &mut self.meridian, sum);
             }
         }
     }

@@ -75,6 +75,20 @@ fn some(all: &GBuffer, chosen: &[usize], count: usize) -> GBuffer {
     g
 }
 
+/// The figures of errors.
+fn row(signed: &[f64]) -> String {
+    let n = signed.len().max(1) as f64;
+    let mut errors: Vec<f64> = signed.iter().map(|e| e.abs()).collect();
+    errors.sort_by(f64::total_cmp);
+    format!(
+        "mean {:.3} p99 {:.2} max {:.2} bias {:+.3}",
+        errors.iter().sum::<f64>() / n,
+        errors.get(errors.len() * 99 / 100).unwrap_or(&0.0),
+        errors.last().unwrap_or(&0.0),
+        signed.iter().sum::<f64>() / n,
+    )
+}
+
 fn run(name: &str, scene: &Scene) {
     let world = World::new(scene);
     let all = GBuffer::new(&world, 320, 240, 1);
@@ -119,18 +133,7 @@ fn run(name: &str, scene: &Scene) {
         let n = counted.len().max(1) as f64;
         let noise = counted.iter().map(|&i| f64::from(truth.std_error[i].x / truth.unshadowed[i].x)).sum::<f64>() / n;
         println!("  {part}: {} penumbra receivers, reference ± {:.3} %", counted.len(), 100.0 * noise);
-        let errors = |ours: &[f64]| {
-            let signed: Vec<f64> = counted.iter().map(|&i| 100.0 * (ours[i] - share(i))).collect();
-            let mut errors: Vec<f64> = signed.iter().map(|e| e.abs()).collect();
-            errors.sort_by(f64::total_cmp);
-            format!(
-                "mean {:.3} p99 {:.2} max {:.2} bias {:+.3}",
-                errors.iter().sum::<f64>() / n,
-                errors.get(errors.len() * 99 / 100).unwrap_or(&0.0),
-                errors.last().unwrap_or(&0.0),
-                signed.iter().sum::<f64>() / n,
-            )
-        };
+        let errors = |ours: &[f64]| row(&counted.iter().map(|&i| 100.0 * (ours[i] - share(i))).collect::<Vec<_>>());
         for (depth, start, bisections) in CONFIGURATIONS {
             let (ours, stats, rays) = shade(&g, depth, start, bisections);
             println!(

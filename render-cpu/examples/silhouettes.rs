@@ -124,21 +124,18 @@ fn measure(name: &str, mut scene: Scene, degrees: f32) {
         let [a, b] =
             [least([(); 2].map(|()| time(&exact, &few, &light))), least([(); 2].map(|()| time(&rays, &few, &light)))];
         let count: usize = tiles.iter().map(|t| t.len()).sum();
-        let (mut sum, mut number) = (0.0, 0);
-        for at in few.iter().flat_map(|tile| tile.iter()) {
+        let difference = |at: &Receiver| {
             let [p, q] = [look(&exact, at, &light, &mut exact.scratch()), look(&rays, at, &light, &mut rays.scratch())];
-            if let (Some(p), Some(q)) = (p, q) {
-                sum += f64::from((p - q).abs());
-                number += 1;
-            }
-        }
+            Some(f64::from((p? - q?).abs()))
+        };
+        let differences: Vec<f64> = few.iter().flat_map(|tile| tile.iter()).filter_map(difference).collect();
         println!(
             "| {name} | {triangles} | {degrees}° | {on} | {count} | {:.2} | {:.0} | {:.0} | {:.2} µs | {:.2} % | {:.0} | {:.1} |",
             one,
             b,
             b / a,
             all,
-            100.0 * sum / f64::from(number.max(1)),
+            100.0 * differences.iter().sum::<f64>() / differences.len().max(1) as f64,
             1e3 * build,
             1e3 * refit,
         );

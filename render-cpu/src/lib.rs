@@ -22,6 +22,9 @@
 mod blockers;
 mod blockers_error;
 mod faint;
+mod group;
+mod layers;
+mod lent;
 mod revision;
 mod scene_silhouettes;
 mod scene_spheres;
@@ -31,10 +34,11 @@ mod surface_hits;
 
 pub use crate::blockers::blockers;
 pub use crate::blockers_error::{BlockersError, BlockersProgress};
+pub use crate::layers::{Layers, ShadeRequest};
 pub use crate::revision::Revision;
 pub use crate::scene_silhouettes::{Looks, SceneSilhouettes};
 pub use crate::scene_spheres::{SceneSpheres, SphereSource, read_set};
-pub use crate::shade::{CpuShader, Layers, ShadeRequest};
+pub use crate::shade::CpuShader;
 pub use crate::sky::{SkyLighting, SkyScratch, SkyShader};
 pub use crate::surface_hits::{HitScratch, SurfaceHits};
 pub use glam;

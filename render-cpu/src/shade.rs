@@ -1,26 +1,22 @@
 use crate::SkyLighting;
 use crate::faint::{Faint, MANY};
+use crate::group::{Group, GroupStats};
+use crate::layers::{Layers, ShadeRequest};
+use crate::lent::Lent;
 use core::convert::Infallible;
 use core::ops::Range;
 use glam::Vec3;
 use lobe_core::{Receiver, Tile, TileLight, TileLobes, cap_integrals};
 use rayon::prelude::*;
-use scene::{Cancel, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints, StageSeconds, Stopwatch};
+use scene::{Frame, GROUP, Shade, ShadeStats, ShadingPoints, Stopwatch};
 use shading::{
-    BrdfLobes, Coverage, FractionIntegrator, Integrator, LightId, LightLobes, LightVisibility, Observer, Shaft, Stage,
-    TileContributions, TileInteraction, Visibility,
+    BrdfLobes, FractionIntegrator, Integrator, LightId, LightLobes, LightVisibility, Shaft, TileContributions,
+    TileInteraction, Visibility,
 };
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 /// Groups that a thread takes at once, at most: what is dear is often side by side.
 const RUN: usize = 16;
-/// Whether a group is timed stage by stage: one in 32 is, clocks would cost more than a lit point does. By a hash of its number: every
-/// 32nd may be in the same column of a picture all the way down.
-const fn is_timed(group: usize) -> bool {
-    let mixed = (group as u32).wrapping_mul(0x9e37_79b9);
-    (mixed ^ mixed >> 15).wrapping_mul(0x85eb_ca6b) >> 27 == 0
-}
-
 /// Shades points with lobe sums on the CPU, with any visibility strategy.
 ///
 /// [Groups](ShadingPoints::groups) of up to 64 points in list order share the culling of blockers; rayon takes the groups. Results do not depend on
@@ -48,33 +44,6 @@ pub struct CpuShader<V, I = FractionIntegrator, K = ()> {
 
 /// Lobes of a flux of 1 whose integral over a patch of a sky is below this are left out there, where most of the sky was summed at once.
 const FAINT: f32 = 1e-6;
-
-/// The layers that [`CpuShader::shade_with`] makes on request, and the request that stops it. Nothing by default.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ShadeRequest<'a> {
-    /// [`Layers::unshadowed`].
-    pub unshadowed: bool,
-    /// [`Layers::lights`].
-    pub lights: bool,
-    /// [`Layers::lobes`] and [`Layers::integrals`].
-    pub counts: bool,
-    /// Looked at for each group of 64 points and each light.
-    pub cancel: Option<&'a Cancel>,
-}
-
-/// The layers that [`CpuShader::shade_with`] writes beside the radiance: one entry a point, lights point by point; empty where there was
-/// no request.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Layers {
-    /// Radiance without blockers.
-    pub unshadowed: Vec<Vec3>,
-    /// Radiance of each light: `lights[point * light_count + light]`.
-    pub lights: Vec<Vec3>,
-    /// Visibility lobes made.
-    pub lobes: Vec<u32>,
-    /// Lobe integrals evaluated.
-    pub integrals: Vec<u32>,
-}
 
 impl<V: Visibility> CpuShader<V> {
     /// The default integrator with this visibility.
@@ -174,69 +143,26 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
         assert_eq!(points.receivers.len(), out.len(), "one output a point");
         let watch = Stopwatch::start();
         // In a box: it is large, and changes hands often.
-        let memory = || {
-            Box::new(Memory {
-                tile: Tile::default(),
-                lobes: TileLobes::default(),
-                cones: TileLight::default(),
-                integrals: Vec::new(),
-                lit: TileContributions::default(),
-                faint: Faint::default(),
-                scratch: self.visibility.scratch(),
-                sky: self.sky.scratch(),
-                integration: I::Scratch::default(),
-            })
-        };
+        let memory = || Box::new(Memory::new(self));
         let pool = Mutex::new(Vec::new());
-        let parts = points.groups();
-        let mut rest = out;
-        let cut = |part: Range<usize>| {
-            let (own, after) = core::mem::take(&mut rest).split_at_mut(part.len());
-            rest = after;
-            (part, own)
-        };
-        let parts: Vec<(Range<usize>, &mut [Vec3])> = parts.into_iter().map(cut).collect();
-        let groups: Vec<(GroupStats, Layers)> = parts
+        let groups: Vec<(GroupStats, Layers)> = parted(points, out)
             .into_par_iter()
             .enumerate()
             .with_max_len(RUN)
             .map_init(
                 || Lent::new(&pool),
-                |lent, (group, (part, out))| {
+                |lent, (number, (part, out))| {
                     let memory = lent.memory.get_or_insert_with(memory);
                     let is_square = part.len() == GROUP && points.squares.binary_search(&part.start).is_ok();
                     let (receivers, materials) = (&points.receivers[part.clone()], &points.materials[part]);
-                    let mut group = Group {
-                        request,
-                        is_square,
-                        layers: Layers::default(),
-                        stats: GroupStats::new(is_timed(group)),
-                    };
+                    let mut group = Group::new(number, is_square, request);
                     self.group((receivers, materials), frame, memory, &mut group, out);
                     (group.stats, group.layers)
                 },
             )
             .collect();
-        let seconds = watch.seconds();
-        let mut counts = Counts::default();
-        let mut stages = [0.0_f64; 5];
-        let mut layers = Vec::with_capacity(groups.len());
-        for (stats, layer) in groups {
-            stats.add_to(&mut counts);
-            stages.iter_mut().zip(stats.stages).for_each(|(a, b)| *a += b);
-            layers.push(layer);
-        }
-        // Parts of the timed groups, in seconds of the whole call.
-        let timed: f64 = stages.iter().sum();
-        let share = |k: usize| if timed > 0.0 { stages[k] / timed * seconds } else { 0.0 };
-        let stages = StageSeconds {
-            reflectance: share(0),
-            lighting: share(1),
-            mask: share(2),
-            visibility_lobes: share(3),
-            integration: share(4),
-        };
-        (ShadeStats { seconds, stages, counts }, layers)
+        let (stats, layers): (Vec<_>, Vec<_>) = groups.into_iter().unzip();
+        (GroupStats::sum(&stats, watch.seconds()), layers)
     }
 
     fn group<M: BrdfLobes, L: LightLobes>(
@@ -428,6 +354,17 @@ where
     }
 }
 
+/// The groups of points, each with its part of `out`.
+fn parted<'o>(points: &ShadingPoints, out: &'o mut [Vec3]) -> Vec<(Range<usize>, &'o mut [Vec3])> {
+    let mut rest = out;
+    let cut = |part: Range<usize>| {
+        let (own, after) = core::mem::take(&mut rest).split_at_mut(part.len());
+        rest = after;
+        (part, own)
+    };
+    points.groups().into_iter().map(cut).collect()
+}
+
 /// The part of a light's contributions to a group that is summed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Sum {
@@ -436,79 +373,6 @@ enum Sum {
     Rest,
     /// Those to some receivers, as bits.
     Only(u64),
-}
-
-/// The results of a group of points, but for their radiance.
-struct Group<'a> {
-    request: &'a ShadeRequest<'a>,
-    /// Whether it is 8 rows of 8 neighbouring pixels.
-    is_square: bool,
-    layers: Layers,
-    stats: GroupStats,
-}
-
-impl Group<'_> {
-    fn is_cancelled(&self) -> bool {
-        self.request.cancel.is_some_and(Cancel::is_cancelled)
-    }
-
-    /// Adds the contributions of a light.
-    fn add(&mut self, lit: &TileContributions, light: usize, lights: usize, out: &mut [Vec3]) {
-        for (i, out) in out.iter_mut().enumerate() {
-            *out += lit.radiance(i);
-        }
-        self.layers.add(lit, light, lights);
-        self.stats.lap(4);
-    }
-
-    /// Counts a light's integrals in the layer, or takes back those that were counted twice.
-    fn count_integrals(&mut self, each: &[u32], is_new: bool) {
-        let change = |count: &mut u32, n: u32| *count = if is_new { *count + n } else { *count - n };
-        self.layers.integrals.iter_mut().zip(each).for_each(|(count, n)| change(count, *n));
-    }
-
-    /// Adds the faint lights of each receiver.
-    fn add_faint(&mut self, faint: &Faint, lights: usize, out: &mut [Vec3]) {
-        for (i, out) in out.iter_mut().enumerate() {
-            let fraction = faint.fraction(i, *out);
-            for light in (0..lights).filter(|light| faint.of(*light) & 1 << i != 0) {
-                let unshadowed = faint.unshadowed(light, i);
-                *out += unshadowed * fraction;
-                if let Some(sum) = self.layers.unshadowed.get_mut(i) {
-                    *sum += unshadowed;
-                }
-                if let Some(of_light) = self.layers.lights.get_mut(i * lights + light) {
-                    *of_light += unshadowed * fraction;
-                }
-            }
-        }
-        self.stats.lap(4);
-    }
-
-    fn make_room(&mut self, points: usize, lights: usize) {
-        let ShadeRequest { unshadowed, lights: by_light, counts, .. } = *self.request;
-        let layers = &mut self.layers;
-        layers.unshadowed.resize(if unshadowed { points } else { 0 }, Vec3::ZERO);
-        layers.lights.resize(if by_light { points * lights } else { 0 }, Vec3::ZERO);
-        layers.lobes.resize(if counts { points } else { 0 }, 0);
-        layers.integrals.resize(if counts { points } else { 0 }, 0);
-    }
-}
-
-impl Layers {
-    /// Adds the contributions of a light, to those layers that there are.
-    fn add(&mut self, lit: &TileContributions, light: usize, lights: usize) {
-        for (i, sum) in self.unshadowed.iter_mut().enumerate() {
-            *sum += lit.get(i).0.unshadowed;
-        }
-        for (i, of_lights) in self.lights.chunks_exact_mut(lights).enumerate() {
-            of_lights[light] += lit.radiance(i);
-        }
-        for (i, (lobes, integrals)) in self.lobes.iter_mut().zip(&mut self.integrals).enumerate() {
-            let counts = lit.get(i).1;
-            (*lobes, *integrals) = (*lobes + counts[0], *integrals + counts[1]);
-        }
-    }
 }
 
 /// One thread's memory.
@@ -526,118 +390,18 @@ struct Memory<V: Visibility, I: Integrator<V>, K: SkyLighting> {
     integration: I::Scratch,
 }
 
-/// Memory that goes back to others when a run of groups is done.
-struct Lent<'p, M> {
-    pool: &'p Mutex<Vec<M>>,
-    memory: Option<M>,
-}
-
-impl<'p, M> Lent<'p, M> {
-    /// None, if none is free.
-    fn new(pool: &'p Mutex<Vec<M>>) -> Self {
-        Self { pool, memory: pool.lock().unwrap_or_else(PoisonError::into_inner).pop() }
-    }
-}
-
-impl<M> Drop for Lent<'_, M> {
-    fn drop(&mut self) {
-        self.pool.lock().unwrap_or_else(PoisonError::into_inner).extend(self.memory.take());
-    }
-}
-
-/// One group's counters and clocks; stages in the order of Table 1.
-struct GroupStats {
-    clock: Option<Stopwatch>,
-    stages: [f64; 5],
-    lobes: usize,
-    integrals: usize,
-    pruned: u64,
-    lit: u64,
-    dark: u64,
-    partial: u64,
-}
-
-impl GroupStats {
-    fn new(timed: bool) -> Self {
+impl<V: Visibility, I: Integrator<V>, K: SkyLighting> Memory<V, I, K> {
+    fn new(shader: &CpuShader<V, I, K>) -> Self {
         Self {
-            clock: timed.then(Stopwatch::start),
-            stages: [0.0; 5],
-            lobes: 0,
-            integrals: 0,
-            pruned: 0,
-            lit: 0,
-            dark: 0,
-            partial: 0,
-        }
-    }
-
-    fn restart(&mut self) {
-        if let Some(clock) = self.clock.as_mut() {
-            clock.lap();
-        }
-    }
-
-    /// The time since the last lap belongs to `stage`.
-    fn lap(&mut self, stage: usize) {
-        if let Some(clock) = self.clock.as_mut() {
-            self.stages[stage] += clock.lap();
-        }
-    }
-
-    fn add_to(&self, counts: &mut Counts) {
-        counts.lobes += self.lobes as u64;
-        counts.integrals += self.integrals as u64;
-        counts.pruned += self.pruned;
-        counts.lit_points += self.lit;
-        counts.dark_points += self.dark;
-        counts.penumbra_points += self.partial;
-    }
-}
-
-impl Observer for GroupStats {
-    fn end(&mut self, stage: Stage) {
-        self.lap(match stage {
-            Stage::Lighting => 1,
-            Stage::Mask => 2,
-            Stage::VisibilityLobes => 3,
-            Stage::Integration => 4,
-        });
-    }
-
-    fn count(&mut self, lobes: usize, integrals: usize) {
-        self.lobes += lobes;
-        self.integrals += integrals;
-    }
-
-    fn prune(&mut self) {
-        self.pruned += 1;
-    }
-
-    fn coverage(&mut self, coverage: Coverage) {
-        match coverage {
-            Coverage::Lit => self.lit += 1,
-            Coverage::Dark => self.dark += 1,
-            Coverage::Partial => self.partial += 1,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::is_timed;
-
-    #[test]
-    fn timed_groups_are_of_all_columns() {
-        for columns in 1..=96 {
-            let timed: Vec<usize> =
-                (0..96 * columns).filter(|group| is_timed(*group)).map(|group| group % columns).collect();
-            let all = 3 * columns;
-            // Four standard deviations of a count of so many.
-            let slack = 4.0 * (all as f64).sqrt();
-            assert!(timed.len().abs_diff(all) as f64 <= slack, "{columns} columns: {} of {all}", timed.len());
-            // Each column is timed about three times.
-            let missed = (0..columns).filter(|column| !timed.contains(column)).count();
-            assert!(missed <= columns / 4, "{columns} columns: {missed} missed");
+            tile: Tile::default(),
+            lobes: TileLobes::default(),
+            cones: TileLight::default(),
+            integrals: Vec::new(),
+            lit: TileContributions::default(),
+            faint: Faint::default(),
+            scratch: shader.visibility.scratch(),
+            sky: shader.sky.scratch(),
+            integration: I::Scratch::default(),
         }
     }
 }

@@ -10,6 +10,7 @@ use crate::{
 use brdf::Material;
 use glam::{Mat4, Vec3};
 use lighting::{Environment, Light};
+use lobe_core::scales_evenly;
 use scene::{Camera, KeyFrames, Object, Proxy, Scene, Shape, Strategy, Surface};
 use shading::Accuracy;
 use std::sync::Arc;
@@ -435,8 +436,6 @@ fn fault_of(object: &Object, matrix: &Mat4) -> Option<&'static str> {
     if object.shape.has_triangles() && object.proxy == Proxy::None {
         return None;
     }
-    let scale = axes[0].length();
-    let is_even = axes.iter().all(|axis| (axis.length() - scale).abs() <= 1e-4 * scale)
-        && [(0, 1), (1, 2), (2, 0)].iter().all(|&(i, k)| axes[i].dot(axes[k]).abs() <= 1e-4 * scale * scale);
+    let is_even = scales_evenly(matrix, axes[0].as_dvec3().length(), 1e-4);
     (!is_even || volume < 0.0).then_some("has unequal scales or mirrors, which its spheres cannot follow")
 }

@@ -85,10 +85,7 @@ impl<'a> FrameBlockers<'a> {
         let drawn: Vec<bool> = scene.objects.iter().zip(&casters).map(is_drawn).collect();
 
         let traced: Vec<bool> = (0..drawn.len()).map(|o| plan.of(o) == Strategy::Rays).collect();
-        let rays = traced.contains(&true).then(|| match traced.iter().all(|traced| *traced) {
-            true => RayBlockers::new(world),
-            false => RayBlockers::new(world).only(|o| traced[o as usize]),
-        });
+        let rays = traced.contains(&true).then(|| rays_to(world, &traced));
         let is_in_maps = |mesh: &&SilhouetteMesh| casters[mesh.object() as usize];
         let (own, meshes): (Vec<_>, Vec<_>) = silhouettes.meshes().iter().partition(is_in_maps);
         let mut has_outlines = vec![false; drawn.len()];
@@ -326,4 +323,10 @@ async fn masked<B: Blockers, W: ShaderTask>(
         }
         _ => work.with(&mut CpuShader::new(visibility).interpolating(is_interpolated).with_sky(sky)).await,
     }
+}
+
+/// Rays to the surfaces of some objects.
+fn rays_to<'a>(world: &'a World<'a>, traced: &[bool]) -> RayBlockers<'a> {
+    let rays = RayBlockers::new(world);
+    if traced.iter().all(|traced| *traced) { rays } else { rays.only(|o| traced[o as usize]) }
 }

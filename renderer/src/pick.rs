@@ -59,13 +59,7 @@ impl Renderer {
     /// # Cost
     /// One ray, once the hierarchy is updated to the last edit.
     pub fn pick(&mut self, x: u32, y: u32) -> Option<Pick> {
-        let (width, height) = (self.scene.width, self.scene.height);
-        if x >= width || y >= height {
-            return None;
-        }
-        let hierarchy = self.follow_hierarchy();
-        let world = World::with_hierarchy(&self.scene, hierarchy);
-        let found = GBuffer::window(&world, width, height, 1, x..x + 1, y..y + 1);
+        let found = self.point_of(x, y)?;
         let receiver = *found.points.receivers.first()?;
         let object = receiver.object as usize;
         let light = light_at(&self.scene.lights, &receiver);
@@ -78,6 +72,17 @@ impl Renderer {
         })
     }
 
+    /// The visible point in the middle of a pixel, if there is one; `None` outside the picture.
+    fn point_of(&mut self, x: u32, y: u32) -> Option<GBuffer> {
+        let (width, height) = (self.scene.width, self.scene.height);
+        if x >= width || y >= height {
+            return None;
+        }
+        let hierarchy = self.follow_hierarchy();
+        let world = World::with_hierarchy(&self.scene, hierarchy);
+        Some(GBuffer::window(&world, width, height, 1, x..x + 1, y..y + 1))
+    }
+
     /// The lobes of reflectance of the surface in the middle of a pixel as the camera sees it, textures included: `f_r·(n·v)` as a sum of
     /// lobes, below the horizon of [`pick`](Self::pick)'s normal to be taken as 0. Empty where the camera meets nothing there, and outside
     /// the picture.
@@ -86,13 +91,7 @@ impl Renderer {
     /// One ray, once the hierarchy is updated to the last edit.
     #[must_use]
     pub fn reflectance(&mut self, x: u32, y: u32) -> Vec<BrdfLobe> {
-        let (width, height) = (self.scene.width, self.scene.height);
-        if x >= width || y >= height {
-            return Vec::new();
-        }
-        let hierarchy = self.follow_hierarchy();
-        let world = World::with_hierarchy(&self.scene, hierarchy);
-        let found = GBuffer::window(&world, width, height, 1, x..x + 1, y..y + 1);
+        let Some(found) = self.point_of(x, y) else { return Vec::new() };
         let mut lobes = Vec::new();
         let first = found.points.receivers.first().zip(found.points.materials.first());
         if let Some((at, material)) = first.and_then(|(at, number)| Some((at, found.materials.get(*number as usize)?)))
@@ -141,13 +140,7 @@ impl Renderer {
     /// One point under all lights, on the CPU.
     #[must_use]
     pub fn unshadowed(&mut self, x: u32, y: u32) -> Vec<Vec3> {
-        let (width, height) = (self.scene.width, self.scene.height);
-        if x >= width || y >= height {
-            return Vec::new();
-        }
-        let hierarchy = self.follow_hierarchy();
-        let world = World::with_hierarchy(&self.scene, hierarchy);
-        let found = GBuffer::window(&world, width, height, 1, x..x + 1, y..y + 1);
+        let Some(found) = self.point_of(x, y) else { return Vec::new() };
         let accuracy = self.chosen.unwrap_or(self.settings.accuracy);
         let frame = Frame { materials: &found.materials, lights: &self.scene.lights, accuracy, threshold: 0.0 };
         let request = ShadeRequest { lights: true, ..ShadeRequest::default() };

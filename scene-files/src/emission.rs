@@ -4,6 +4,7 @@ use crate::context::Context;
 use crate::scene_file::place_of;
 use glam::{Mat4, Vec3};
 use lighting::{EnclosedLight, Light, SphereLight, emissive_mesh};
+use lobe_core::scales_evenly;
 use scene::motion::{Body, Carrier, LightMover, LightPlace, Mover, Skeleton};
 use scene::{Animation, Object, Scene, Shape, Strategy, Surface};
 use std::path::Path;
@@ -109,14 +110,9 @@ fn rigid(carrier: &Carrier, mover: &Mover, skeletons: &[Skeleton]) -> Option<(Ma
         return None;
     }
     let first = of_file.worlds(0.0)[node];
-    let size = first.x_axis.truncate().length();
-    let keeps_size = |world: &Mat4| {
-        let axes = [world.x_axis, world.y_axis, world.z_axis].map(|axis| axis.truncate());
-        axes.iter().all(|axis| (axis.length() - size).abs() <= 1e-3 * size)
-            && [(0, 1), (1, 2), (2, 0)].iter().all(|&(i, j)| axes[i].dot(axes[j]).abs() <= 1e-3 * size * size)
-    };
+    let size = first.x_axis.truncate().as_dvec3().length();
     let mut moments = (0..=MOMENTS).map(|k| of_file.end() * k as f32 / MOMENTS as f32);
-    let is_rigid = size > 0.0 && moments.all(|time| keeps_size(&of_file.worlds(time)[node]));
+    let is_rigid = size > 0.0 && moments.all(|time| scales_evenly(&of_file.worlds(time)[node], size, 1e-3));
     is_rigid.then_some((first, LightPlace::Node { skeleton: *skeleton, node }))
 }
 

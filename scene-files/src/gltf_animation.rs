@@ -77,6 +77,33 @@ fn add(
     if width == 0 {
         return Ok(Err(format!("node {node} has no morph targets: left out")));
     }
+    let track = read_track(buffers, sampler, kind, width, meaning)?;
+    let span = (track.start(), track.end());
+    if let (Local::Matrix(m), true) = (&bone.local, kind != Type::Scalar) {
+        let (scale, rotation, translation) = m.to_scale_rotation_translation();
+        if !(scale.is_finite() && rotation.is_finite() && translation.is_finite()) {
+            return Err(format!("node {node} has a matrix that is no scale, rotation and translation"));
+        }
+        bone.local = Local::Parts { scale, rotation, translation };
+    }
+    let slot = match channel.target.path {
+        Checked::Valid(Property::Rotation) => &mut bone.rotation,
+        Checked::Valid(Property::Translation) => &mut bone.translation,
+        Checked::Valid(Property::Scale) => &mut bone.scale,
+        _ => &mut bone.weights,
+    };
+    *slot = Some(track);
+    Ok(Ok(span))
+}
+
+/// The keys of a channel, `width` numbers each.
+fn read_track(
+    buffers: &Buffers<'_>,
+    sampler: &Sampler,
+    kind: Type,
+    width: usize,
+    meaning: Meaning,
+) -> Result<Track, String> {
     let interpolation = match sampler.interpolation {
         Checked::Valid(animation::Interpolation::Linear) => Interpolation::Linear,
         Checked::Valid(animation::Interpolation::Step) => Interpolation::Step,
@@ -107,21 +134,5 @@ fn add(
             return Err(format!("rotation key {k} has length 0: expected a unit quaternion"));
         }
     }
-    let track = Track::new(times, values, width, interpolation, meaning);
-    let span = (track.start(), track.end());
-    if let (Local::Matrix(m), true) = (&bone.local, kind != Type::Scalar) {
-        let (scale, rotation, translation) = m.to_scale_rotation_translation();
-        if !(scale.is_finite() && rotation.is_finite() && translation.is_finite()) {
-            return Err(format!("node {node} has a matrix that is no scale, rotation and translation"));
-        }
-        bone.local = Local::Parts { scale, rotation, translation };
-    }
-    let slot = match channel.target.path {
-        Checked::Valid(Property::Rotation) => &mut bone.rotation,
-        Checked::Valid(Property::Translation) => &mut bone.translation,
-        Checked::Valid(Property::Scale) => &mut bone.scale,
-        _ => &mut bone.weights,
-    };
-    *slot = Some(track);
-    Ok(Ok(span))
+    Ok(Track::new(times, values, width, interpolation, meaning))
 }

@@ -3,6 +3,7 @@
 use crate::files::Source;
 use crate::unit::unit;
 use glam::Vec3;
+use gltf::json::accessor::sparse::Sparse;
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Index, Root, buffer};
@@ -113,74 +114,111 @@ impl<'a> Buffers<'a> {
         kind: Type,
         convert: impl Fn(&[u8]) -> T,
     ) -> Result<Vec<T>, String> {
-        let i = index.value();
-        let fault = |message: String| format!("accessor {i}: {message}");
-        let (width, size) = (kind.multiplicity(), component.size());
-        let row = width * size;
-        let count = usize::try_from(accessor.count.0).map_err(|e| fault(e.to_string()))?;
-        if count == 0 {
-            return Err(fault("count is 0".to_owned()));
-        }
-        let mut out = Vec::new();
-        let push_row = |out: &mut Vec<T>, bytes: &[u8]| out.extend(bytes.chunks_exact(size).map(&convert));
-        if let Some(view) = accessor.buffer_view {
-            let (bytes, stride) = self.view(view).map_err(fault)?;
-            let stride = stride.unwrap_or(row);
-            if stride < row {
-                return Err(fault(format!("byteStride {stride} is less than an element's {row} bytes")));
+        let of_accessor = || {
+            let layout = Layout::of(accessor, component, kind)?;
+            let mut out = self.dense(accessor, &layout, &convert)?;
+            if let Some(sparse) = &accessor.sparse {
+                self.replace(sparse, &layout, &convert, &mut out)?;
             }
-            let start = accessor.byte_offset.map_or(0, |o| o.0);
-            let view_start = self.root.buffer_views[view.value()].byte_offset.map_or(0, |o| o.0);
-            let at = view_start.saturating_add(start);
-            if !start.is_multiple_of(size as u64) || !at.is_multiple_of(size as u64) {
-                return Err(fault(format!("begins at byte {at} of its buffer: expected a multiple of {size}")));
-            }
-            if !stride.is_multiple_of(size) {
-                return Err(fault(format!("byteStride {stride}: expected a multiple of {size}")));
-            }
-            let end = (count as u64 - 1).checked_mul(stride as u64).and_then(|n| n.checked_add(start + row as u64));
-            if start > bytes.len() as u64 || end.is_none_or(|end| end > bytes.len() as u64) {
-                return Err(fault(format!("{count} elements do not fit into a view of {} bytes", bytes.len())));
-            }
-            out.reserve_exact(count * width);
-            for k in 0..count {
-                let at = start as usize + k * stride;
-                push_row(&mut out, &bytes[at..at + row]);
-            }
-        } else {
-            if accessor.sparse.is_none() {
-                return Err(fault("has no data (compressed meshes are not supported)".to_owned()));
-            }
-            if count > MAX_WITHOUT_DATA {
-                return Err(fault(format!("{count} elements without data")));
-            }
-            out.resize(count * width, T::default());
-        }
-        if let Some(sparse) = &accessor.sparse {
-            let Checked::Valid(index_kind) = &sparse.indices.component_type else {
-                return Err(fault("unknown componentType of sparse indices".to_owned()));
+            Ok(out)
+        };
+        of_accessor().map_err(|message: String| format!("accessor {}: {message}", index.value()))
+    }
+
+    /// The elements of an accessor before sparse ones replace some; zeros where there is no view.
+    fn dense<T: Copy + Default>(
+        &self,
+        accessor: &Accessor,
+        layout: &Layout,
+        convert: &impl Fn(&[u8]) -> T,
+    ) -> Result<Vec<T>, String> {
+        let Layout { count, width, size, row } = *layout;
+        let Some(view) = accessor.buffer_view else {
+            return match &accessor.sparse {
+                None => Err("has no data (compressed meshes are not supported)".to_owned()),
+                Some(_) if count > MAX_WITHOUT_DATA => Err(format!("{count} elements without data")),
+                Some(_) => Ok(vec![T::default(); count * width]),
             };
-            let index_size = index_kind.0.size();
-            let take = |view, offset: u64, bytes_each: usize| -> Result<&[u8], String> {
-                let (bytes, _) = self.view(view)?;
-                let length = sparse.count.0.checked_mul(bytes_each as u64);
-                length
-                    .and_then(|n| n.checked_add(offset))
-                    .and_then(|end| bytes.get(usize::try_from(offset).ok()?..usize::try_from(end).ok()?))
-                    .ok_or_else(|| format!("{} sparse elements do not fit into their view", sparse.count.0))
-            };
-            let indices = take(sparse.indices.buffer_view, sparse.indices.byte_offset.0, index_size).map_err(fault)?;
-            let values = take(sparse.values.buffer_view, sparse.values.byte_offset.0, row).map_err(fault)?;
-            for (at, value) in indices.chunks_exact(index_size).zip(values.chunks_exact(row)) {
-                let at = number(at, index_kind.0) as usize;
-                let slots = out.get_mut(at * width..(at + 1) * width);
-                let slots = slots.ok_or_else(|| fault(format!("sparse index {at} of {count}")))?;
-                for (slot, bytes) in slots.iter_mut().zip(value.chunks_exact(size)) {
-                    *slot = convert(bytes);
-                }
-            }
+        };
+        let (bytes, stride) = self.view(view)?;
+        let stride = stride.unwrap_or(row);
+        if stride < row {
+            return Err(format!("byteStride {stride} is less than an element's {row} bytes"));
+        }
+        let start = accessor.byte_offset.map_or(0, |o| o.0);
+        let view_start = self.root.buffer_views[view.value()].byte_offset.map_or(0, |o| o.0);
+        let at = view_start.saturating_add(start);
+        if !start.is_multiple_of(size as u64) || !at.is_multiple_of(size as u64) {
+            return Err(format!("begins at byte {at} of its buffer: expected a multiple of {size}"));
+        }
+        if !stride.is_multiple_of(size) {
+            return Err(format!("byteStride {stride}: expected a multiple of {size}"));
+        }
+        let end = (count as u64 - 1).checked_mul(stride as u64).and_then(|n| n.checked_add(start + row as u64));
+        if start > bytes.len() as u64 || end.is_none_or(|end| end > bytes.len() as u64) {
+            return Err(format!("{count} elements do not fit into a view of {} bytes", bytes.len()));
+        }
+        let mut out = Vec::with_capacity(count * width);
+        for k in 0..count {
+            let at = start as usize + k * stride;
+            out.extend(bytes[at..at + row].chunks_exact(size).map(convert));
         }
         Ok(out)
+    }
+
+    /// Replaces the elements that an accessor stores apart.
+    fn replace<T>(
+        &self,
+        sparse: &Sparse,
+        layout: &Layout,
+        convert: &impl Fn(&[u8]) -> T,
+        out: &mut [T],
+    ) -> Result<(), String> {
+        let Layout { count, width, size, row } = *layout;
+        let Checked::Valid(index_kind) = &sparse.indices.component_type else {
+            return Err("unknown componentType of sparse indices".to_owned());
+        };
+        let index_size = index_kind.0.size();
+        let take = |view, offset: u64, bytes_each: usize| -> Result<&[u8], String> {
+            let (bytes, _) = self.view(view)?;
+            let length = sparse.count.0.checked_mul(bytes_each as u64);
+            length
+                .and_then(|n| n.checked_add(offset))
+                .and_then(|end| bytes.get(usize::try_from(offset).ok()?..usize::try_from(end).ok()?))
+                .ok_or_else(|| format!("{} sparse elements do not fit into their view", sparse.count.0))
+        };
+        let indices = take(sparse.indices.buffer_view, sparse.indices.byte_offset.0, index_size)?;
+        let values = take(sparse.values.buffer_view, sparse.values.byte_offset.0, row)?;
+        for (at, value) in indices.chunks_exact(index_size).zip(values.chunks_exact(row)) {
+            let at = number(at, index_kind.0) as usize;
+            let slots = out.get_mut(at * width..(at + 1) * width);
+            let slots = slots.ok_or_else(|| format!("sparse index {at} of {count}"))?;
+            for (slot, bytes) in slots.iter_mut().zip(value.chunks_exact(size)) {
+                *slot = convert(bytes);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How the elements of an accessor lie in memory.
+#[derive(Clone, Copy)]
+struct Layout {
+    count: usize,
+    /// Numbers of an element, bytes of a number and of an element.
+    width: usize,
+    size: usize,
+    row: usize,
+}
+
+impl Layout {
+    fn of(accessor: &Accessor, component: ComponentType, kind: Type) -> Result<Self, String> {
+        let (width, size) = (kind.multiplicity(), component.size());
+        let count = usize::try_from(accessor.count.0).map_err(|e| e.to_string())?;
+        if count == 0 {
+            return Err("count is 0".to_owned());
+        }
+        Ok(Self { count, width, size, row: width * size })
     }
 }
 

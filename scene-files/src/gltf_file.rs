@@ -3,25 +3,16 @@
 use crate::context::Context;
 use crate::gltf_animation::{clip_name, find_clip, play};
 use crate::gltf_buffers::{Buffers, read_uri};
-use crate::gltf_document::GltfPart;
 use crate::gltf_extensions::Extensions;
-use crate::gltf_instances::{expanded, read_instances};
 use crate::gltf_light::{PlacedLight, read_light};
-use crate::gltf_material::read_material;
-use crate::gltf_mesh::{Influences, Shapes, read_influences, read_primitive, read_skin};
 use crate::gltf_nodes::{fine_locals, read_camera, shown_nodes, skeleton};
-use crate::gltf_shared::{SharedMeshes, Shown};
+use crate::gltf_reader::Reader;
 use crate::gltf_texture::Images;
-use crate::look::Look;
 use crate::part::Part;
-use glam::Mat4;
 use gltf::json::Root;
-use gltf::json::mesh::Primitive;
 use gltf::json::validation::Checked;
-use scene::cut_out::CutOut;
-use scene::motion::{Body, CameraMover, Carrier, Deformer, Mover, Placement, Skeleton};
-use scene::{Camera, MAX_COORDINATE, Mesh, SceneError};
-use std::collections::HashMap;
+use scene::motion::{CameraMover, Skeleton};
+use scene::{Camera, SceneError};
 use std::path::Path;
 
 /// The contents of a file.
@@ -31,6 +22,15 @@ pub(crate) struct Read {
     pub(crate) camera: Option<Camera>,
     pub(crate) moving_camera: Option<CameraMover>,
     pub(crate) lights: Vec<PlacedLight>,
+}
+
+impl Read {
+    /// Whether anything follows the file's nodes.
+    fn moves(&self) -> bool {
+        self.moving_camera.is_some()
+            || self.lights.iter().any(|light| light.mover.is_some())
+            || self.parts.iter().any(|part| part.rig.is_some())
+    }
 }
 
 pub(crate) fn parse(path: &Path, bytes: &[u8], clip: Option<&str>, context: &mut Context) -> Result<Read, SceneError> {
@@ -139,33 +139,14 @@ fn document(
     skeleton.refine(|| fine_locals(json));
     let extensions = Extensions::read(root, json);
     let shown = shown_nodes(root, &extensions)?;
-    let mut reader = Reader {
-        root,
-        buffers,
-        worlds: skeleton.worlds(0.0),
-        moving: skeleton.moving(),
-        skeleton,
-        materials: HashMap::new(),
-        uses: uses(root, &shown),
-        cut: HashMap::new(),
-        shared: SharedMeshes::default(),
-        images: Images::new(&context.files, path, root),
-        extensions,
-        notes: Notes::default(),
-    };
+    let images = Images::new(&context.files, path, root);
+    let mut reader = Reader::new(root, buffers, skeleton, extensions, images, &shown);
     let index = context.skeletons.len();
-
-    let (mut parts, mut camera, mut moving_camera, mut lights) = (Vec::new(), None, None, Vec::new());
+    let mut read = Read::default();
     for &(n, is_visible) in &shown {
         if let Some(which) = root.nodes[n].camera {
             match read_camera(root, which.value(), &reader.worlds[n])? {
-                Some(found) if camera.is_none() => {
-                    let projection = found.projection;
-                    moving_camera =
-                        reader.moving[n].then_some(CameraMover::Node { skeleton: index, node: n, projection });
-                    camera = Some(found);
-                }
-                Some(_) => {}
+                Some(found) => reader.see(found, n, index, &mut read),
                 None => context.warn(path, "a camera that is neither perspective nor orthographic was left out"),
             }
         }
@@ -174,26 +155,29 @@ fn document(
         }
         if let Some(light) = read_light(root, n)? {
             let mover = reader.moving[n].then_some((index, n));
-            lights.push(PlacedLight { light, world: reader.worlds[n], mover });
+            read.lights.push(PlacedLight { light, world: reader.worlds[n], mover });
         }
-        reader.parts_of(n, index, &mut parts, context)?;
+        reader.parts_of(n, index, &mut read.parts, context)?;
     }
-    if parts.is_empty() && shown.iter().any(|&(n, is_visible)| !is_visible && root.nodes[n].mesh.is_some()) {
+    if read.parts.is_empty() && shown.iter().any(|&(n, is_visible)| !is_visible && root.nodes[n].mesh.is_some()) {
         return Err("no triangles: its meshes are in nodes that are not visible".to_owned());
     }
     reader.tell(path, context);
-    if let Some(document) = &mut context.document {
-        let external = |uri: &&String| !uri.starts_with("data:");
-        let image = |uri: &String| read_uri(&context.files, path, uri).ok();
-        document.images = root.images.iter().map(|i| i.uri.as_ref().filter(external).and_then(image)).collect();
-        document.json = String::from_utf8_lossy(json).into_owned();
-        document.buffers = reader.buffers.into_data();
-    }
-    let moves_light = lights.iter().any(|light| light.mover.is_some());
-    if moving_camera.is_some() || moves_light || parts.iter().any(|p: &Part| p.rig.is_some()) {
+    keep_document(path, root, json, reader.buffers, context);
+    if read.moves() {
         context.skeletons.push(reader.skeleton);
     }
-    Ok(Read { parts, camera, moving_camera, lights })
+    Ok(read)
+}
+
+/// Keeps the file itself and the images beside it, if the document is kept.
+fn keep_document(path: &Path, root: &Root, json: &[u8], buffers: Buffers<'_>, context: &mut Context) {
+    let Some(document) = &mut context.document else { return };
+    let external = |uri: &&String| !uri.starts_with("data:");
+    let image = |uri: &String| read_uri(&context.files, path, uri).ok();
+    document.images = root.images.iter().map(|i| i.uri.as_ref().filter(external).and_then(image)).collect();
+    document.json = String::from_utf8_lossy(json).into_owned();
+    document.buffers = buffers.into_data();
 }
 
 /// Refuses files of other versions, and those that require unknown extensions.
@@ -257,251 +241,4 @@ fn spelling(json: &[u8], root: &Root, clip: usize) -> String {
     let place = format!("/animations/{clip}/samplers/{s}/interpolation");
     let found = value.as_ref().and_then(|v| v.pointer(&place));
     found.map_or_else(String::new, |found| format!(", found {found} in sampler {s}"))
-}
-
-/// For each mesh how many of some nodes show it.
-fn uses(root: &Root, shown: &[(usize, bool)]) -> Vec<usize> {
-    let mut uses = vec![0; root.meshes.len()];
-    for mesh in shown.iter().filter(|(_, is_visible)| *is_visible).filter_map(|(n, _)| root.nodes[*n].mesh) {
-        if let Some(count) = uses.get_mut(mesh.value()) {
-            *count += 1;
-        }
-    }
-    uses
-}
-
-/// Counts for the warnings that appear once a file.
-#[derive(Default)]
-struct Notes {
-    skipped: usize,
-    reduced: usize,
-    uneven: usize,
-    broken: usize,
-}
-
-struct Reader<'a> {
-    root: &'a Root,
-    buffers: Buffers<'a>,
-    skeleton: Skeleton,
-    /// Of all nodes at the first moment.
-    worlds: Vec<Mat4>,
-    /// For each node whether the clip moves it.
-    moving: Vec<bool>,
-    /// The materials that were used so far.
-    materials: HashMap<usize, Look>,
-    /// For each mesh how many nodes show it.
-    uses: Vec<usize>,
-    /// Primitives, by mesh and number, that are cut out for all nodes.
-    cut: HashMap<(usize, usize), Shapes>,
-    /// Primitives that are stored once for all nodes.
-    shared: SharedMeshes,
-    images: Images<'a>,
-    extensions: Extensions,
-    notes: Notes,
-}
-
-impl Reader<'_> {
-    /// Tells what was left out or changed.
-    fn tell(&self, path: &Path, context: &mut Context) {
-        let Notes { skipped, reduced, uneven, broken } = self.notes;
-        context.tell_broken(path, broken + self.shared.broken);
-        if skipped > 0 {
-            context.warn(path, format!("{skipped} primitives that are points or lines were left out"));
-        }
-        if reduced > 0 {
-            context.warn(path, format!("{reduced} vertices have more than 4 joints: those that count most are kept"));
-        }
-        if uneven > 0 {
-            context.warn(path, format!("joint weights of {uneven} vertices do not add up to 1: they are made to"));
-        }
-        self.images.notes.iter().for_each(|note| context.warn(path, note));
-        self.extensions.tell(path, context);
-    }
-
-    /// Appends the meshes of a node, as they are at the first moment.
-    fn parts_of(
-        &mut self,
-        n: usize,
-        skeleton: usize,
-        parts: &mut Vec<Part>,
-        context: &mut Context,
-    ) -> Result<(), String> {
-        let node = &self.root.nodes[n];
-        let Some(index) = node.mesh else { return Ok(()) };
-        let m = index.value();
-        let mesh = self.root.meshes.get(m).ok_or_else(|| format!("node {n}: there is no mesh {m}"))?;
-        let skin = node.skin.map(|skin| read_skin(self.root, &self.buffers, skin.value())).transpose()?;
-        let attributes = self.extensions.instances(n);
-        let instances = attributes.map(|attributes| read_instances(&self.buffers, attributes)).transpose();
-        let instances = instances.map_err(|e| format!("node {n}: {e}"))?;
-        if skin.is_some() && instances.is_some() {
-            self.images.note("instances of a mesh with a skin are one: the skin places it".to_owned());
-        }
-        let name = node.name.clone().or_else(|| mesh.name.clone()).unwrap_or_else(|| format!("node {n}"));
-        for (p, primitive) in mesh.primitives.iter().enumerate() {
-            let fault = |e: String| format!("mesh {m}, primitive {p}: {e}");
-            let material = self.material(primitive).map_err(fault)?;
-            let name = if mesh.primitives.len() == 1 { name.clone() } else { format!("{name} {p}") };
-            let cut_out = material.as_ref().and_then(|(_, look)| look.cut_out.as_ref());
-            let copies = instances.as_deref().filter(|_| skin.is_none());
-            let places = self.places(n, skin.is_none(), copies);
-            if let Some(places) = places {
-                let all = self.uses[m].max(places.len());
-                let (path, material) = (self.images.path(), material.as_ref());
-                let shown = Shown { path, name: &name, mesh: m, primitive: p, copies: all, places, material };
-                if let Some(part) = self.shared.part(self.root, &self.buffers, shown, context).map_err(fault)? {
-                    parts.push(part);
-                    continue;
-                }
-            }
-            // A document that is kept keeps the whole of it.
-            let early = cut_out.filter(|_| context.document.is_none());
-            let Some((shapes, is_cut)) = self.shapes([n, m, p], &name, early, copies, context).map_err(fault)? else {
-                self.notes.skipped += 1;
-                continue;
-            };
-            let vertices = shapes.mesh.positions.len();
-            let influences = match &skin {
-                Some(skin) => read_influences(&self.buffers, primitive, vertices, skin.len()).map_err(fault)?,
-                None => None,
-            };
-            let joints = skin.as_deref().filter(|_| influences.is_some());
-            let alphas = shapes.alphas.clone();
-            let turn = shapes.mesh.triangles.iter().copied().enumerate().find(|(_, [_, b, c])| b != c);
-            let (mut mesh, rig) = self.pose(n, skeleton, shapes, joints, influences).map_err(fault)?;
-            let copies = copies.map_or(1, <[Mat4]>::len);
-            let (node, name, moves) = (n, name, rig.is_some());
-            let is_turned = turn.is_some_and(|(i, t)| mesh.triangles[i] != t);
-            let is_kept = context.document.is_some();
-            let part = GltfPart {
-                node,
-                mesh: m,
-                primitive: p,
-                name: name.clone(),
-                copies,
-                moves,
-                mover: rig.as_ref().filter(|_| is_kept).map(|(deformer, carrier)| {
-                    let body = Body::Mesh(Box::new(deformer.clone()), Some(carrier.clone()));
-                    Box::new(Mover { placement: Placement::Fixed(Mat4::IDENTITY), body, proxy: Vec::new() })
-                }),
-                is_turned,
-                ..GltfPart::default()
-            };
-            let source = context.keep(part, &mesh)?;
-            if let Some(cut_out) = cut_out.filter(|_| !is_cut) {
-                context.cut_out(self.images.path(), &name, cut_out, (&mut mesh, &alphas), rig.is_some());
-            }
-            let is_bare = mesh.normals.is_empty();
-            parts.push(Part { rig, is_bare, source, ..Part::fixed(name, mesh, material) });
-        }
-        Ok(())
-    }
-
-    /// The places of a node's mesh, or of its instances, if these stand still and keep their shape.
-    fn places(&self, n: usize, is_rigid: bool, instances: Option<&[Mat4]>) -> Option<Vec<Mat4>> {
-        let is_still = is_rigid && !self.moving[n] && self.skeleton.bones[n].rest_weights.is_empty();
-        let world = &self.worlds[n];
-        is_still.then(|| instances.map_or_else(|| vec![*world], |all| all.iter().map(|i| *world * *i).collect()))
-    }
-
-    /// The material of a primitive and its number, read once.
-    fn material(&mut self, primitive: &Primitive) -> Result<Option<(usize, Look)>, String> {
-        let Some(index) = primitive.material else { return Ok(None) };
-        let index = index.value();
-        let known = match self.materials.get(&index) {
-            Some(known) => known.clone(),
-            None => {
-                read_material(self.root, index, self.extensions.of_material(index), &self.buffers, &mut self.images)?
-            }
-        };
-        self.materials.insert(index, known.clone());
-        Ok(Some((index, known)))
-    }
-
-    /// The shapes of a node's mesh's primitive, at the node's instances if it has some, and whether they are cut out already: those that
-    /// several nodes or instances show and none moves are cut once.
-    fn shapes(
-        &mut self,
-        [n, m, p]: [usize; 3],
-        name: &str,
-        cut_out: Option<&CutOut>,
-        instances: Option<&[Mat4]>,
-        context: &mut Context,
-    ) -> Result<Option<(Shapes, bool)>, String> {
-        let bone = &self.skeleton.bones[n];
-        let is_still = self.root.nodes[n].skin.is_none()
-            && !self.moving[n]
-            && bone.weights.is_none()
-            && bone.rest_weights.iter().all(|weight| *weight == 0.0);
-        let is_shared = self.uses[m] > 1 || instances.is_some();
-        let cut_out = cut_out.filter(|_| is_still && is_shared);
-        let known = self.cut.get(&(m, p)).filter(|_| cut_out.is_some()).cloned();
-        let is_new = known.is_none();
-        let read = || read_primitive(&self.buffers, &self.root.meshes[m].primitives[p]);
-        let Some(mut shapes) = known.map_or_else(read, |known| Ok(Some(known)))? else { return Ok(None) };
-        if let Some(cut_out) = cut_out.filter(|_| is_new) {
-            let alphas = core::mem::take(&mut shapes.alphas);
-            context.cut_out(self.images.path(), name, cut_out, (&mut shapes.mesh, &alphas), false);
-            self.cut.insert((m, p), shapes.clone());
-        }
-        context.files.budget.take_mesh(&shapes.mesh, instances.map_or(1, <[Mat4]>::len), name)?;
-        if let Some(instances) = instances {
-            shapes = expanded(&shapes, instances);
-        }
-        Ok(Some((shapes, cut_out.is_some())))
-    }
-
-    /// A primitive at the first moment, and its motion if it moves.
-    fn pose(
-        &mut self,
-        n: usize,
-        skeleton: usize,
-        shapes: Shapes,
-        joints: Option<&[(usize, Mat4)]>,
-        influences: Option<Influences>,
-    ) -> Result<(Mesh, Option<(Deformer, Carrier)>), String> {
-        let bone = &self.skeleton.bones[n];
-        let Shapes { mut mesh, targets, normal_targets, broken, .. } = shapes;
-        self.notes.broken += broken;
-        if targets.len() != bone.rest_weights.len() {
-            let (k, first) = (targets.len(), bone.rest_weights.len());
-            return Err(format!("{k} morph targets, the first primitive has {first}"));
-        }
-        let morphing = bone.weights.as_ref().is_some_and(|w| !w.is_constant());
-        let morphed = morphing || bone.weights.is_some() || bone.rest_weights.iter().any(|&w| w != 0.0);
-        if influences.is_none() && !morphed && !self.moving[n] {
-            mesh.transform(&self.worlds[n]);
-            return Ok((mesh, None));
-        }
-        let mut deformer = Deformer::rigid(&mesh);
-        let mut carrier = Carrier { skeleton, joints: vec![(Some(n), Mat4::IDENTITY)], morph: morphed.then_some(n) };
-        if morphed {
-            (deformer.targets, deformer.normal_targets) = (targets, normal_targets);
-        }
-        let mut moves = morphing || self.moving[n];
-        if let (Some(joints), Some(influences)) = (joints, influences) {
-            carrier.joints = joints.iter().map(|&(node, bind)| (Some(node), bind)).collect();
-            if influences.unbound {
-                let here = Mat4::from_translation((-self.skeleton.origin).as_vec3());
-                carrier.joints.push((None, here));
-            }
-            moves = morphing || joints.iter().any(|&(node, _)| self.moving[node]);
-            self.notes.reduced += influences.reduced;
-            self.notes.uneven += influences.uneven;
-            (deformer.joints, deformer.weights) = (influences.joints, influences.weights);
-        }
-        let now: Vec<Mat4> = carrier.joints(&self.worlds).collect();
-        if now.iter().any(|m| !m.to_cols_array().iter().all(|v| v.abs() <= MAX_COORDINATE)) {
-            return Err("the matrix of a joint leaves ±1e9".to_owned());
-        }
-        let mut morph = Vec::new();
-        if morphed {
-            self.skeleton.morph_weights(n, 0.0, &mut morph);
-        }
-        if deformer.mirrors(&now) {
-            mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-        }
-        deformer.pose(&now, &morph, &mut mesh);
-        Ok((mesh, moves.then_some((deformer, carrier))))
-    }
 }

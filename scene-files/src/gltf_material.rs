@@ -5,7 +5,7 @@ use crate::gltf_layers;
 use crate::gltf_texture::{Images, Reference};
 use crate::look::Look;
 use crate::unit::unit;
-use brdf::{Material, MetallicRoughness};
+use brdf::{Material, MaterialError, MetallicRoughness};
 use glam::Vec3;
 use gltf::json::material::{AlphaMode, Material as Document};
 use gltf::json::validation::Checked;
@@ -34,29 +34,10 @@ pub(crate) fn read_material(
 }
 
 fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> Result<Look, String> {
-    let limit = match material.alpha_mode {
-        Checked::Invalid => return Err("unknown alphaMode".to_owned()),
-        Checked::Valid(AlphaMode::Opaque) => None,
-        Checked::Valid(AlphaMode::Mask) => Some(cut_off(material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0))),
-        Checked::Valid(AlphaMode::Blend) => {
-            images.note("surfaces that are blended are cut out where their alpha is below a half".to_owned());
-            Some(0.5)
-        }
-    };
+    let limit = alpha_limit(material, images)?;
+    check_textures(material, images)?;
     let pbr = &material.pbr_metallic_roughness;
     let extensions = material.extensions.as_ref();
-    let specular = extensions.and_then(|e| e.specular.as_ref());
-    // Those that mean nothing here, too.
-    let textures = [
-        specular.and_then(|s| s.specular_texture.as_ref()).map(|t| t.index),
-        specular.and_then(|s| s.specular_color_texture.as_ref()).map(|t| t.index),
-        pbr.base_color_texture.as_ref().map(|t| t.index),
-        pbr.metallic_roughness_texture.as_ref().map(|t| t.index),
-        material.normal_texture.as_ref().map(|t| t.index),
-        material.occlusion_texture.as_ref().map(|t| t.index),
-        material.emissive_texture.as_ref().map(|t| t.index),
-    ];
-    textures.into_iter().flatten().try_for_each(|index| images.source(index.value()).map(|_| ()))?;
     let color = images.map(buffers, pbr.base_color_texture.as_ref().map(Into::into), Encoding::Srgb)?;
     let [r, g, b, factor] = pbr.base_color_factor.0;
     let cut_out = limit.map(|limit| CutOut { map: color.clone(), factor: unit(factor), limit });
@@ -74,23 +55,8 @@ fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> 
         return Err(format!("normal texture has scale {scale}"));
     }
     let emission_map = images.map(buffers, material.emissive_texture.as_ref().map(Into::into), Encoding::Srgb)?;
-    let strength = extensions.and_then(|e| e.emissive_strength.as_ref()).map_or(1.0, |e| e.emissive_strength.0);
-    let positive = |x: f32| if x > 0.0 { x.min(MAX_EMISSION) } else { 0.0 };
-    let emission = material.emissive_factor.0.map(unit).map(|e| positive(e * positive(strength)));
-
-    let (metallic, roughness) = (unit(pbr.metallic_factor.0), unit(pbr.roughness_factor.0));
-    let mut metal = MetallicRoughness::new(base, metallic, roughness).map_err(|e| e.to_string())?;
-    let ior = extensions.and_then(|e| e.ior.as_ref());
-    if ior.is_some() || specular.is_some() {
-        let n = ior.map_or(1.5, |ior| ior.ior.0);
-        // An index below 1 is none, but 0 stands for a reflectance of 1.
-        let n = if n == 0.0 { f32::INFINITY } else { n.max(1.0) };
-        let normal = if n.is_finite() { ((n - 1.0) / (n + 1.0)).powi(2) } else { 1.0 };
-        let weight = specular.map_or(1.0, |s| unit(s.specular_factor.0));
-        let tint = specular.map_or([1.0; 3], |s| s.specular_color_factor.0);
-        let f0 = Vec3::from_array(tint.map(|c| unit(normal * c.max(0.0)))) * weight;
-        metal = metal.with_coat(f0, weight).map_err(|e| e.to_string())?;
-    }
+    let metal = metal(material, base).map_err(|e| e.to_string())?;
+    let specular = extensions.and_then(|e| e.specular.as_ref());
     let of_coat = specular.and_then(|s| s.specular_texture.as_ref()).map(Into::into);
     // Alpha is linear in either encoding: as the colour's, it may be one image with that.
     let of_coat = images.map(buffers, of_coat, Encoding::Srgb)?;
@@ -102,14 +68,70 @@ fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> 
         metallic: channel(2),
         roughness: channel(1),
         normal: normal_map.map(|map| (map, scale)),
-        emission: Vec3::from_array(emission),
+        emission: emission(material),
         emission_map,
         ..Surface::default()
     };
     Ok(Look { material: metal.into(), surface, cut_out })
 }
 
-/// Nothing is opaque enough for one above 1.
+/// The alpha below which surfaces are cut out; `None` for opaque ones.
+fn alpha_limit(material: &Document, images: &mut Images<'_>) -> Result<Option<f32>, String> {
+    match material.alpha_mode {
+        Checked::Invalid => Err("unknown alphaMode".to_owned()),
+        Checked::Valid(AlphaMode::Opaque) => Ok(None),
+        Checked::Valid(AlphaMode::Mask) => Ok(Some(cut_off(material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0)))),
+        Checked::Valid(AlphaMode::Blend) => {
+            images.note("surfaces that are blended are cut out where their alpha is below a half".to_owned());
+            Ok(Some(0.5))
+        }
+    }
+}
+
+/// Refuses references to textures that do not exist, of those that mean nothing here, too.
+fn check_textures(material: &Document, images: &Images<'_>) -> Result<(), String> {
+    let pbr = &material.pbr_metallic_roughness;
+    let specular = material.extensions.as_ref().and_then(|e| e.specular.as_ref());
+    let textures = [
+        specular.and_then(|s| s.specular_texture.as_ref()).map(|t| t.index),
+        specular.and_then(|s| s.specular_color_texture.as_ref()).map(|t| t.index),
+        pbr.base_color_texture.as_ref().map(|t| t.index),
+        pbr.metallic_roughness_texture.as_ref().map(|t| t.index),
+        material.normal_texture.as_ref().map(|t| t.index),
+        material.occlusion_texture.as_ref().map(|t| t.index),
+        material.emissive_texture.as_ref().map(|t| t.index),
+    ];
+    textures.into_iter().flatten().try_for_each(|index| images.source(index.value()).map(|_| ()))
+}
+
+/// The emission, limited to [`MAX_EMISSION`].
+fn emission(material: &Document) -> Vec3 {
+    let strength = material.extensions.as_ref().and_then(|e| e.emissive_strength.as_ref());
+    let strength = strength.map_or(1.0, |e| e.emissive_strength.0);
+    let positive = |x: f32| if x > 0.0 { x.min(MAX_EMISSION) } else { 0.0 };
+    Vec3::from_array(material.emissive_factor.0.map(unit).map(|e| positive(e * positive(strength))))
+}
+
+/// The metal or its dielectric, with the coat of `KHR_materials_ior` and `KHR_materials_specular`.
+fn metal(material: &Document, base: Vec3) -> Result<MetallicRoughness, MaterialError> {
+    let pbr = &material.pbr_metallic_roughness;
+    let metal = MetallicRoughness::new(base, unit(pbr.metallic_factor.0), unit(pbr.roughness_factor.0))?;
+    let extensions = material.extensions.as_ref();
+    let ior = extensions.and_then(|e| e.ior.as_ref());
+    let specular = extensions.and_then(|e| e.specular.as_ref());
+    if ior.is_none() && specular.is_none() {
+        return Ok(metal);
+    }
+    let n = ior.map_or(1.5, |ior| ior.ior.0);
+    // An index below 1 is none, but 0 stands for a reflectance of 1.
+    let n = if n == 0.0 { f32::INFINITY } else { n.max(1.0) };
+    let normal = if n.is_finite() { ((n - 1.0) / (n + 1.0)).powi(2) } else { 1.0 };
+    let weight = specular.map_or(1.0, |s| unit(s.specular_factor.0));
+    let tint = specular.map_or([1.0; 3], |s| s.specular_color_factor.0);
+    let f0 = Vec3::from_array(tint.map(|c| unit(normal * c.max(0.0)))) * weight;
+    metal.with_coat(f0, weight)
+}
+
 fn cut_off(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }
 }

@@ -5,7 +5,7 @@ use glam::{Mat4, Vec2, Vec3};
 use gltf::json::accessor::Type;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
-use gltf::json::{Index, Node, Root};
+use gltf::json::{Accessor, Index, Node, Root};
 use scene::{MAX_COORDINATE, Mesh};
 
 /// A mesh and the shapes that it morphs to.
@@ -15,9 +15,9 @@ pub(crate) struct Shapes {
     /// Alphas of the vertices; none where all are 1.
     pub(crate) alphas: Vec<f32>,
     /// Displacements, one a vertex.
-    pub(crate) targets: Vec<Vec<Vec3>>,
+    pub(crate) targets: Displacements,
     /// The same of the normals; empty for targets without.
-    pub(crate) normal_targets: Vec<Vec<Vec3>>,
+    pub(crate) normal_targets: Displacements,
     /// Normals that had no direction.
     pub(crate) broken: usize,
 }
@@ -43,23 +43,70 @@ pub(crate) fn read_primitive(buffers: &Buffers<'_>, primitive: &Primitive) -> Re
     if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
         return Ok(None);
     }
-    let vectors = |index| -> Result<Vec<Vec3>, String> {
-        Ok(buffers.floats(index, Type::Vec3)?.chunks_exact(3).map(Vec3::from_slice).collect())
-    };
-    let positions = vectors(positions)?;
+    let positions = vectors(buffers, positions)?;
     let vertices = positions.len();
     let normals = match attribute(Semantic::Normals) {
-        Some(index) => vectors(index)?,
+        Some(index) => one_each("normals", vectors(buffers, index)?, vertices)?,
         None => Vec::new(),
     };
-    if !normals.is_empty() && normals.len() != vertices {
-        return Err(format!("{} normals for {vertices} positions", normals.len()));
+    let (targets, normal_targets) = read_targets(buffers, primitive, vertices, !normals.is_empty())?;
+    let indices = match primitive.indices {
+        Some(index) => buffers.integers(index, Type::Scalar)?,
+        None => (0..vertices as u32).collect(),
+    };
+    if let Some(i) = indices.iter().find(|&&i| i as usize >= vertices) {
+        return Err(format!("uses vertex {i} of {vertices}"));
     }
+    let triangles = triangles_of(mode, &indices);
+    let mut uv_sets = Vec::new();
+    for set in 0.. {
+        let Some(index) = attribute(Semantic::TexCoords(set)) else { break };
+        let pairs = buffers.floats(index, Type::Vec2)?;
+        let pairs = pairs.chunks_exact(2).map(Vec2::from_slice).collect();
+        uv_sets.push(one_each("texture coordinates", pairs, vertices)?);
+    }
+    let (colors, alphas) = match attribute(Semantic::Colors(0)) {
+        Some(index) => {
+            let (colors, alphas) = buffers.colors(index)?;
+            (one_each("colours", colors, vertices)?, alphas)
+        }
+        None => (Vec::new(), Vec::new()),
+    };
+    let mut mesh = Mesh { positions, normals, triangles, uv_sets, colors };
+    if let Some(bad) = mesh.positions.iter().position(|p| !p.is_finite()) {
+        return Err(format!("position {bad} is not finite"));
+    }
+    let broken = mesh.repair_normals();
+    Ok(Some(Shapes { mesh, alphas, targets, normal_targets, broken }))
+}
+
+fn vectors(buffers: &Buffers<'_>, index: Index<Accessor>) -> Result<Vec<Vec3>, String> {
+    Ok(buffers.floats(index, Type::Vec3)?.chunks_exact(3).map(Vec3::from_slice).collect())
+}
+
+/// Refuses values of which there are not as many as positions.
+fn one_each<T>(name: &str, values: Vec<T>, vertices: usize) -> Result<Vec<T>, String> {
+    match values.len() == vertices {
+        true => Ok(values),
+        false => Err(format!("{} {name} for {vertices} positions", values.len())),
+    }
+}
+
+/// For each morph target the displacements of all vertices.
+type Displacements = Vec<Vec<Vec3>>;
+
+/// Displacements of positions and of normals.
+fn read_targets(
+    buffers: &Buffers<'_>,
+    primitive: &Primitive,
+    vertices: usize,
+    has_normals: bool,
+) -> Result<(Displacements, Displacements), String> {
     let (mut targets, mut normal_targets) = (Vec::new(), Vec::new());
     for (k, target) in primitive.targets.iter().flatten().enumerate() {
         let read = |index: Option<_>, default| -> Result<Vec<Vec3>, String> {
             let Some(index) = index else { return Ok(vec![Vec3::ZERO; default]) };
-            let moved = vectors(index)?;
+            let moved = vectors(buffers, index)?;
             if moved.len() != vertices {
                 return Err(format!("morph target {k} of {} positions for {vertices}", moved.len()));
             }
@@ -69,16 +116,14 @@ pub(crate) fn read_primitive(buffers: &Buffers<'_>, primitive: &Primitive) -> Re
             Ok(moved)
         };
         targets.push(read(target.positions, vertices)?);
-        normal_targets.push(read(target.normals.filter(|_| !normals.is_empty()), 0)?);
+        normal_targets.push(read(target.normals.filter(|_| has_normals), 0)?);
     }
-    let indices = match primitive.indices {
-        Some(index) => buffers.integers(index, Type::Scalar)?,
-        None => (0..vertices as u32).collect(),
-    };
-    if let Some(i) = indices.iter().find(|&&i| i as usize >= vertices) {
-        return Err(format!("uses vertex {i} of {vertices}"));
-    }
-    let triangles = match mode {
+    Ok((targets, normal_targets))
+}
+
+/// The triangles of a list, a strip or a fan.
+fn triangles_of(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
+    match mode {
         Mode::TriangleStrip => indices
             .windows(3)
             .enumerate()
@@ -86,30 +131,7 @@ pub(crate) fn read_primitive(buffers: &Buffers<'_>, primitive: &Primitive) -> Re
             .collect(),
         Mode::TriangleFan => indices.get(1..).unwrap_or(&[]).windows(2).map(|w| [indices[0], w[0], w[1]]).collect(),
         _ => indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
-    };
-    let mut uv_sets = Vec::new();
-    for set in 0.. {
-        let Some(index) = attribute(Semantic::TexCoords(set)) else { break };
-        let pairs = buffers.floats(index, Type::Vec2)?;
-        let pairs: Vec<Vec2> = pairs.chunks_exact(2).map(Vec2::from_slice).collect();
-        if pairs.len() != vertices {
-            return Err(format!("{} texture coordinates for {vertices} positions", pairs.len()));
-        }
-        uv_sets.push(pairs);
     }
-    let (colors, alphas) = match attribute(Semantic::Colors(0)) {
-        Some(index) => buffers.colors(index)?,
-        None => (Vec::new(), Vec::new()),
-    };
-    if !colors.is_empty() && colors.len() != vertices {
-        return Err(format!("{} colours for {vertices} positions", colors.len()));
-    }
-    let mut mesh = Mesh { positions, normals, triangles, uv_sets, colors };
-    if let Some(bad) = mesh.positions.iter().position(|p| !p.is_finite()) {
-        return Err(format!("position {bad} is not finite"));
-    }
-    let broken = mesh.repair_normals();
-    Ok(Some(Shapes { mesh, alphas, targets, normal_targets, broken }))
 }
 
 /// The joints of a skin and their inverse bind matrices.
@@ -185,16 +207,24 @@ pub(crate) fn read_influences(
                 }
             }
         }
+        out.push(&mut all, joint_count);
+    }
+    Ok(Some(out))
+}
+
+impl Influences {
+    /// Appends a vertex with its joints and their weights, of which the four largest are kept.
+    fn push(&mut self, all: &mut Vec<(u16, f32)>, joint_count: usize) {
         let sum: f32 = all.iter().map(|(_, w)| w).sum();
         // Bytes round each of four weights by up to 1/510.
-        out.uneven += usize::from(!all.is_empty() && (sum - 1.0).abs() > 0.02);
+        self.uneven += usize::from(!all.is_empty() && (sum - 1.0).abs() > 0.02);
         if all.len() > 4 {
-            out.reduced += 1;
+            self.reduced += 1;
             all.sort_by(|a, b| b.1.total_cmp(&a.1));
             all.truncate(4);
         }
         if all.is_empty() {
-            out.unbound = true;
+            self.unbound = true;
             all.push((joint_count as u16, 1.0));
         }
         // In f64: the sum of four floats may leave f32.
@@ -203,8 +233,7 @@ pub(crate) fn read_influences(
         for (k, &(joint, weight)) in all.iter().enumerate() {
             (joints[k], weights[k]) = (joint, (f64::from(weight) / sum) as f32);
         }
-        out.joints.push(joints);
-        out.weights.push(weights);
+        self.joints.push(joints);
+        self.weights.push(weights);
     }
-    Ok(Some(out))
 }

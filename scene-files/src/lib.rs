@@ -73,6 +73,7 @@ mod gltf_light;
 mod gltf_material;
 mod gltf_mesh;
 mod gltf_nodes;
+mod gltf_reader;
 mod gltf_shared;
 #[cfg(test)]
 mod gltf_tests;

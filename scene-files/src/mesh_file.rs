@@ -47,12 +47,8 @@ pub(crate) fn near_parts(
     file_parts(path, clip, context, endings)
 }
 
-pub(crate) fn file_parts(
-    path: &Path,
-    clip: Option<&str>,
-    context: &mut Context,
-    endings: &str,
-) -> Result<Read, SceneError> {
+/// The contents of a file by the reader for its ending, as they are.
+fn read_file(path: &Path, clip: Option<&str>, context: &mut Context, endings: &str) -> Result<Read, SceneError> {
     let extension = extension(path);
     if !["obj", "ply", "gltf", "glb"].contains(&extension.as_str()) {
         context.files.read(path)?;
@@ -67,15 +63,25 @@ pub(crate) fn file_parts(
         return Err(SceneError::file(path, "only glTF files have clips"));
     }
     let meshes = |parts| Read { parts, ..Read::default() };
-    let mut file = match extension.as_str() {
+    match extension.as_str() {
         "obj" if is(b"ply\n") || is(b"ply\r") => {
-            return Err(SceneError::file(path, "looks like a PLY file: expected the ending .ply"));
+            Err(SceneError::file(path, "looks like a PLY file: expected the ending .ply"))
         }
-        "obj" => meshes(obj::parse(path, &obj::obj_text(path, bytes)?, context)?),
-        "ply" => meshes(ply::parse(path, &bytes, context)?),
-        "glb" if is(b"\x89PNG") => return Err(SceneError::file(path, "not a GLB file: looks like a PNG image")),
-        _ => gltf_file::parse(path, &bytes, clip, context)?,
-    };
+        "obj" => Ok(meshes(obj::parse(path, &obj::obj_text(path, bytes)?, context)?)),
+        "ply" => Ok(meshes(ply::parse(path, &bytes, context)?)),
+        "glb" if is(b"\x89PNG") => Err(SceneError::file(path, "not a GLB file: looks like a PNG image")),
+        _ => gltf_file::parse(path, &bytes, clip, context),
+    }
+}
+
+/// The contents of a file: its indices are checked, triangles without area are left out, and normals agree with faces.
+pub(crate) fn file_parts(
+    path: &Path,
+    clip: Option<&str>,
+    context: &mut Context,
+    endings: &str,
+) -> Result<Read, SceneError> {
+    let mut file = read_file(path, clip, context, endings)?;
     let (mut dropped, mut turned, mut mixed) = (0, 0, 0);
     let parts = &mut file.parts;
     for part in parts.iter_mut() {

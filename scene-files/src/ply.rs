@@ -51,10 +51,35 @@ struct Property {
     length: Option<Kind>,
 }
 
+impl Property {
+    /// From the words of its line behind the first.
+    fn parse(words: &[&str]) -> Result<Self, String> {
+        let kind = |word: &str| Kind::parse(word).ok_or_else(|| format!("unknown type \"{word}\""));
+        match *words {
+            ["list", length, item, name] => {
+                Ok(Self { name: name.to_owned(), kind: kind(item)?, length: Some(kind(length)?) })
+            }
+            [item, name] => Ok(Self { name: name.to_owned(), kind: kind(item)?, length: None }),
+            _ => Err("cannot read the property".to_owned()),
+        }
+    }
+}
+
 struct Element {
     name: String,
     count: usize,
     properties: Vec<Property>,
+}
+
+impl Element {
+    /// Without properties, in a file of `size` bytes.
+    fn parse(name: &str, count: &str, size: usize) -> Result<Self, String> {
+        let count: usize = count.parse().map_err(|_| format!("cannot read element count '{count}'"))?;
+        if count > size {
+            return Err(format!("{count} elements \"{name}\" in a file of {size} bytes"));
+        }
+        Ok(Self { name: name.to_owned(), count, properties: Vec::new() })
+    }
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -62,6 +87,20 @@ enum Format {
     Ascii,
     Little,
     Big,
+}
+
+impl Format {
+    fn parse(name: &str, version: &str) -> Result<Self, String> {
+        if version != "1.0" {
+            return Err(format!("version {version}: expected 1.0"));
+        }
+        Ok(match name {
+            "ascii" => Self::Ascii,
+            "binary_little_endian" => Self::Little,
+            "binary_big_endian" => Self::Big,
+            _ => return Err(format!("unknown format \"{name}\"")),
+        })
+    }
 }
 
 /// Values one after the other; in ascii files an element is a line.
@@ -177,33 +216,10 @@ fn header(rest: &mut &[u8], line: &mut usize, size: usize) -> Result<Header, Str
         match words[..] {
             ["ply"] if *line == 1 => {}
             _ if *line == 1 => return Err("not a PLY file".to_owned()),
-            ["format", name, version] => {
-                if version != "1.0" {
-                    return Err(format!("version {version}: expected 1.0"));
-                }
-                format = Some(match name {
-                    "ascii" => Format::Ascii,
-                    "binary_little_endian" => Format::Little,
-                    "binary_big_endian" => Format::Big,
-                    _ => return Err(format!("unknown format \"{name}\"")),
-                });
-            }
-            ["element", name, count] => {
-                let count: usize = count.parse().map_err(|_| format!("cannot read element count '{count}'"))?;
-                if count > size {
-                    return Err(format!("{count} elements \"{name}\" in a file of {size} bytes"));
-                }
-                elements.push(Element { name: name.to_owned(), count, properties: Vec::new() });
-            }
+            ["format", name, version] => format = Some(Format::parse(name, version)?),
+            ["element", name, count] => elements.push(Element::parse(name, count, size)?),
             ["property", ref words @ ..] => {
-                let kind = |word: &str| Kind::parse(word).ok_or_else(|| format!("unknown type \"{word}\""));
-                let property = match words[..] {
-                    ["list", length, item, name] => {
-                        Property { name: name.to_owned(), kind: kind(item)?, length: Some(kind(length)?) }
-                    }
-                    [item, name] => Property { name: name.to_owned(), kind: kind(item)?, length: None },
-                    _ => return Err("cannot read the property".to_owned()),
-                };
+                let property = Property::parse(words)?;
                 elements.last_mut().ok_or("property before any element")?.properties.push(property);
             }
             ["end_header"] => break,

@@ -10,8 +10,8 @@ use crate::scene_object::read_object;
 use crate::toml_reader::{Source, Table, Value};
 use glam::{DVec3, Vec3};
 use lighting::Light;
-use scene::motion::{CameraKeys, CameraMover, MAX_SECONDS};
-use scene::{Animation, Bounds, Camera, MAX_COORDINATE, Projection, Scene, SceneError, Strategy};
+use scene::motion::{CameraKeys, CameraMover, MAX_SECONDS, Mover};
+use scene::{Animation, Bounds, Camera, MAX_COORDINATE, Object, Projection, Scene, SceneError, Strategy};
 use shading::LightLobes;
 use std::cell::RefCell;
 use std::path::Path;
@@ -85,6 +85,79 @@ fn read_pace(value: Value<'_>) -> Result<(Option<f32>, f32), SceneError> {
     Ok((duration, fps))
 }
 
+/// The objects of a scene file.
+#[derive(Default)]
+struct Objects<'s> {
+    objects: Vec<Object>,
+    /// One for each object.
+    movers: Vec<Option<Mover>>,
+    /// Objects that are lights, with the keys that say so.
+    emitters: Vec<(usize, Value<'s>)>,
+}
+
+/// All `[[objects]]`.
+fn read_objects<'s>(
+    value: Value<'s>,
+    path: &Path,
+    origin: DVec3,
+    materials: &mut Materials,
+    context: &mut Context,
+) -> Result<Objects<'s>, SceneError> {
+    let mut all = Objects::default();
+    for (i, entry) in value.elements("[[objects]]")?.into_iter().enumerate() {
+        let read = read_object(entry.table()?, i, path, origin, materials, context)?;
+        for (object, mover) in read.objects {
+            if let Some((key, is_light)) = read.light {
+                context.emitters.push(all.objects.len());
+                all.emitters.extend(is_light.then_some((all.objects.len(), key)));
+            }
+            all.objects.push(object);
+            all.movers.push(mover);
+        }
+    }
+    Ok(all)
+}
+
+impl Objects<'_> {
+    /// Adds the lights of objects whose emission lights the others; these objects block nothing where lights are inside.
+    fn light_up(
+        &mut self,
+        materials: &Materials,
+        lit: &mut SceneLights,
+        path: &Path,
+        context: &mut Context,
+    ) -> Result<(), SceneError> {
+        for &(number, key) in &self.emitters {
+            let object = &mut self.objects[number];
+            let mover = self.movers[number].as_ref();
+            let Some(error) = lit.emit((number, object), materials.surface(object), key, mover)? else { continue };
+            object.strategy = Some(Strategy::None);
+            if error > WORTH_SAYING {
+                let (name, percent) = (&object.name, 100.0 * error);
+                context.warn(path, format!("object \"{name}\" lights as spheres and tubes, about {percent:.0} % off"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// All `[[lights]]`.
+fn read_lights(
+    value: Value<'_>,
+    path: &Path,
+    origin: DVec3,
+    bounds: &Bounds,
+    context: &mut Context,
+) -> Result<SceneLights, SceneError> {
+    let mut lit = SceneLights::default();
+    let notes = RefCell::default();
+    for entry in value.elements("[[lights]]")? {
+        lit.read(entry.table()?, &Around { path, files: &context.files, origin, bounds, notes: &notes })?;
+    }
+    notes.into_inner().into_iter().for_each(|note| context.warn(path, note));
+    Ok(lit)
+}
+
 fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
     let source = Source { path, text };
     let root = DeTable::parse(text)
@@ -96,41 +169,14 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
 
     let mut materials = root.get("materials").map_or(Ok(Materials::default()), |v| read_materials(v, path, context))?;
     let (duration, fps) = root.get("animation").map_or(Ok((None, Animation::DEFAULT_FPS)), read_pace)?;
-    let (mut objects, mut movers) = (Vec::new(), Vec::new());
-    let mut emitters = Vec::new();
-    if let Some(value) = root.get("objects") {
-        for (i, entry) in value.elements("[[objects]]")?.into_iter().enumerate() {
-            let read = read_object(entry.table()?, i, path, origin, &mut materials, context)?;
-            for (object, mover) in read.objects {
-                if let Some((key, is_light)) = read.light {
-                    context.emitters.push(objects.len());
-                    emitters.extend(is_light.then_some((objects.len(), key)));
-                }
-                objects.push(object);
-                movers.push(mover);
-            }
-        }
-    }
-    let bounds = objects.iter().fold(Bounds::EMPTY, |b, o| b.union(o.shape.bounds()));
-    let mut lit = SceneLights::default();
-    if let Some(value) = root.get("lights") {
-        let notes = RefCell::default();
-        for entry in value.elements("[[lights]]")? {
-            lit.read(entry.table()?, &Around { path, files: &context.files, origin, bounds: &bounds, notes: &notes })?;
-        }
-        notes.into_inner().into_iter().for_each(|note| context.warn(path, note));
-    }
+    let list = root.get("objects");
+    let mut all = list.map_or(Ok(Objects::default()), |v| read_objects(v, path, origin, &mut materials, context))?;
+    let bounds = all.objects.iter().fold(Bounds::EMPTY, |b, o| b.union(o.shape.bounds()));
+    let list = root.get("lights");
+    let mut lit = list.map_or(Ok(SceneLights::default()), |v| read_lights(v, path, origin, &bounds, context))?;
     let environment = lit.environment(&bounds);
-    for (object, key) in emitters {
-        let surface = materials.surface(&objects[object]);
-        if let Some(error) = lit.emit((object, &objects[object]), surface, key, movers[object].as_ref())? {
-            objects[object].strategy = Some(Strategy::None);
-            if error > WORTH_SAYING {
-                let (name, percent) = (&objects[object].name, 100.0 * error);
-                context.warn(path, format!("object \"{name}\" lights as spheres and tubes, about {percent:.0} % off"));
-            }
-        }
-    }
+    all.light_up(&materials, &mut lit, path, context)?;
+    let Objects { objects, movers, .. } = all;
     let camera = root.get("camera");
     root.finish()?;
     if objects.is_empty() {

@@ -10,7 +10,7 @@ use crate::part::{Part, share_out};
 use crate::scene_material::Materials;
 use crate::toml_reader::{Table, Value};
 use glam::{DVec3, Mat4, Vec3};
-use lobe_core::Sphere;
+use lobe_core::{Sphere, scales_evenly};
 use scene::motion::{Body, BoundSphere, Mover, Origins, Placement};
 use scene::{Mesh, Object, Proxy, Scene, SceneError, Shape, Strategy, Terminator};
 use std::collections::HashMap;
@@ -87,11 +87,8 @@ pub(crate) fn read_object<'s>(
     let round = matches!(geometry, Geometry::Spheres(_)) || matches!(proxy, Some(Proxy::Spheres(_)));
     let placement = stand.placement(keys, origins, round)?;
     let matrix = placement.at(0.0);
-    let normals = match (wish, shape) {
-        (Some(wish), _) => (wish, true),
-        (None, "box") => (Normals::default(), false),
-        (None, _) => (context.normals, false),
-    };
+    let of_kind = if shape == "box" { Normals::default() } else { context.normals };
+    let normals = (wish.unwrap_or(of_kind), wish.is_some());
     let mut common = Common {
         name,
         material,
@@ -119,15 +116,10 @@ pub(crate) fn read_object<'s>(
 impl Common<'_> {
     /// A uniform scale: all that spheres can follow.
     fn scale(&self) -> Result<f32, SceneError> {
-        let matrix = &self.matrix;
-        let scales = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|a| a.truncate().length());
-        let skew = [(0, 1), (1, 2), (2, 0)]
-            .iter()
-            .any(|&(i, j)| matrix.col(i).truncate().dot(matrix.col(j).truncate()).abs() > 1e-4 * scales[i] * scales[j]);
-        let uneven = scales.iter().any(|s| (s - scales[0]).abs() > 1e-4 * scales[0]);
+        let axis = self.matrix.x_axis.truncate();
         match self.place.or(self.proxy_key) {
-            Some(place) if skew || uneven => Err(place.error(UNEVEN)),
-            _ => Ok(scales[0]),
+            Some(place) if !scales_evenly(&self.matrix, axis.as_dvec3().length(), 1e-4) => Err(place.error(UNEVEN)),
+            _ => Ok(axis.length()),
         }
     }
 

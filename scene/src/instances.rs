@@ -79,10 +79,7 @@ impl Instances {
                 places.len()
             )));
         }
-        let bounds = places.iter().fold(Bounds::EMPTY, |all, matrix| {
-            let corners = mesh.triangles.iter().flatten().map(|i| matrix.transform_point3(mesh.positions[*i as usize]));
-            corners.fold(all, Bounds::with_point)
-        });
+        let bounds = places.iter().fold(Bounds::EMPTY, |all, matrix| all.union(mesh.bounds_at(matrix)));
         if bounds.min.abs().max(bounds.max.abs()).max_element() > MAX_COORDINATE {
             return Err(SceneError::invalid("places lie beyond ±1e9"));
         }

@@ -34,6 +34,20 @@ impl Mesh {
             .fold(Bounds::EMPTY, |b, &p| b.with_point(p))
     }
 
+    /// The smallest box that holds all vertices that a triangle uses, moved by an affine matrix, each rounded as
+    /// [`Mat4::transform_point3`] rounds it. Linear in the triangles.
+    ///
+    /// ```
+    /// use scene::{Mesh, glam::{Mat4, Vec3}};
+    /// let cube = Mesh::cuboid(Vec3::ZERO, Vec3::ONE);
+    /// assert_eq!(cube.bounds_at(&Mat4::from_scale(Vec3::splat(-2.0))).min, Vec3::splat(-1.0));
+    /// ```
+    #[must_use]
+    pub fn bounds_at(&self, matrix: &Mat4) -> Bounds {
+        let vertices = self.triangles.iter().flatten().filter_map(|&i| self.positions.get(i as usize));
+        vertices.fold(Bounds::EMPTY, |b, &p| b.with_point(matrix.transform_point3(p)))
+    }
+
     /// Sum of the triangles' areas.
     #[must_use]
     pub fn area(&self) -> f64 {

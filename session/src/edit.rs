@@ -50,51 +50,37 @@ impl Edit {
     /// # Errors
     /// Those of the renderer's own edits; nothing has changed then.
     pub fn apply(self, renderer: &mut Renderer) -> Result<Self, RenderError> {
-        let scene = renderer.scene();
         match self {
-            Self::Light(handle, light) => {
-                let before = renderer.lights().find(|(known, _)| *known == handle).map(|(_, light)| light.clone());
-                renderer.set_light(handle, (*light).clone())?;
-                Ok(Self::Light(handle, before.map_or(light, Box::new)))
-            }
+            Self::Light(handle, light) => Self::set_light(renderer, handle, light),
             Self::Transform(handle, matrix) => {
                 let before = renderer.transform(handle).unwrap_or(Mat4::IDENTITY);
                 renderer.set_transform(handle, matrix)?;
                 Ok(Self::Transform(handle, before))
             }
-            Self::Material(handle, material, surface) => {
-                let place = renderer.materials().position(|(known, _)| known == handle);
-                let before = place.map(|place| {
-                    let surface = scene.surfaces.get(place).cloned().unwrap_or_default();
-                    (scene.materials[place].clone(), Box::new(surface))
-                });
-                renderer.set_material(handle, material.clone(), (*surface).clone())?;
-                let (material, surface) = before.unwrap_or((material, surface));
-                Ok(Self::Material(handle, material, surface))
-            }
+            Self::Material(handle, material, surface) => Self::set_material(renderer, handle, material, surface),
             Self::MaterialOf(handle, material) => {
-                let number = renderer.objects().find(|(known, _)| *known == handle).map(|(_, object)| object.material);
+                let number = object(renderer, handle).map(|object| object.material);
                 let before = number.and_then(|number| renderer.materials().nth(number)).map(|(handle, _)| handle);
                 renderer.set_object_material(handle, material)?;
                 Ok(Self::MaterialOf(handle, before.unwrap_or(material)))
             }
             Self::Strategy(handle, strategy) => {
-                let before = renderer.objects().find(|(known, _)| *known == handle).and_then(|(_, o)| o.strategy);
+                let before = object(renderer, handle).and_then(|object| object.strategy);
                 renderer.set_object_strategy(handle, strategy)?;
                 Ok(Self::Strategy(handle, before))
             }
             Self::Visible(handle, visible) => {
-                let before = renderer.objects().find(|(known, _)| *known == handle).map(|(_, object)| object.visible);
+                let before = object(renderer, handle).map(|object| object.visible);
                 renderer.set_visible(handle, visible)?;
                 Ok(Self::Visible(handle, before.unwrap_or(visible)))
             }
             Self::Camera(camera) => {
-                let before = scene.camera;
+                let before = renderer.scene().camera;
                 renderer.set_camera(camera)?;
                 Ok(Self::Camera(before))
             }
             Self::Size(width, height) => {
-                let before = Self::Size(scene.width, scene.height);
+                let before = Self::Size(renderer.scene().width, renderer.scene().height);
                 renderer.set_size(width, height)?;
                 Ok(before)
             }
@@ -120,21 +106,47 @@ impl Edit {
                 renderer.put_object(&taken)?;
                 Ok(Self::TakeObject(taken.handle()))
             }
-            Self::All(edits) => {
-                let mut inverses = Vec::with_capacity(edits.len());
-                for edit in edits {
-                    match edit.apply(renderer) {
-                        Ok(inverse) => inverses.push(inverse),
-                        Err(error) => {
-                            inverses.into_iter().rev().try_for_each(|inverse| inverse.apply(renderer).map(drop))?;
-                            return Err(error);
-                        }
-                    }
+            Self::All(edits) => Self::apply_all(renderer, edits),
+        }
+    }
+
+    fn set_light(renderer: &mut Renderer, handle: LightHandle, light: Box<Light>) -> Result<Self, RenderError> {
+        let before = renderer.lights().find(|(known, _)| *known == handle).map(|(_, light)| light.clone());
+        renderer.set_light(handle, (*light).clone())?;
+        Ok(Self::Light(handle, before.map_or(light, Box::new)))
+    }
+
+    fn set_material(
+        renderer: &mut Renderer,
+        handle: MaterialHandle,
+        material: Material,
+        surface: Box<Surface>,
+    ) -> Result<Self, RenderError> {
+        let scene = renderer.scene();
+        let place = renderer.materials().position(|(known, _)| known == handle);
+        let before = place.map(|place| {
+            let surface = scene.surfaces.get(place).cloned().unwrap_or_default();
+            (scene.materials[place].clone(), Box::new(surface))
+        });
+        renderer.set_material(handle, material.clone(), (*surface).clone())?;
+        let (material, surface) = before.unwrap_or((material, surface));
+        Ok(Self::Material(handle, material, surface))
+    }
+
+    /// Makes changes one after the other; takes those before back where one fails.
+    fn apply_all(renderer: &mut Renderer, edits: Vec<Self>) -> Result<Self, RenderError> {
+        let mut inverses = Vec::with_capacity(edits.len());
+        for edit in edits {
+            match edit.apply(renderer) {
+                Ok(inverse) => inverses.push(inverse),
+                Err(error) => {
+                    inverses.into_iter().rev().try_for_each(|inverse| inverse.apply(renderer).map(drop))?;
+                    return Err(error);
                 }
-                inverses.reverse();
-                Ok(Self::All(inverses))
             }
         }
+        inverses.reverse();
+        Ok(Self::All(inverses))
     }
 
     /// Whether the other one changes the same thing, so that both together are one step.
@@ -150,4 +162,8 @@ impl Edit {
             _ => false,
         }
     }
+}
+
+fn object(renderer: &Renderer, handle: ObjectHandle) -> Option<&Object> {
+    renderer.objects().find(|(known, _)| *known == handle).map(|(_, object)| object)
 }

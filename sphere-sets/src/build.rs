@@ -109,67 +109,115 @@ impl<'a> Builder<'a> {
         if self.views.1 != size {
             self.views = (views(&self.surface.triangles, size), size);
         }
-        let views = &self.views.0;
         report(0.15)?;
         let mut random = Random::new(options.seed);
         let places = self.solid.scatter(self.tree, 2 * PLACES, &mut random);
-        // Smaller spheres want smaller steps: with 512, steps of the size that is right for 64 double the error.
-        let scale = (64.0 / options.count as f32).min(1.0);
-        let rates = |first: f32, last: f32| [first * scale, last * scale];
-        let mut goal = Goal::new(views, &self.solid, options.count);
+        let mut goal = Goal::new(&self.views.0, &self.solid, options.count);
         if options.bounding {
             // Spheres that must hold the surface start better from outlines alone.
             (goal.soft, goal.bulge) = (0.0, 0.0);
         }
         // Few rounds are requested where time matters: 200 and 300 steps with 40.
         let effort = options.rounds.min(40) as usize;
+        let rates = |first, last| rates(options.count, first, last);
         descend(&goal, &mut spheres, 80 + 3 * effort, rates(0.004, 0.0006), &mut random, &mut || report(0.15))?;
-        let mut best = goal.error(&spheres);
-        let mut history = vec![best];
-        let (steps, rate) = swap_descent(options.count);
-        let cycle = cycle(options.count).min(options.rounds);
-        // The start of the next exchanges. It may be worse than the best for a while after random removals.
-        let (mut walk, mut reached) = (spheres.clone(), best);
+        let mut search = Search::new(&goal, &places, options, spheres, random);
         for round in 0..options.rounds {
             let done = 0.2 + 0.65 * round as f32 / options.rounds as f32;
             report(done)?;
-            // A box is soon as good as it gets: exchanges that bring little are not gone on with.
-            let pays = |since: usize, gain: f32| history.len() <= since + 2 || best < (1.0 - gain) * history[since];
-            if !pays(history.len().saturating_sub(WINDOW + 1), 0.02) && !pays(0, 0.15) {
+            if !search.pays() {
                 break;
             }
-            let left = 1.0 - (round % cycle) as f32 / cycle as f32;
-            let by_chance = round > 0 && round % cycle == 0;
-            let mut trial = if by_chance { spheres.clone() } else { walk.clone() };
-            if by_chance {
-                take_any(&mut trial, (1.5 * (options.count as f32).sqrt()) as usize, &mut random);
-            } else {
-                let moved = ((0.04 + 0.11 * left) * options.count as f32 + 2.0 * left).ceil() as usize;
-                take_out(views, &mut trial, moved, &mut random);
-            }
-            let missing = options.count - trial.len();
-            let from = random.below(places.len() - PLACES.min(places.len()) + 1);
-            let some = &places[from..(from + PLACES).min(places.len())];
-            insert(views, &mut trial, some, missing, &mut random);
-            descend(&goal, &mut trial, steps, rates(rate, 0.0004), &mut random, &mut || report(done))?;
-            let found = goal.error(&trial);
-            if found < best {
-                best = found;
-                spheres.clone_from(&trial);
-            }
-            if by_chance || found < reached {
-                (walk, reached) = (trial, found);
-            }
-            history.push(best);
+            search.exchange(round, &mut || report(done))?;
         }
         report(0.85)?;
+        let Search { best: mut spheres, error, mut random, .. } = search;
         let mut trial = spheres.clone();
         descend(&goal, &mut trial, 60 + 6 * effort, rates(0.001, 0.0001), &mut random, &mut || report(0.85))?;
-        if goal.error(&trial) < best {
+        if goal.error(&trial) < error {
             spheres = trial;
         }
         report(0.95)?;
         Ok(spheres)
+    }
+}
+
+/// The lengths of the first and the last step of a descent. Smaller spheres want smaller steps: with 512, steps of the size that is right for
+/// 64 double the error.
+fn rates(count: usize, first: f32, last: f32) -> [f32; 2] {
+    let scale = (64.0 / count as f32).min(1.0);
+    [first * scale, last * scale]
+}
+
+/// Rounds of exchanges: some spheres are taken out, as many put in elsewhere, and all descend.
+struct Search<'a> {
+    goal: &'a Goal<'a>,
+    /// Places for spheres that are put in.
+    places: &'a [Vec4],
+    options: &'a BuildOptions,
+    best: Vec<Vec4>,
+    error: f32,
+    /// The error after each round, beginning with that before the first.
+    history: Vec<f32>,
+    /// The start of the next exchanges, and its error. It may be worse than the best for a while after random removals.
+    walk: (Vec<Vec4>, f32),
+    random: Random,
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        goal: &'a Goal<'a>,
+        places: &'a [Vec4],
+        options: &'a BuildOptions,
+        spheres: Vec<Vec4>,
+        random: Random,
+    ) -> Self {
+        let error = goal.error(&spheres);
+        let walk = (spheres.clone(), error);
+        Self { goal, places, options, best: spheres, error, history: vec![error], walk, random }
+    }
+
+    /// Whether another round pays. A box is soon as good as it gets: exchanges that bring little are not gone on with.
+    fn pays(&self) -> bool {
+        let Self { history, error, .. } = self;
+        let pays = |since: usize, gain: f32| history.len() <= since + 2 || *error < (1.0 - gain) * history[since];
+        pays(history.len().saturating_sub(WINDOW + 1), 0.02) || pays(0, 0.15)
+    }
+
+    /// One round.
+    fn exchange(
+        &mut self,
+        round: u32,
+        before_each: &mut dyn FnMut() -> Result<(), BuildError>,
+    ) -> Result<(), BuildError> {
+        let Self { goal, places, random, .. } = self;
+        let (views, count) = (goal.views, self.options.count);
+        let cycle = cycle(count).min(self.options.rounds);
+        let left = 1.0 - (round % cycle) as f32 / cycle as f32;
+        let by_chance = round > 0 && round.is_multiple_of(cycle);
+        let mut trial = if by_chance { self.best.clone() } else { self.walk.0.clone() };
+        if by_chance {
+            take_any(&mut trial, (1.5 * (count as f32).sqrt()) as usize, random);
+        } else {
+            let moved = ((0.04 + 0.11 * left) * count as f32 + 2.0 * left).ceil() as usize;
+            take_out(views, &mut trial, moved, random);
+        }
+        let missing = count - trial.len();
+        let from = random.below(places.len() - PLACES.min(places.len()) + 1);
+        let some = &places[from..(from + PLACES).min(places.len())];
+        insert(views, &mut trial, some, missing, random);
+        let (steps, rate) = swap_descent(count);
+        descend(goal, &mut trial, steps, rates(count, rate, 0.0004), random, before_each)?;
+        let found = goal.error(&trial);
+        if found < self.error {
+            self.error = found;
+            self.best.clone_from(&trial);
+        }
+        if by_chance || found < self.walk.1 {
+            self.walk = (trial, found);
+        }
+        self.history.push(self.error);
+        Ok(())
     }
 }
 

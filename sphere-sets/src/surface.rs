@@ -160,6 +160,46 @@ fn remove_repeats(faces: &mut Vec<[(u32, u32); 3]>) {
 /// Orients the triangles of each patch (joined by edges of exactly two triangles) alike, and the patch so that it
 /// encloses a positive volume; a flat patch so that it faces away from the mesh's centre.
 fn turn_alike(vertices: &[Vec3], faces: &mut [[(u32, u32); 3]]) {
+    let neighbours = neighbours(faces);
+    let corners = |t: usize| faces[t].map(|(i, _)| vertices[i as usize].as_dvec3());
+    let mut mean = DVec3::ZERO;
+    for t in 0..faces.len() {
+        mean += corners(t).iter().sum::<DVec3>();
+    }
+    mean /= 3.0 * faces.len() as f64;
+
+    let mut turned: Vec<Option<bool>> = vec![None; faces.len()];
+    for seed in 0..faces.len() {
+        if turned[seed].is_some() {
+            continue;
+        }
+        turned[seed] = Some(false);
+        let mut patch = vec![seed];
+        let mut next = 0;
+        while let Some(&t) = patch.get(next) {
+            next += 1;
+            for (other, flip) in neighbours[t].iter().flatten() {
+                if turned[*other].is_none() {
+                    turned[*other] = turned[t].map(|own| own ^ flip);
+                    patch.push(*other);
+                }
+            }
+        }
+        let of_patch = patch.iter().map(|&t| (corners(t), turned[t] == Some(true)));
+        let inside_out = is_inside_out(of_patch, patch.len(), mean);
+        for &t in &patch {
+            turned[t] = turned[t].map(|own| own ^ inside_out);
+        }
+    }
+    for (face, turned) in faces.iter_mut().zip(turned) {
+        if turned == Some(true) {
+            face.swap(1, 2);
+        }
+    }
+}
+
+/// The neighbours of each triangle across edges of two triangles, and whether one of both has to be turned.
+fn neighbours(faces: &[[(u32, u32); 3]]) -> Vec<[Option<(usize, bool)>; 3]> {
     // (edge, triangle, whether the triangle runs along the edge from the smaller number to the larger)
     let mut edges: Vec<((u32, u32), usize, bool)> = Vec::with_capacity(faces.len() * 3);
     for (t, face) in faces.iter().enumerate() {
@@ -181,50 +221,22 @@ fn turn_alike(vertices: &[Vec3], faces: &mut [[(u32, u32); 3]]) {
             link(b, a, along_a == along_b);
         }
     }
-    let corners = |face: [(u32, u32); 3]| face.map(|(i, _)| vertices[i as usize].as_dvec3());
-    let mut mean = DVec3::ZERO;
-    for face in faces.iter() {
-        mean += corners(*face).iter().sum::<DVec3>();
-    }
-    mean /= 3.0 * faces.len() as f64;
+    neighbours
+}
 
-    let mut turned: Vec<Option<bool>> = vec![None; faces.len()];
-    for seed in 0..faces.len() {
-        if turned[seed].is_some() {
-            continue;
-        }
-        turned[seed] = Some(false);
-        let mut patch = vec![seed];
-        let mut next = 0;
-        while let Some(&t) = patch.get(next) {
-            next += 1;
-            for (other, flip) in neighbours[t].iter().flatten() {
-                if turned[*other].is_none() {
-                    turned[*other] = turned[t].map(|own| own ^ flip);
-                    patch.push(*other);
-                }
-            }
-        }
-        let signed = |t: usize| if turned[t] == Some(true) { -1.0 } else { 1.0 };
-        let centroid =
-            patch.iter().map(|&t| corners(faces[t]).iter().sum::<DVec3>()).sum::<DVec3>() / (3.0 * patch.len() as f64);
-        let (mut volume, mut area, mut vector_area) = (0.0, 0.0, DVec3::ZERO);
-        for &t in &patch {
-            let [a, b, c] = corners(faces[t]).map(|p| p - centroid);
-            volume += signed(t) * a.dot(b.cross(c)) / 6.0;
-            let normal = (b - a).cross(c - a) * 0.5;
-            vector_area += normal * signed(t);
-            area += normal.length();
-        }
-        let flat = volume.abs() < 1e-6 * area * area.sqrt();
-        let inside_out = if flat { vector_area.dot(centroid - mean) < 0.0 } else { volume < 0.0 };
-        for &t in &patch {
-            turned[t] = turned[t].map(|own| own ^ inside_out);
-        }
+/// Whether a patch of triangles, each with whether it is turned, has a negative volume, or, if it is flat, faces the middle of the mesh.
+fn is_inside_out(patch: impl Iterator<Item = ([DVec3; 3], bool)> + Clone, count: usize, mean: DVec3) -> bool {
+    let centroid =
+        patch.clone().map(|(corners, _)| corners.iter().sum::<DVec3>()).sum::<DVec3>() / (3.0 * count as f64);
+    let (mut volume, mut area, mut vector_area) = (0.0, 0.0, DVec3::ZERO);
+    for (corners, is_turned) in patch {
+        let sign = if is_turned { -1.0 } else { 1.0 };
+        let [a, b, c] = corners.map(|p| p - centroid);
+        volume += sign * a.dot(b.cross(c)) / 6.0;
+        let normal = (b - a).cross(c - a) * 0.5;
+        vector_area += normal * sign;
+        area += normal.length();
     }
-    for (face, turned) in faces.iter_mut().zip(turned) {
-        if turned == Some(true) {
-            face.swap(1, 2);
-        }
-    }
+    let flat = volume.abs() < 1e-6 * area * area.sqrt();
+    if flat { vector_area.dot(centroid - mean) < 0.0 } else { volume < 0.0 }
 }

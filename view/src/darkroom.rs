@@ -33,7 +33,7 @@ impl Order {
 /// A picture for the screen.
 #[derive(Clone, Debug)]
 pub(crate) struct Print {
-    /// The one that it shows: the session may have made a newer one since.
+    /// The picture that it shows: the session may have made a newer one since.
     pub(crate) picture: Arc<Picture>,
     pub(crate) image: Sheet,
     /// The reference beside it, where that is to be seen and is there.

@@ -45,7 +45,9 @@
 //! assert!((fraction - 0.5).abs() < 0.01);
 //! ```
 
+mod accuracy;
 mod bits;
+mod blockers;
 mod contour;
 mod counts;
 mod dyn_blockers;
@@ -56,6 +58,7 @@ mod fineness;
 pub mod hooks;
 mod lanes;
 mod mask;
+mod mask_lobes;
 mod mixture;
 mod moments;
 mod near_masks;
@@ -75,17 +78,18 @@ mod visible_fraction;
 pub mod wgsl;
 mod window_masks;
 
+pub use crate::accuracy::fill_factor;
+pub use crate::blockers::Blockers;
 pub use crate::contour::Contour;
 pub use crate::dyn_blockers::{DynBlockers, DynMixture};
 pub use crate::edges::Edges;
 pub use crate::facet::facet_coverage;
 pub use crate::fineness::Fineness;
 pub use crate::mask::Mask;
+pub use crate::mask_lobes::{MaskLobes, MaskLobesScratch};
 pub use crate::mixture::{Mixture, MixtureScratch};
 pub use crate::raster::{LitBounds, Raster};
 pub use crate::row::{EightRows, MAX_DEPTH};
 pub use crate::square::UnitSquare;
-pub use crate::visibility::{
-    Blockers, LookAgain, MaskLobes, MaskLobesScratch, MaskScratch, MaskVisibility, fill_factor,
-};
+pub use crate::visibility::{LookAgain, MaskScratch, MaskVisibility};
 pub use glam;

@@ -1,7 +1,7 @@
 //! Windows against the lobe's weight outside of them, in f64.
 
 use crate::UnitSquare;
-use crate::visibility::zoom_sigmas;
+use crate::accuracy::zoom_sigmas;
 use glam::{DVec3, Vec2, Vec3};
 use lobe_core::oracle::Random;
 use lobe_core::{Cone, Lobe};

@@ -1,112 +1,19 @@
+use crate::accuracy::{CROWDED, crowding, depth, evenly, tolerance, zoom_sigmas};
 use crate::contour;
 use crate::counts::Counts;
-use crate::quadtree_cut::{QuadtreeCut, QuadtreeMoments};
 use crate::spread::{Spread, along};
-use crate::square::WIDEST_TAN;
 use crate::window_masks::{WindowMasks, image_fractions, microfacet_fractions};
-use crate::{Edges, Fineness, MAX_DEPTH, Mask, UnitSquare};
-use glam::{UVec2, Vec2, Vec3};
-use lobe_core::{
-    BrdfLobe, Cone, LightImage, Lobe, Microfacets, Outline, Receiver, Schlick, Sphere, VisibilitySum, is_lambert,
-};
-use shading::{Accuracy, Coverage, Shaft, Visibility, VisibilityLobes, VisibilityQuery};
+use crate::{Blockers, Edges, Fineness, MAX_DEPTH, Mask, MaskLobes, UnitSquare};
+use glam::{UVec2, Vec3};
+use lobe_core::{BrdfLobe, Cone, LightImage, Lobe, Microfacets, Outline, Receiver, Schlick, Sphere, is_lambert};
+use shading::{Coverage, Shaft, Visibility, VisibilityQuery};
 
 /// A lobe whose logarithm falls by more than this over a radius of the light has masks as fine as a narrow one: otherwise a few
 /// samples would carry its visible fraction, and each would be noticeable as it comes or goes.
 pub(crate) const STEEP: f32 = 1.0;
 
-/// A flat light that fills at least 1/FILLED of its circle has a mask like any other.
-const FILLED: f32 = 3.0;
-
 /// A mask of a wider light than this (1 − cos θ) is turned as one of this width.
 pub(crate) const WIDE: f32 = 0.6;
-
-/// The crowding from which on there are more samples (the solid angle of samples in the middle of the light over their mean):
-/// lights of 65° and more. Masks are deeper from there on, and once more from four times that, 79°.
-pub(crate) const CROWDED: f32 = 4.0;
-
-/// Blockers of light that can be rasterised: the interface of a visibility strategy.
-///
-/// [`MaskVisibility`] makes a [`Visibility`] of them: masks, cuts and lobes are the same for all strategies.
-///
-/// ```
-/// use glam::Vec3;
-/// use visibility_mask::{Blockers, Mask, MaskVisibility};
-/// use shading::{Coverage, VisibilityQuery};
-///
-/// /// Hides everything to the left of the light's middle.
-/// struct Curtain;
-///
-/// impl Blockers for Curtain {
-///     type Scratch = ();
-///     fn scratch(&self) {}
-///     fn select(&self, _: &VisibilityQuery<'_>, _: &mut ()) -> Coverage {
-///         Coverage::Partial
-///     }
-///     fn splat(&self, _: &VisibilityQuery<'_>, _: &mut (), mask: &mut Mask) {
-///         for row in 0..mask.side() {
-///             mask.block_span(row, f32::NEG_INFINITY, 0.0);
-///         }
-///     }
-/// }
-///
-/// let strategy = MaskVisibility::new(Curtain); // a shading::Visibility
-/// # let _ = strategy;
-/// ```
-pub trait Blockers: Sync {
-    /// Working memory, one a thread.
-    type Scratch: Send;
-
-    /// New working memory.
-    fn scratch(&self) -> Self::Scratch;
-
-    /// Called before a group of receivers and one light: all following receivers are inside `shaft` until the next call.
-    /// [`Coverage::Lit`] means that no receiver meets a blocker, as [`select`](Self::select) would return for each, except for the
-    /// facets of receivers whose shading normal differs from the facet's.
-    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
-        let _ = (shaft, scratch);
-        Coverage::Partial
-    }
-
-    /// The width of the narrowest penumbra on a part of the group: see [`Visibility::narrowest_penumbra`]. Provided: 0, not known.
-    fn narrowest_penumbra(&self, at: &Receiver, part: Sphere, scratch: &mut Self::Scratch) -> f32 {
-        let _ = (at, part, scratch);
-        0.0
-    }
-
-    /// Finds the blockers that may meet this receiver's light cone. [`Coverage::Lit`] if there are none, [`Coverage::Dark`] if a
-    /// single one hides the whole light; no mask is drawn in either case.
-    fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage;
-
-    /// Adds the edges across the light, so that masks are turned in the direction in which most of them are exact. Add none if
-    /// their directions do not matter to [`splat`](Self::splat). Call it only after [`select`](Self::select) of the same query.
-    fn edges(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, edges: &mut Edges) {
-        let _ = (query, scratch, edges);
-    }
-
-    /// The direction across which most of these edges run. Provided.
-    fn across(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch) -> Vec3 {
-        let mut edges = Edges::new(query.cone);
-        self.edges(query, scratch, &mut edges);
-        edges.across()
-    }
-
-    /// Two corners of a box in the plane that contains all edges in a window, if known: samples may be wrong only there. Call it
-    /// only after [`splat`](Self::splat) of the same query. Provided: `None`.
-    fn edge_bounds(
-        &self,
-        query: &VisibilityQuery<'_>,
-        scratch: &Self::Scratch,
-        window: &UnitSquare,
-    ) -> Option<[Vec2; 2]> {
-        let _ = (query, scratch, window);
-        None
-    }
-
-    /// Blocks cells of the mask, whose window is any part of the receiver's unit square. Call it only after
-    /// [`select`](Self::select) of the same query.
-    fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask);
-}
 
 /// Where masks are drawn again around the lit part of a light that is so small that few samples measure its size.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -165,7 +72,7 @@ impl<B: Blockers> MaskVisibility<B> {
     /// The same blockers with visibility as lobes.
     #[must_use]
     pub fn with_lobes(self) -> MaskLobes<B> {
-        MaskLobes { masks: Self { is_single: true, ..self } }
+        MaskLobes::of(Self { is_single: true, ..self })
     }
 
     /// The direction across the edges of the blockers and, if it cuts the light, of the horizon.
@@ -267,7 +174,12 @@ impl<B: Blockers> MaskVisibility<B> {
 
     /// Whether the lobe has masks of its own, `scratch.own`, which are then drawn; otherwise it uses those of the whole light,
     /// `scratch.full`.
-    fn draw_own(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, scratch: &mut MaskScratch<B::Scratch>) -> bool {
+    pub(crate) fn draw_own(
+        &self,
+        query: &VisibilityQuery<'_>,
+        brdf: &Lobe,
+        scratch: &mut MaskScratch<B::Scratch>,
+    ) -> bool {
         let whole = scratch.full.window();
         let Some(square) = self.window(query, brdf, whole, &scratch.blockers) else { return false };
         let is_whole = square == *whole;
@@ -371,8 +283,8 @@ impl<B: Blockers> MaskVisibility<B> {
 #[derive(Clone, Debug)]
 pub struct MaskScratch<S> {
     blockers: S,
-    full: WindowMasks,
-    own: WindowMasks,
+    pub(crate) full: WindowMasks,
+    pub(crate) own: WindowMasks,
     /// Whether `own` shows the whole light of the query.
     is_whole: bool,
     counts: [Counts; 2],
@@ -446,62 +358,6 @@ impl<B: Blockers> Visibility for MaskVisibility<B> {
     }
 }
 
-/// The same masks with visibility as a sum of lobes, cut from the mask's quad-tree ([`MaskVisibility`] describes both methods).
-#[derive(Clone, Copy, Debug)]
-pub struct MaskLobes<B> {
-    masks: MaskVisibility<B>,
-}
-
-/// Working memory of [`MaskLobes`].
-#[derive(Clone, Debug)]
-pub struct MaskLobesScratch<S> {
-    masks: MaskScratch<S>,
-    cut: QuadtreeMoments,
-    sum: VisibilitySum,
-}
-
-impl<B: Blockers> Visibility for MaskLobes<B> {
-    type Scratch = MaskLobesScratch<B::Scratch>;
-
-    fn scratch(&self) -> Self::Scratch {
-        MaskLobesScratch { masks: self.masks.scratch(), cut: QuadtreeMoments::default(), sum: VisibilitySum::default() }
-    }
-
-    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
-        self.masks.enter(shaft, &mut scratch.masks)
-    }
-
-    fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
-        self.masks.coverage(query, &mut scratch.masks)
-    }
-
-    /// The fraction of the [lobes](VisibilityLobes::lobes), by closed products.
-    fn fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, unshadowed: f32, scratch: &mut Self::Scratch) -> Vec3 {
-        let mut sum = core::mem::take(&mut scratch.sum);
-        let fraction = self.fraction_of_lobes(query, brdf, unshadowed, scratch, &mut sum);
-        scratch.sum = sum;
-        fraction
-    }
-}
-
-impl<B: Blockers> VisibilityLobes for MaskLobes<B> {
-    fn lobes(
-        &self,
-        query: &VisibilityQuery<'_>,
-        brdf: &Lobe,
-        unshadowed: f32,
-        scratch: &mut Self::Scratch,
-        out: &mut VisibilitySum,
-    ) {
-        out.clear(0.0);
-        let own = self.masks.draw_own(query, brdf, &mut scratch.masks);
-        let masks = if own { &scratch.masks.own } else { &scratch.masks.full };
-        let [mask] = masks.masks() else { return };
-        scratch.cut.build(mask);
-        QuadtreeCut::new(mask, &scratch.cut, query.at, brdf, unshadowed, query.accuracy.tolerance).write(out);
-    }
-}
-
 /// A fraction that is the same in all channels, in `[0, 1]`.
 fn unit(fraction: f32) -> Vec3 {
     Vec3::splat(fraction.clamp(0.0, 1.0))
@@ -518,44 +374,4 @@ fn toward_middle(outline: &Outline, cone: &Cone) -> Cone {
         return *cone;
     }
     Cone { axis: outline.middle().normalize_or(cone.axis), one_minus_cos: cone.one_minus_cos.min(WIDE), ..*cone }
-}
-
-/// The tolerance of a light that fills its window with equal samples: a long light has few of the window's samples, a wide one few
-/// that count.
-fn tolerance(query: &VisibilityQuery<'_>) -> f32 {
-    evenly(query) * (2.0 * CROWDED / crowding(query)).min(1.0)
-}
-
-/// The same if samples count alike.
-fn evenly(query: &VisibilityQuery<'_>) -> f32 {
-    let fill =
-        |outline: &Outline| if along(outline, Vec3::X).is_some() { 1.0 } else { fill_factor(outline.roundness()) };
-    query.accuracy.tolerance * query.outline.map_or(1.0, fill)
-}
-
-/// The fill factor of a mask: masks of a flat light with a [roundness](Outline::roundness) are drawn for this fraction of the
-/// tolerance.
-#[must_use]
-pub fn fill_factor(roundness: f32) -> f32 {
-    (FILLED * roundness).min(1.0)
-}
-
-/// The solid angle of samples in the middle of a round light over their mean, since samples are even on a plane in front of it:
-/// `tan²θ/2(1 − cos θ) = (1 + cos θ)/2cos²θ`.
-fn crowding(query: &VisibilityQuery<'_>) -> f32 {
-    if query.outline.is_some() {
-        return 1.0;
-    }
-    let cos = (1.0 - query.cone.one_minus_cos).max(1.0 / WIDEST_TAN);
-    (1.0 + cos) / (2.0 * cos * cos)
-}
-
-/// The depth of an accuracy.
-fn depth(accuracy: Accuracy) -> u32 {
-    accuracy.depth.clamp(1, MAX_DEPTH)
-}
-
-/// The reach of a lobe's own window, in its standard deviations: `√(2 ln(2/τ))` leaves less than half the tolerance outside.
-pub(crate) fn zoom_sigmas(tolerance: f32) -> f32 {
-    (2.0 * (2.0 / tolerance.clamp(1e-6, 0.5)).ln()).sqrt()
 }

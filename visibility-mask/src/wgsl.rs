@@ -6,7 +6,9 @@
 
 use crate::row::{COARSE, WIDTH};
 use crate::sky::{SkyResolution, buffer, meridians, pole, spread, view};
-use crate::{Fineness, MAX_DEPTH, contour, edges, fineness, near_masks, square, visibility, visible_fraction};
+use crate::{
+    Fineness, MAX_DEPTH, accuracy, contour, edges, fineness, near_masks, square, visibility, visible_fraction,
+};
 use lobe_core::wgsl::{self as lobes, Piece};
 use lobe_core::wgsl_numbers;
 use shading::Accuracy;
@@ -125,7 +127,7 @@ static NEAR: Piece = Piece::new(include_str!("near.wgsl"))
     .needs(&[&MASK, &TOTAL]);
 /// Masks of blockers. Needs `blockers_edges` and `blockers_splat`, and what [`FRACTION`] needs.
 pub static VISIBILITY: Piece = Piece::new(include_str!("visibility.wgsl"))
-    .numbers(wgsl_numbers![CROWDED = visibility::CROWDED, COARSE = fineness::COARSE, FINEST = Accuracy::FINEST,])
+    .numbers(wgsl_numbers![CROWDED = accuracy::CROWDED, COARSE = fineness::COARSE, FINEST = Accuracy::FINEST,])
     .needs(&[&EDGES, &FRACTION, &NEAR]);
 
 static LAMBERT_WEIGHTS: Piece = Piece::new(include_str!("fraction_lambert.wgsl"))

@@ -172,23 +172,20 @@ fn main() {
     }
 }
 
-fn measure(mesh: &Mesh, resolutions: &[u32]) {
-    let Some(bounds) = ReceiverBounds::of(mesh.positions.iter().copied()) else { return };
-    let (center, diagonal) = (0.5 * (bounds.min + bounds.max), (bounds.max - bounds.min).length());
-    let (sin, cos) = mesh.elevation.to_radians().sin_cos();
-    let direction = Vec3::new(0.6 * cos, sin, 0.8 * cos);
-    let rays = Rays::new(mesh);
-    let mut random = Random::new(1);
-    let floor = bounds.min.y;
-    let shadow = center - direction * ((center.y - floor) / sin);
+/// The places on the floor around an object's shadow.
+fn on_floor(shadow: Vec3, diagonal: f32) -> Vec<Receiver> {
     let side = 44;
-    let on_floor: Vec<Receiver> = (0..side * side)
-        .map(|k| {
-            let at = |k: usize| (k as f32 + 0.5) / side as f32 * 2.0 - 1.0;
-            let position = Vec3::new(shadow.x + at(k % side) * diagonal, floor, shadow.z + at(k / side) * diagonal);
-            Receiver::on_surface(position, Vec3::Y, Vec3::Y).on_object(0)
-        })
-        .collect();
+    let receiver = |k: usize| {
+        let at = |k: usize| (k as f32 + 0.5) / side as f32 * 2.0 - 1.0;
+        let position = Vec3::new(shadow.x + at(k % side) * diagonal, shadow.y, shadow.z + at(k / side) * diagonal);
+        Receiver::on_surface(position, Vec3::Y, Vec3::Y).on_object(0)
+    };
+    (0..side * side).map(receiver).collect()
+}
+
+/// Random places on an object, even by area.
+fn on_mesh(mesh: &Mesh) -> Vec<Receiver> {
+    let mut random = Random::new(1);
     let area = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
         (b - a).cross(c - a)
@@ -198,111 +195,125 @@ fn measure(mesh: &Mesh, resolutions: &[u32]) {
         sums.push(sum + f64::from(area(t).length()));
         sum + f64::from(area(t).length())
     });
-    let on_mesh: Vec<Receiver> = (0..3000)
-        .map(|_| {
-            let pick = random.uniform() * total;
-            let t = mesh.triangles[sums.partition_point(|s| *s < pick).min(sums.len() - 1)];
-            let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
-            let (mut u, mut v) = (random.uniform() as f32, random.uniform() as f32);
-            if u + v > 1.0 {
-                (u, v) = (1.0 - u, 1.0 - v);
-            }
-            let normal = area(&t).normalize();
-            Receiver::on_surface(a + (b - a) * u + (c - a) * v, normal, normal).on_object(0)
-        })
-        .collect();
+    let mut receiver = || {
+        let pick = random.uniform() * total;
+        let t = mesh.triangles[sums.partition_point(|s| *s < pick).min(sums.len() - 1)];
+        let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
+        let (mut u, mut v) = (random.uniform() as f32, random.uniform() as f32);
+        if u + v > 1.0 {
+            (u, v) = (1.0 - u, 1.0 - v);
+        }
+        let normal = area(&t).normalize();
+        Receiver::on_surface(a + (b - a) * u + (c - a) * v, normal, normal).on_object(0)
+    };
+    (0..3000).map(|_| receiver()).collect()
+}
 
+/// A receiver that sees all of the light above its horizon, the visible fraction by rays, and whether something is near.
+struct Chosen<'a> {
+    at: &'a Receiver,
+    truth: f32,
+    is_contact: bool,
+}
+
+fn choose<'a>(rays: &Rays, receivers: &'a [Receiver], is_floor: bool, light: Sphere, diagonal: f32) -> Vec<Chosen<'a>> {
+    let chosen = |at: &'a Receiver| {
+        let cone = Cone::of_sphere(at.position, light);
+        let whole = at.normal.dot(cone.axis) > cone.sin_sq().sqrt();
+        let hidden = is_floor && rays.blocked(at.position, Vec3::Y, -1e-4 * diagonal, 0.005 * diagonal);
+        let is_contact = (0..48).any(|k| {
+            let (y, a) = ((k as f32 + 0.5) / 48.0, k as f32 * 2.4);
+            let r = (1.0 - y * y).sqrt();
+            let direction = Vec3::new(r * a.cos(), y, r * a.sin());
+            rays.blocked(at.position, direction, 1e-4 * diagonal, 0.03 * diagonal)
+        });
+        (whole && !hidden).then(|| Chosen { at, truth: truth(rays, at, light, 2e-6 * diagonal), is_contact })
+    };
+    receivers.iter().filter_map(chosen).collect()
+}
+
+fn measure(mesh: &Mesh, resolutions: &[u32]) {
+    let Some(bounds) = ReceiverBounds::of(mesh.positions.iter().copied()) else { return };
+    let (center, diagonal) = (0.5 * (bounds.min + bounds.max), (bounds.max - bounds.min).length());
+    let (sin, cos) = mesh.elevation.to_radians().sin_cos();
+    let direction = Vec3::new(0.6 * cos, sin, 0.8 * cos);
+    let rays = Rays::new(mesh);
+    let mut shadow = center - direction * ((center.y - bounds.min.y) / sin);
+    shadow.y = bounds.min.y;
+    let (on_floor, on_mesh) = (on_floor(shadow, diagonal), on_mesh(mesh));
     for degrees in [1.0_f32, 6.0, 15.0] {
-        let light = Sphere {
-            center: center + direction * (4.0 * diagonal),
-            radius: 4.0 * diagonal * degrees.to_radians().sin(),
-        };
+        let radius = 4.0 * diagonal * degrees.to_radians().sin();
+        let light = Sphere { center: center + direction * (4.0 * diagonal), radius };
         for (name, receivers) in [("floor", &on_floor), ("self", &on_mesh)] {
-            let chosen: Vec<(&Receiver, f32, bool)> = receivers
-                .iter()
-                .filter_map(|at| {
-                    let cone = Cone::of_sphere(at.position, light);
-                    let whole = at.normal.dot(cone.axis) > cone.sin_sq().sqrt();
-                    let hidden =
-                        name == "floor" && rays.blocked(at.position, Vec3::Y, -1e-4 * diagonal, 0.005 * diagonal);
-                    let near = (0..48).any(|k| {
-                        let (y, a) = ((k as f32 + 0.5) / 48.0, k as f32 * 2.4);
-                        let r = (1.0 - y * y).sqrt();
-                        rays.blocked(
-                            at.position,
-                            Vec3::new(r * a.cos(), y, r * a.sin()),
-                            1e-4 * diagonal,
-                            0.03 * diagonal,
-                        )
-                    });
-                    (whole && !hidden).then(|| (at, truth(&rays, at, light, 2e-6 * diagonal), near))
-                })
-                .collect();
+            let chosen = choose(&rays, receivers, name == "floor", light, diagonal);
+            let used = ReceiverBounds::of(receivers.iter().map(|r| r.position));
             for &resolution in resolutions {
                 for layers in if resolution == 512 && name == "floor" { 1..=4 } else { 4..=4 } {
-                    let used = ReceiverBounds::of(receivers.iter().map(|r| r.position));
                     let options = MapOptions { resolution, layers, receivers: used };
-                    let start = Instant::now();
-                    let map = match ShadowMap::build(&mesh.positions, &mesh.triangles, light, &options) {
-                        Ok(map) => map,
-                        Err(error) => {
-                            eprintln!("{error}");
-                            return;
+                    match row(mesh, light, &options, &chosen) {
+                        Ok(row) => {
+                            println!("{:>8} {name:>5} {degrees:>4}° {resolution:>5} {layers:>6} {row}", mesh.name)
                         }
-                    };
-                    let build = start.elapsed().as_secs_f64() * 1e3;
-                    let (bytes, count) = (map.bytes(), map.layers());
-                    let width = used.map_or(0.0, |b| map.advice(&b).shaft_texels);
-                    let blockers = ShadowMapBlockers::new(vec![map]);
-                    let (mut scratch, mut mask, mut errors) = (blockers.scratch(), Mask::default(), Errors::default());
-                    let (mut lit, mut pen, mut quads, mut time) = ((0, 0), (0, 0), 0, 0.0);
-                    for (at, truth, contact) in &chosen {
-                        let cone = Cone::of_sphere(at.position, light);
-                        let sphere = Sphere { center: at.position, radius: 0.0 };
-                        blockers.enter(&Shaft::new(sphere, light, LightId(0)), &mut scratch);
-                        let query = VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003));
-                        let before = scratch.counts();
-                        let mut run = |scratch: &mut ShadowMapScratch| {
-                            if blockers.select(&query, scratch) == Coverage::Partial {
-                                let square = UnitSquare::facing(&cone, blockers.across(&query, scratch));
-                                mask.reset(&square, 5, at.normal);
-                                blockers.splat(&query, scratch, &mut mask);
-                                let (all, seen) = mask.areas();
-                                seen / all
-                            } else {
-                                1.0
-                            }
-                        };
-                        let value = run(&mut scratch);
-                        let after = scratch.counts();
-                        // The fastest of five runs, since other work on the machine disturbs the time.
-                        let seconds = (0..5).map(|_| {
-                            let start = Instant::now();
-                            std::hint::black_box(run(&mut scratch));
-                            start.elapsed().as_secs_f64()
-                        });
-                        let seconds = seconds.fold(f64::INFINITY, f64::min);
-                        if value < 1.0 {
-                            time += seconds;
-                            pen = (pen.0 + after.0 - before.0, pen.1 + 1);
-                            quads += after.1 - before.1;
-                        } else {
-                            lit = (lit.0 + after.0 - before.0, lit.1 + 1);
-                        }
-                        errors.add(*truth, value, *contact);
+                        Err(error) => return eprintln!("{error}"),
                     }
-                    println!(
-                        "{:>8} {name:>5} {degrees:>4}° {resolution:>5} {layers:>6} {width:>5.0} | {} | {:4} {:5} {:5} {:6.1} | {build:6.0} {:5.1} {count}",
-                        mesh.name,
-                        errors.print(),
-                        lit.0 / lit.1.max(1),
-                        pen.0 / pen.1.max(1),
-                        quads / pen.1.max(1),
-                        1e6 * time / pen.1.max(1) as f64,
-                        bytes as f64 / 1e6
-                    );
                 }
             }
         }
     }
+}
+
+/// The errors and costs of one map, as the rest of a row.
+fn row(mesh: &Mesh, light: Sphere, options: &MapOptions, chosen: &[Chosen<'_>]) -> Result<String, String> {
+    let start = Instant::now();
+    let map = ShadowMap::build(&mesh.positions, &mesh.triangles, light, options).map_err(|error| error.to_string())?;
+    let build = start.elapsed().as_secs_f64() * 1e3;
+    let (bytes, count) = (map.bytes(), map.layers());
+    let width = options.receivers.map_or(0.0, |b| map.advice(&b).shaft_texels);
+    let blockers = ShadowMapBlockers::new(vec![map]);
+    let (mut scratch, mut mask, mut errors) = (blockers.scratch(), Mask::default(), Errors::default());
+    let (mut lit, mut pen, mut quads, mut time) = ((0, 0), (0, 0), 0, 0.0);
+    for Chosen { at, truth, is_contact } in chosen {
+        let cone = Cone::of_sphere(at.position, light);
+        let sphere = Sphere { center: at.position, radius: 0.0 };
+        blockers.enter(&Shaft::new(sphere, light, LightId(0)), &mut scratch);
+        let query = VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003));
+        let before = scratch.counts();
+        let mut run = |scratch: &mut ShadowMapScratch| {
+            if blockers.select(&query, scratch) == Coverage::Partial {
+                let square = UnitSquare::facing(&cone, blockers.across(&query, scratch));
+                mask.reset(&square, 5, at.normal);
+                blockers.splat(&query, scratch, &mut mask);
+                let (all, seen) = mask.areas();
+                seen / all
+            } else {
+                1.0
+            }
+        };
+        let value = run(&mut scratch);
+        let after = scratch.counts();
+        // The fastest of five runs, since other work on the machine disturbs the time.
+        let seconds = (0..5).map(|_| {
+            let start = Instant::now();
+            std::hint::black_box(run(&mut scratch));
+            start.elapsed().as_secs_f64()
+        });
+        let seconds = seconds.fold(f64::INFINITY, f64::min);
+        if value < 1.0 {
+            time += seconds;
+            pen = (pen.0 + after.0 - before.0, pen.1 + 1);
+            quads += after.1 - before.1;
+        } else {
+            lit = (lit.0 + after.0 - before.0, lit.1 + 1);
+        }
+        errors.add(*truth, value, *is_contact);
+    }
+    Ok(format!(
+        "{width:>5.0} | {} | {:4} {:5} {:5} {:6.1} | {build:6.0} {:5.1} {count}",
+        errors.print(),
+        lit.0 / lit.1.max(1),
+        pen.0 / pen.1.max(1),
+        quads / pen.1.max(1),
+        1e6 * time / pen.1.max(1) as f64,
+        bytes as f64 / 1e6
+    ))
 }

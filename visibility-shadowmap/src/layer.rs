@@ -330,16 +330,20 @@ impl Layer {
         Some(sums.map(|sum| (sum.w > 0.0).then(|| Part::new(texels, sum, count))))
     }
 
+    /// q of a texel; [`EMPTY`] outside.
+    #[inline(always)]
+    fn texel(&self, x: isize, y: isize) -> f32 {
+        let inside = x >= 0 && y >= 0 && (x as usize) < self.width && (y as usize) < self.height;
+        if inside { self.q[y as usize * self.width + x as usize] } else { EMPTY }
+    }
+
     /// q at corner `k` of texel `(i, j)` with a surface. All texels around a corner that belong to one surface get the same value,
     /// so that there is no gap between them. Exact on a plane, and also at its outline, where the value continues the surface.
     fn corner_beside(&self, i: usize, j: usize, k: usize) -> f32 {
         let own = self.q[j * self.width + i];
         let (right, up) = (k == 1 || k == 2, k > 1);
         let (x, y) = (i as isize - isize::from(!right), j as isize - isize::from(!up));
-        let at = |x: isize, y: isize| {
-            let inside = x >= 0 && y >= 0 && (x as usize) < self.width && (y as usize) < self.height;
-            if inside { self.q[y as usize * self.width + x as usize] } else { EMPTY }
-        };
+        let at = |x, y| self.texel(x, y);
         // The four texels around the corner: lower left, lower right, upper left, upper right.
         let q = [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)];
         let all = ((q[0] + q[3]) + (q[1] + q[2])) * 0.25;
@@ -358,14 +362,7 @@ impl Layer {
             (diagonal(0, 3), 0b1001),
             (diagonal(1, 2), 0b0110),
         ];
-        let mut set = 1_u32 << (usize::from(!right) + 2 * usize::from(!up));
-        for _ in 0..3 {
-            for (_, pair) in joins.iter().filter(|(is, _)| *is) {
-                if set & pair != 0 {
-                    set |= pair;
-                }
-            }
-        }
+        let set = connected(1 << (usize::from(!right) + 2 * usize::from(!up)), &joins);
         let has = |k: usize| set >> k & 1 == 1;
         // Growth of q from the texel before to the k-th of the four, outward along an axis.
         let outward = |k: usize, along_x: bool| {
@@ -377,11 +374,6 @@ impl Layer {
         // Faces overlap, so surfaces need not be continued at a face's border.
         let border = x < 0 || y < 0 || x as usize + 1 == self.width || y as usize + 1 == self.height;
         let outward = |k: usize, along_x: bool| if border { None } else { outward(k, along_x) };
-        let half_mean = |a: Option<f32>, b: Option<f32>| match (a, b) {
-            (Some(a), Some(b)) => 0.25 * (a + b),
-            (Some(a), None) | (None, Some(a)) => 0.5 * a,
-            (None, None) => 0.0,
-        };
         match set.count_ones() {
             4 => all,
             3 if has(0) && has(3) => 0.5 * (q[0] + q[3]),
@@ -432,5 +424,28 @@ impl Layer {
         self.q.len() * size_of::<f32>()
             + corners
             + self.levels.iter().map(|l| l.nodes.len() * size_of::<Node>()).sum::<usize>()
+    }
+}
+
+/// The texels around a corner that are connected with those of `set`, as bits, by the pairs that belong to one surface.
+#[inline(always)]
+fn connected(mut set: u32, joins: &[(bool, u32)]) -> u32 {
+    for _ in 0..3 {
+        for (_, pair) in joins.iter().filter(|(is, _)| *is) {
+            if set & pair != 0 {
+                set |= pair;
+            }
+        }
+    }
+    set
+}
+
+/// Half the mean of two growths, as far as they are known.
+#[inline(always)]
+fn half_mean(a: Option<f32>, b: Option<f32>) -> f32 {
+    match (a, b) {
+        (Some(a), Some(b)) => 0.25 * (a + b),
+        (Some(a), None) | (None, Some(a)) => 0.5 * a,
+        (None, None) => 0.0,
     }
 }

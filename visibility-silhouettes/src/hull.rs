@@ -402,7 +402,8 @@ impl Forms<'_> {
     }
 }
 
+/// Three columns of eight edges.
 #[inline(always)]
-fn vectors<S: Simd>(simd: S, packet: &impl EdgePacket, column: usize) -> Vec3x8<S> {
+pub(crate) fn vectors<S: Simd>(simd: S, packet: &impl EdgePacket, column: usize) -> Vec3x8<S> {
     Vec3x8::new(packet.column(simd, column), packet.column(simd, column + 1), packet.column(simd, column + 2))
 }

@@ -17,6 +17,20 @@ pub(crate) fn columns<S: Simd>(simd: S, rows: &[[f32; 4]; LANES], out: &mut [[f3
     }
 }
 
+/// The ends of the edges in `lanes`, upward. `of` has the ends of an edge in the order of its first triangle, and whether that runs down.
+#[inline(always)]
+pub(crate) fn upward(mut lanes: u32, of: impl Fn(usize) -> ([[f32; 4]; 2], bool)) -> [[[f32; 4]; LANES]; 2] {
+    let mut ends = [[[0.0; 4]; LANES]; 2];
+    while lanes != 0 {
+        let lane = lanes.trailing_zeros() as usize & (LANES - 1);
+        lanes &= lanes - 1;
+        let ([p, q], is_down) = of(lane);
+        ends[usize::from(is_down)][lane] = p;
+        ends[usize::from(!is_down)][lane] = q;
+    }
+    ends
+}
+
 /// Writes the two ends of eight edges, and their numbers from `id` on, into a block. The first of `marks` has the lanes that are not always drawn;
 /// the second is set in all numbers.
 #[inline(always)]

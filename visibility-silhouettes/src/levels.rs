@@ -86,6 +86,13 @@ struct Made {
     detail_sq: f64,
 }
 
+impl Made {
+    fn patch(&self) -> Patch {
+        let [low, high] = self.bounds;
+        Patch { center: 0.5 * (low + high), radius: 0.5 * low.distance(high), detail: self.detail_sq.sqrt() as f32 }
+    }
+}
+
 impl Levels {
     /// Of a mesh, from its positions now. None if it saves too little.
     ///
@@ -95,80 +102,32 @@ impl Levels {
         let (mut corners, fine) = mesh.fine_triangles();
         let (parts, order) = parts(&corners, &fine);
         let made = make(&parts, &order, &fine, &mut corners)?;
-        let first_fine = parts.len() + 1;
-        let leaves = parts.iter().filter(|part| part.level == 0).count();
-        if first_fine + leaves > MOST {
-            return None;
-        }
-        let (mut triangles, mut forms) = (Vec::new(), Vec::new());
-        let mut nodes = Vec::with_capacity(parts.len());
-        let mut next_fine = first_fine as u16;
-        for (number, (part, made)) in parts.iter().zip(&made).enumerate() {
-            let [low, high] = made.bounds;
-            let patch = Patch {
-                center: 0.5 * (low + high),
-                radius: 0.5 * low.distance(high),
-                detail: made.detail_sq.sqrt() as f32,
-            };
-            triangles.extend(&made.triangles);
-            forms.resize(triangles.len(), form_of(number));
-            let mut fine_form = 0;
-            if part.level == 0 {
-                fine_form = next_fine;
-                next_fine += 1;
-                triangles.extend(order[part.range.clone()].iter().map(|t| fine[*t as usize]));
-                forms.resize(triangles.len(), fine_form);
-            }
-            nodes.push(Node { patch, end: part.end as u32, fine: fine_form });
-        }
-        // The chain of each form: its place from the finest on, and the patch above it.
-        let mut chains = vec![Chain::default(); usize::from(next_fine)];
-        for (number, part) in parts.iter().enumerate() {
-            let above = part.parent.map_or(0, form_of);
-            chains[usize::from(form_of(number))] = Chain { place: part.level + 1, above };
-            chains[usize::from(nodes[number].fine)] = Chain { place: 0, above: form_of(number) };
-        }
-        let mut edges = tagged(&triangles, &forms, &chains);
+        let Forms { nodes, triangles, of_triangles, chains } = Forms::of(&parts, &made, &order, &fine)?;
+        let mut edges = tagged(&triangles, &of_triangles, &chains);
         let is_closed = mesh.is_closed() && edges.iter().all(|(edge, _)| edge.other().is_some());
         edges.sort_by_key(|(_, tag)| *tag);
-        let bounds = |(edge, _): &(Edge, Tag)| {
-            let [a, b] = edge.ends().map(|k| corners[triangles[edge.triangle() as usize][k] as usize]);
-            [a.min(b), a.max(b)]
-        };
-        // Edges of one tag in leaves of neighbours.
-        let runs: Vec<&[(Edge, Tag)]> = edges.chunk_by(|a, b| a.1 == b.1).collect();
-        let sorted = |run: &&[(Edge, Tag)]| {
-            let (tree, order) = Tree::new(&run.iter().map(bounds).collect::<Vec<_>>(), 0);
-            let edges: Vec<Edge> = order.iter().map(|i| run[*i as usize].0).collect();
-            tree.leaves().into_iter().map(|leaf| edges[leaf].to_vec()).collect::<Vec<_>>()
-        };
-        let sorted: Vec<Vec<Vec<Edge>>> = runs.par_iter().map(sorted).collect();
-        let mut placed = Vec::new();
-        let mut ranges: Vec<Vec<Range<usize>>> = vec![Vec::new(); usize::from(next_fine)];
-        let mut tags = Vec::new();
-        for (run, leaves) in runs.iter().zip(&sorted) {
-            let tag = run[0].1;
-            for leaf in leaves {
-                let first = placed.len();
-                ranges[usize::from(tag[0])].push(first..first + leaf.len());
-                tags.push(tag);
-                // Places of which nothing is read.
-                placed.extend(leaf.iter().chain(core::iter::repeat(&leaf[0])).take(WIDE));
-            }
+        let leaves = in_leaves(&edges, &corners, &triangles);
+        let mut placed = Vec::with_capacity(leaves.len() * WIDE);
+        let mut ranges: Vec<Vec<Range<usize>>> = vec![Vec::new(); chains.len()];
+        for (tag, leaf) in &leaves {
+            let first = placed.len();
+            ranges[usize::from(tag[0])].push(first..first + leaf.len());
+            // Places of which nothing is read.
+            placed.extend(leaf.iter().chain(core::iter::repeat(&leaf[0])).take(WIDE));
         }
-        let mesh = SilhouetteMesh::of_edges(&corners, &triangles, placed, is_closed);
+        let mesh = SilhouetteMesh::of_edges(corners, triangles, placed, is_closed);
         let mut forms: Vec<Tree> = ranges.iter().map(|leaves| Tree::over(leaves)).collect();
         forms.par_iter_mut().for_each(|tree| tree.fit(|range| range.filter_map(|i| mesh.shape(i))));
-        let leaf = |(number, tag): (usize, &Tag)| {
+        let columns_of = |number: usize| {
             let mut block: Block<COLUMNS> = [[0.0; WIDE]; COLUMNS];
             let first = number * WIDE;
             dispatch!(Level::new(), simd => {
                 mesh.fetch_planes(simd, first, WIDE, &mut block);
                 mesh.fetch_ends(simd, first, 255, [0; 2], 0, &mut block);
             });
-            (block, *tag)
+            block
         };
-        let leaves = tags.par_iter().enumerate().map(|(number, tag)| leaf((number, tag))).collect();
+        let leaves = leaves.par_iter().enumerate().map(|(number, (tag, _))| (columns_of(number), *tag)).collect();
         Some(Self { mesh, leaves, nodes, forms })
     }
 
@@ -345,6 +304,62 @@ fn made_of(triangles: &[[u32; 3]], below: &[&Made], corners: &[Vec3]) -> (Made, 
 fn offset(corners: [Vec3; 3], p: Vec3) -> (DVec3, f64) {
     let n = normal(corners).normalize_or_zero();
     (n, n.dot(p.as_dvec3() - corners[0].as_dvec3()))
+}
+
+/// All forms while levels are made.
+struct Forms {
+    nodes: Vec<Node>,
+    /// The triangles of all forms, and the form of each.
+    triangles: Vec<[u32; 3]>,
+    of_triangles: Vec<u16>,
+    /// By the numbers of forms.
+    chains: Vec<Chain>,
+}
+
+impl Forms {
+    /// Numbers the forms of patches, then those of the mesh itself in patches of the first level; `None` if there are too many.
+    fn of(parts: &[Part], made: &[Made], order: &[u32], fine: &[[u32; 3]]) -> Option<Self> {
+        let fine_forms = parts.iter().filter(|part| part.level == 0).count();
+        let count = parts.len() + 1 + fine_forms;
+        if count > MOST {
+            return None;
+        }
+        let mut next_fine = form_of(parts.len());
+        let nodes = Vec::with_capacity(parts.len());
+        let chains = vec![Chain::default(); count];
+        let mut all = Self { nodes, triangles: Vec::new(), of_triangles: Vec::new(), chains };
+        for (number, (part, made)) in parts.iter().zip(made).enumerate() {
+            let form = form_of(number);
+            all.add(form, made.triangles.iter().copied());
+            all.chains[usize::from(form)] = Chain { place: part.level + 1, above: part.parent.map_or(0, form_of) };
+            let mut node = Node { patch: made.patch(), end: part.end as u32, fine: 0 };
+            if part.level == 0 {
+                node.fine = next_fine;
+                all.add(next_fine, order[part.range.clone()].iter().map(|t| fine[*t as usize]));
+                all.chains[usize::from(next_fine)] = Chain { place: 0, above: form };
+                next_fine += 1;
+            }
+            all.nodes.push(node);
+        }
+        Some(all)
+    }
+
+    fn add(&mut self, form: u16, triangles: impl Iterator<Item = [u32; 3]>) {
+        self.triangles.extend(triangles);
+        self.of_triangles.resize(self.triangles.len(), form);
+    }
+}
+
+/// Edges in the order of their tags, in leaves of neighbours with one tag.
+fn in_leaves(edges: &[(Edge, Tag)], corners: &[Vec3], triangles: &[[u32; 3]]) -> Vec<(Tag, Vec<Edge>)> {
+    let runs: Vec<&[(Edge, Tag)]> = edges.chunk_by(|a, b| a.1 == b.1).collect();
+    let leaves_of = |run: &&[(Edge, Tag)]| {
+        let boxes: Vec<_> = run.iter().map(|(edge, _)| edge.bounds(corners, triangles)).collect();
+        let (tree, order) = Tree::new(&boxes, 0);
+        let edges: Vec<Edge> = order.iter().map(|i| run[*i as usize].0).collect();
+        tree.leaves().into_iter().map(|leaf| (run[0].1, edges[leaf].to_vec())).collect::<Vec<_>>()
+    };
+    runs.par_iter().flat_map_iter(leaves_of).collect()
 }
 
 /// The place of a form among those of the patches in each other, and the form above it; 0 for none.

@@ -59,6 +59,7 @@ mod bounds;
 mod clip;
 mod coarse;
 mod count;
+mod draft;
 mod edge_list;
 mod fit;
 mod gpu;

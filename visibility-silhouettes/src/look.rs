@@ -1,13 +1,13 @@
 //! The silhouettes of forms of a mesh that one receiver sees before a whole sky.
 
-use crate::edge_list::{Block, CLOSED, COARSE, COLUMNS, Columns, ENDS, EdgePacket, PLANES};
-use crate::hull::UNSURE;
+use crate::edge_list::{Block, CLOSED, COARSE, COLUMNS, Columns, ENDS};
+use crate::hull::{UNSURE, vectors};
 use crate::levels::Levels;
+use crate::select::steps;
 use crate::sky::{KNOWN, NAME, STEP, in_halves};
 use crate::tree::Node;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
-use lobe_core::vec3x8::Vec3x8;
 use visibility_mask::sky::{Horizon, Meridians};
 
 /// Memory that receivers use one after the other.
@@ -96,49 +96,19 @@ impl Looker<'_> {
         out: &mut Columns<KNOWN>,
     ) {
         let x = self.origin;
-        let reach = UNSURE * x.abs().element_sum();
         let zero = f32x8::splat(simd, 0.0);
         let lanes = mask32x8::from_bitmask(simd, (1 << count) - 1);
-        let (one, unsure_one) = side(simd, block, PLANES[0], x, reach);
-        let (other, unsure_other) = side(simd, block, PLANES[1], x, reach);
-        let mut step = other - one;
-        let mut ask = ((unsure_one | unsure_other) & lanes).to_bitmask();
-        if ask != 0 {
-            let mut steps: [f32; 8] = step.into();
-            while ask != 0 {
-                let lane = ask.trailing_zeros() & 7;
-                ask &= ask - 1;
-                let [one, other] = levels.sides(first + lane, x);
-                steps[lane as usize] = other - one;
-            }
-            step = f32x8::simd_from(simd, steps);
-        }
+        let step = -steps(simd, block, lanes, x, |lane| levels.sides(first + lane as u32, x));
         let keep = lanes & !step.simd_eq(zero);
         if !keep.any_true() {
             return;
         }
         out.reserve(8);
         let name = f32x8::splat(simd, f32::from_bits(name));
-        out.put3(0, keep, ends(simd, block, ENDS[0]).minus(x));
-        out.put3(3, keep, ends(simd, block, ENDS[1]).minus(x));
+        out.put3(0, keep, vectors(simd, block, ENDS[0]).minus(x));
+        out.put3(3, keep, vectors(simd, block, ENDS[1]).minus(x));
         out.put(STEP, keep, in_halves(simd, step, name));
         out.put(NAME, keep, name);
         out.end(keep);
     }
-}
-
-#[inline(always)]
-fn ends<S: Simd>(simd: S, block: &Block<COLUMNS>, column: usize) -> Vec3x8<S> {
-    Vec3x8::new(block.column(simd, column), block.column(simd, column + 1), block.column(simd, column + 2))
-}
-
-/// The sides of eight planes on which a point lies, and a mask of those that f32 cannot decide.
-#[inline(always)]
-fn side<S: Simd>(simd: S, block: &Block<COLUMNS>, column: usize, x: Vec3, reach: f32) -> (f32x8<S>, mask32x8<S>) {
-    let (normal, d) = (ends(simd, block, column), block.column(simd, column + 3));
-    let value = normal.dot_one(x) + d;
-    let [zero, plus, minus] = [f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0), f32x8::splat(simd, -1.0)];
-    let is_there = normal.abs().dot_one(Vec3::ONE).simd_gt(zero);
-    let unsure = is_there & value.abs().simd_le(d.abs() * UNSURE + reach);
-    (value.simd_gt(zero).select(plus, value.simd_lt(zero).select(minus, zero)), unsure)
 }

@@ -1,10 +1,12 @@
 use crate::coarse::{self, Coarse};
+use crate::draft::Draft;
 use crate::edge_list::{Block, COLUMNS, PLANES};
 use crate::fit::{self, fit_patches, fit_planes, is_flat, least_height, settle, side};
-use crate::lanes::{columns, put_ends};
+use crate::lanes::{columns, put_ends, upward};
 use crate::levels::Levels;
-use crate::topology::{self, Edge, Tag};
+use crate::topology::{Edge, Tag};
 use crate::tree::{Reach, Shape, Tree};
+use core::mem::take;
 use core::ops::Range;
 use fearless_simd::Simd;
 use glam::{Vec3, Vec4};
@@ -119,82 +121,39 @@ impl SilhouetteMesh {
         blur: Option<f32>,
         simplify: impl Fn(&[Vec3], &[[u32; 3]]) -> Option<Coarse>,
     ) -> Self {
-        let (mut welded, numbers) = topology::weld(positions);
-        let mut sources = vec![0; welded.len()];
-        for (source, number) in numbers.iter().enumerate().rev() {
-            sources[*number as usize] = source as u32;
+        let mut draft = Draft::welded(positions, triangles);
+        if let Some(coarse) = simplify(&draft.corners, &draft.triangles) {
+            draft.add(coarse);
         }
-        let mut triangles: Vec<_> = triangles.iter().map(|t| t.map(|i| numbers[i as usize])).collect();
-        // A triangle without area blocks nothing now, but may have an area later.
-        triangles.retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
-        let mut edges = topology::edges(&mut triangles);
-        let triangle_count = triangles.len();
-        let (mut tags, mut triangle_patches, mut patches) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut own, mut left_out) = (Vec::new(), Vec::new());
-        let mut fine = edges.len();
-        if let Some(coarse) = simplify(&welded, &triangles) {
-            triangles.extend(coarse.triangles);
-            own.extend((welded.len()..).map(|i| i as u32).take(coarse.own.len()));
-            welded.extend(coarse.own.iter().map(|i| welded[*i as usize]).collect::<Vec<_>>());
-            sources.extend(coarse.own.iter().map(|i| sources[*i as usize]).collect::<Vec<_>>());
-            triangle_patches = coarse.patches;
-            triangle_patches.extend(coarse.triangle_patches);
-            let mut all = topology::tagged_edges(&triangles, triangle_count as u32, &triangle_patches);
-            all.sort_by_key(|(_, tag)| tag.is_coarse());
-            fine = all.partition_point(|(_, tag)| !tag.is_coarse());
-            (edges, tags) = all.into_iter().unzip();
-            left_out = coarse.left_out.iter().map(|[corner, near]| [*corner, near + triangle_count as u32]).collect();
-            patches = vec![Patch::default(); coarse.count];
-        }
-        let bounds = |e: &Edge| {
-            let [a, b] = e.ends().map(|k| welded[triangles[e.triangle() as usize][k] as usize]);
-            [a.min(b), a.max(b)]
-        };
-        let boxes: Vec<_> = edges.iter().map(bounds).collect();
-        let (tree, mut order) = Tree::new(&boxes[..fine], 0);
-        let (coarse_tree, coarse_order) = Tree::new(&boxes[fine..], fine);
-        order.extend(coarse_order.iter().map(|i| i + fine as u32));
-        edges = order.iter().map(|i| edges[*i as usize]).collect();
-        if !tags.is_empty() {
-            tags = order.iter().map(|i| tags[*i as usize]).collect();
-        }
-        // Neighbours in the tree become neighbours in memory.
-        let places = topology::by_first_use(triangles.len(), edges.iter().flat_map(|e| e.triangles()));
-        edges.iter_mut().for_each(|edge| edge.renumber(&places));
-        triangles = topology::placed(&triangles, &places);
-        if !triangle_patches.is_empty() {
-            triangle_patches = topology::placed(&triangle_patches, &places);
-        }
-        left_out.iter_mut().for_each(|[_, near]| *near = places[*near as usize]);
-        let places = topology::by_first_use(welded.len(), triangles.iter().flatten().copied());
-        triangles.iter_mut().flatten().for_each(|corner| *corner = places[*corner as usize]);
-        left_out.iter_mut().for_each(|[corner, _]| *corner = places[*corner as usize]);
-        own.iter_mut().for_each(|corner| *corner = places[*corner as usize]);
-        let (welded, sources) = (topology::placed(&welded, &places), topology::placed(&sources, &places));
-        let positions = welded.iter().map(|p| p.extend(0.0)).collect();
-        let planes = vec![[0.0; 4]; triangles.len()];
-        let is_closed = edges.iter().all(|edge| edge.other().is_some());
-        let mut mesh = Self {
-            is_closed,
-            object,
-            positions,
-            sources,
-            triangles,
-            planes,
-            edges,
-            tree,
-            coarse_tree,
-            triangle_count,
-            tags,
-            patches,
-            triangle_patches,
-            own,
-            left_out,
-            blur,
-            levels: OnceLock::new(),
-        };
+        let trees = draft.plant();
+        draft.arrange();
+        let is_closed = draft.edges.iter().all(|edge| edge.other().is_some());
+        let mut mesh = Self { object, blur, ..Self::of(draft, trees, is_closed) };
         mesh.fit();
         mesh
+    }
+
+    /// A mesh in its final order, before anything is computed from its positions.
+    fn of(draft: Draft, [tree, coarse_tree]: [Tree; 2], is_closed: bool) -> Self {
+        Self {
+            object: 0,
+            positions: draft.corners.iter().map(|p| p.extend(0.0)).collect(),
+            sources: draft.sources,
+            planes: vec![[0.0; 4]; draft.triangles.len()],
+            triangles: draft.triangles,
+            edges: draft.edges,
+            tree,
+            coarse_tree,
+            is_closed,
+            triangle_count: draft.triangle_count,
+            tags: draft.tags,
+            patches: vec![Patch::default(); draft.patch_count],
+            triangle_patches: draft.triangle_patches,
+            own: draft.own,
+            left_out: draft.left_out,
+            blur: None,
+            levels: OnceLock::new(),
+        }
     }
 
     /// Follows a mesh that has moved: the same triangles with new positions. Returns `false` and changes nothing if the number of
@@ -218,22 +177,23 @@ impl SilhouetteMesh {
     /// Computes planes, flat edges, boxes and cones from the positions.
     fn fit(&mut self) {
         self.levels = OnceLock::new();
-        let Self {
-            positions,
-            triangles,
-            planes,
-            edges,
-            tree,
-            coarse_tree,
-            tags,
-            patches,
-            triangle_patches,
-            own,
-            left_out,
-            blur,
-            ..
-        } = self;
-        let blur = *blur;
+        self.fit_planes();
+        self.fit_edges();
+        let Self { positions, triangles, planes, patches, triangle_patches, left_out, .. } = self;
+        fit_patches(patches, triangle_patches, left_out, triangles, positions, planes);
+        let mut trees = [take(&mut self.tree), take(&mut self.coarse_tree)];
+        for (tree, is_coarse) in trees.iter_mut().zip([false, true]) {
+            tree.fit(|range| range.filter_map(|edge| self.shape(edge)));
+            if !self.patches.is_empty() {
+                tree.fit_reaches(|range, middle| self.reach(range, middle, is_coarse));
+            }
+        }
+        [self.tree, self.coarse_tree] = trees;
+    }
+
+    /// Moves the corners of simplified forms, and computes the planes of all triangles.
+    fn fit_planes(&mut self) {
+        let Self { positions, triangles, planes, own, left_out, .. } = self;
         fit_planes(planes, triangles, positions, |_| true);
         if !own.is_empty() {
             let mut moves = vec![false; positions.len()];
@@ -241,9 +201,15 @@ impl SilhouetteMesh {
             settle(own, left_out, triangles, planes, positions);
             fit_planes(planes, triangles, positions, |corners| corners.iter().any(|i| moves[*i as usize]));
         }
-        let corners = |t: u32| triangles[t as usize].map(|i| positions[i as usize].truncate());
+    }
+
+    /// Finds the edges that are never silhouettes.
+    fn fit_edges(&mut self) {
+        let Self { positions, triangles, planes, edges, blur, .. } = self;
+        let corners = |t: u32| fit::corners(positions, triangles, t);
+        let is_sharp = blur.is_none();
         edges.par_iter_mut().with_min_len(1024).for_each(|edge| {
-            let flat = blur.is_none()
+            let flat = is_sharp
                 && edge.other().is_some_and(|other| {
                     let [p, q] = [edge.triangle(), other].map(|t| planes[t as usize]);
                     let alike = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] > 0.999_999;
@@ -251,39 +217,18 @@ impl SilhouetteMesh {
                 });
             edge.set_flat(flat);
         });
-        fit_patches(patches, triangle_patches, left_out, triangles, positions, planes);
-        let shapes = |range: Range<usize>| {
-            range.filter(|i| !edges[*i].is_flat()).map(|i| {
-                let edge = edges[i];
-                let corners = corners(edge.triangle());
-                let normal = |t: u32| Vec3::from_slice(&planes[t as usize]);
-                // The sine of the angle by which rounding turns a triangle.
-                let turn = |t: u32| {
-                    blur.map_or(0.0, |blur| (4.0 * blur / least_height(fit::corners(positions, triangles, t))).min(1.0))
-                };
-                let turn = turn(edge.triangle()).max(edge.other().map_or(0.0, turn));
-                (edge.ends().map(|k| corners[k]), normal(edge.triangle()), edge.other().map(normal), turn)
-            })
+    }
+
+    /// The largest distance at which any of some edges of the mesh may be drawn, or the smallest one for edges of simplified forms.
+    fn reach(&self, edges: Range<usize>, middle: Vec3, is_coarse: bool) -> Reach {
+        let of = |(patch, _): (u16, bool)| {
+            let Patch { center, radius, detail } = self.patches[usize::from(patch)];
+            let sign = if is_coarse { -1.0 } else { 1.0 };
+            Reach { reach: center.distance(middle) + sign * NEAR * radius, detail: sign * detail }
         };
-        // The largest distance at which an edge of the mesh may be drawn, or the smallest one for an edge of a simplified form.
-        let reach = |range: Range<usize>, middle: Vec3, is_coarse: bool| {
-            let one = |tag: &Tag| {
-                let of = |(patch, _): (u16, bool)| {
-                    let Patch { center, radius, detail } = patches[usize::from(patch)];
-                    let sign = if is_coarse { -1.0 } else { 1.0 };
-                    Reach { reach: center.distance(middle) + sign * NEAR * radius, detail: sign * detail }
-                };
-                tag.patches().filter(|(_, c)| *c == is_coarse).map(of).reduce(|a, b| a.and(b, 0.0))
-            };
-            let all = tags.get(range).unwrap_or_default().iter().map(one);
-            all.reduce(|a, b| Some(a?.and(b?, 0.0))).flatten().unwrap_or(Reach::EVERYWHERE)
-        };
-        tree.fit(shapes);
-        if !patches.is_empty() {
-            tree.fit_reaches(|range, middle| reach(range, middle, false));
-            coarse_tree.fit(shapes);
-            coarse_tree.fit_reaches(|range, middle| reach(range, middle, true));
-        }
+        let one = |tag: &Tag| tag.patches().filter(|(_, c)| *c == is_coarse).map(of).reduce(|a, b| a.and(b, 0.0));
+        let all = self.tags.get(edges).unwrap_or_default().iter().map(one);
+        all.reduce(|a, b| Some(a?.and(b?, 0.0))).flatten().unwrap_or(Reach::EVERYWHERE)
     }
 
     /// Whether its surface has no border, however it is wound: then as many of its triangles face a receiver along a ray as face away, up to
@@ -310,34 +255,12 @@ impl SilhouetteMesh {
     }
 
     /// A mesh of edges in this order, for which others keep a hierarchy: planes and corners.
-    pub(crate) fn of_edges(corners: &[Vec3], triangles: &[[u32; 3]], mut edges: Vec<Edge>, is_closed: bool) -> Self {
-        let places = topology::by_first_use(triangles.len(), edges.iter().flat_map(|e| e.triangles()));
-        edges.iter_mut().for_each(|edge| edge.renumber(&places));
-        let mut triangles = topology::placed(triangles, &places);
-        let places = topology::by_first_use(corners.len(), triangles.iter().flatten().copied());
-        triangles.iter_mut().flatten().for_each(|corner| *corner = places[*corner as usize]);
-        let used = triangles.iter().flatten().max().map_or(0, |last| *last as usize + 1);
-        let mut positions: Vec<Vec4> = topology::placed(corners, &places).iter().map(|p| p.extend(0.0)).collect();
-        positions.truncate(used);
-        let mut mesh = Self {
-            is_closed,
-            object: 0,
-            planes: vec![[0.0; 4]; triangles.len()],
-            positions,
-            sources: Vec::new(),
-            triangle_count: triangles.len(),
-            triangles,
-            edges,
-            tree: Tree::default(),
-            coarse_tree: Tree::default(),
-            tags: Vec::new(),
-            patches: Vec::new(),
-            triangle_patches: Vec::new(),
-            own: Vec::new(),
-            left_out: Vec::new(),
-            blur: None,
-            levels: OnceLock::new(),
-        };
+    pub(crate) fn of_edges(corners: Vec<Vec3>, triangles: Vec<[u32; 3]>, edges: Vec<Edge>, is_closed: bool) -> Self {
+        let mut draft = Draft::of_edges(corners, triangles, edges);
+        draft.arrange();
+        let used = draft.triangles.iter().flatten().max().map_or(0, |last| *last as usize + 1);
+        draft.corners.truncate(used);
+        let mut mesh = Self::of(draft, [Tree::default(), Tree::default()], is_closed);
         mesh.fit();
         mesh
     }
@@ -345,10 +268,16 @@ impl SilhouetteMesh {
     /// An edge for a hierarchy; none for one that is never a silhouette.
     pub(crate) fn shape(&self, edge: usize) -> Option<Shape> {
         let edge = self.edges[edge];
+        if edge.is_flat() {
+            return None;
+        }
         let normal = |t: u32| Vec3::from_slice(&self.planes[t as usize]);
-        let corners = self.corners(edge.triangle());
-        let ends = edge.ends().map(|k| corners[k]);
-        (!edge.is_flat()).then(|| (ends, normal(edge.triangle()), edge.other().map(normal), 0.0))
+        // The sine of the angle by which rounding turns a triangle.
+        let turn = |t: u32| self.blur.map_or(0.0, |blur| (4.0 * blur / least_height(self.corners(t))).min(1.0));
+        let (one, other) = (edge.triangle(), edge.other());
+        let corners = self.corners(one);
+        let turn_of_both = turn(one).max(other.map_or(0.0, turn));
+        Some((edge.ends().map(|k| corners[k]), normal(one), other.map(normal), turn_of_both))
     }
 
     /// Gives the object another number.
@@ -460,22 +389,16 @@ impl SilhouetteMesh {
         &self,
         simd: S,
         first: usize,
-        mut lanes: u32,
+        lanes: u32,
         marks: [u32; 2],
         base: u32,
         out: &mut Block<COLUMNS>,
     ) {
-        let mut ends = [[[0.0; 4]; LANES]; 2];
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize & (LANES - 1);
-            lanes &= lanes - 1;
+        let ends = upward(lanes, |lane| {
             let edge = self.edges[first + lane];
             let corners = &self.triangles[edge.triangle() as usize];
-            let down = usize::from(edge.is_down());
-            let [p, q] = edge.ends();
-            ends[down][lane] = self.positions[corners[p] as usize].to_array();
-            ends[1 - down][lane] = self.positions[corners[q] as usize].to_array();
-        }
+            (edge.ends().map(|k| self.positions[corners[k] as usize].to_array()), edge.is_down())
+        });
         put_ends(simd, &ends, base + first as u32, marks, out);
     }
 

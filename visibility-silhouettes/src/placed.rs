@@ -2,11 +2,12 @@
 
 use crate::edge_list::{Block, COLUMNS, PLANES};
 use crate::fit::{plane, side};
-use crate::lanes::{columns, put_ends};
+use crate::lanes::{columns, put_ends, upward};
 use crate::mesh::SilhouetteMesh;
 use crate::tree::Tree;
 use fearless_simd::Simd;
 use glam::{DMat4, DVec3, Mat4, Vec3};
+use lobe_core::scales_evenly;
 use lobe_core::vec3x8::LANES;
 
 /// Axes of a place whose lengths differ by more than this have no simplified forms: their details would differ as well.
@@ -188,10 +189,8 @@ fn place(mesh: u32, object: u32, matrix: Mat4) -> Place {
     let lengths = [inverse.x_axis, inverse.y_axis, inverse.z_axis].map(|axis| axis.truncate().length_squared());
     // At most the root of the sum of squares.
     let shrink = lengths.iter().sum::<f64>().sqrt();
-    let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.truncate().as_dvec3());
-    let scale = axes[0].length();
-    let is_even = axes.iter().all(|axis| (axis.length() - scale).abs() <= EVEN * scale)
-        && [(0, 1), (1, 2), (2, 0)].iter().all(|&(i, k)| axes[i].dot(axes[k]).abs() <= EVEN * scale * scale);
+    let scale = matrix.x_axis.truncate().as_dvec3().length();
+    let is_even = scales_evenly(&matrix, scale, EVEN);
     let shrink = if is_even { 1.002 / scale } else { shrink };
     Place { mesh, object, matrix, inverse, shrink: shrink as f32, is_even, bounds: [Vec3::ZERO; 2] }
 }
@@ -224,20 +223,15 @@ impl Placed<'_> {
         &self,
         simd: S,
         first: usize,
-        mut lanes: u32,
+        lanes: u32,
         marks: [u32; 2],
         base: u32,
         out: &mut Block<COLUMNS>,
     ) {
-        let mut ends = [[[0.0; 4]; LANES]; 2];
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize & (LANES - 1);
-            lanes &= lanes - 1;
+        let ends = upward(lanes, |lane| {
             let (pair, is_down) = self.mesh.ends_of(first + lane);
-            let [p, q] = pair.map(|p| self.place.to_world(p).extend(0.0).to_array());
-            ends[usize::from(is_down)][lane] = p;
-            ends[usize::from(!is_down)][lane] = q;
-        }
+            (pair.map(|p| self.place.to_world(p).extend(0.0).to_array()), is_down)
+        });
         put_ends(simd, &ends, base + first as u32, marks, out);
     }
 

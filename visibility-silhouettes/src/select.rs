@@ -1,8 +1,8 @@
 //! The silhouettes of one receiver in front of its light.
 
 use crate::beside::Beside;
-use crate::edge_list::{COARSE, Columns, ENDS, EdgeList, ID, MARKS, PLANES, SOMETIMES};
-use crate::hull::UNSURE;
+use crate::edge_list::{COARSE, Columns, ENDS, EdgeList, EdgePacket, ID, MARKS, PLANES, SOMETIMES};
+use crate::hull::{UNSURE, vectors};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
 use lobe_core::vec3x8::Vec3x8;
@@ -45,7 +45,6 @@ pub(crate) fn silhouettes<S: Simd>(
     let window = [u + cone.axis * tan, cone.axis * tan - u, v + cone.axis * tan, cone.axis * tan - v];
     // Wide lights have no such square, flat ones have something better.
     let window = if cone.one_minus_cos < 0.9 && outline.is_none() { &window[..] } else { &[] };
-    let reach = UNSURE * x.abs().element_sum();
     for first in (0..edges.len()).step_by(8) {
         let [a, b] = [edges.load3(simd, ENDS[0], first).minus(x), edges.load3(simd, ENDS[1], first).minus(x)];
         let mut keep = mask32x8::from_bitmask(simd, u64::from(edges.lanes(first)));
@@ -58,20 +57,8 @@ pub(crate) fn silhouettes<S: Simd>(
         if !keep.any_true() {
             continue;
         }
-        let [(one, unsure_one), (other, unsure_other)] =
-            [side(simd, edges, PLANES[0], first, x, reach), side(simd, edges, PLANES[1], first, x, reach)];
-        let mut step = one - other;
-        let mut ask = ((unsure_one | unsure_other) & keep).to_bitmask();
-        if ask != 0 {
-            let mut steps: [f32; 8] = step.into();
-            while ask != 0 {
-                let lane = ask.trailing_zeros() as usize & 7;
-                ask &= ask - 1;
-                let [one, other] = sides(edges.get(ID, first + lane).to_bits() & !MARKS);
-                steps[lane] = one - other;
-            }
-            step = f32x8::simd_from(simd, steps);
-        }
+        let number = |lane: usize| edges.get(ID, first + lane).to_bits() & !MARKS;
+        let step = steps(simd, &(edges, first), keep, x, |lane| sides(number(lane)));
         keep &= !step.simd_eq(zero);
         if keep.any_true() && !window.is_empty() {
             keep &= !beside(simd, cone, a, b);
@@ -82,18 +69,7 @@ pub(crate) fn silhouettes<S: Simd>(
         let marks = edges.load(simd, ID, first).bitcast::<u32x8<S>>();
         let marked = keep & marks.simd_ge(u32x8::splat(simd, COARSE));
         let sometimes = marks.simd_ge(u32x8::splat(simd, SOMETIMES));
-        let mut ask = (marked & sometimes).to_bitmask();
-        if ask != 0 {
-            let mut drawn = keep.to_bitmask();
-            while ask != 0 {
-                let lane = ask.trailing_zeros() as usize & 7;
-                ask &= ask - 1;
-                if !is_drawn(edges.get(ID, first + lane).to_bits() & !MARKS) {
-                    drawn &= !(1 << lane);
-                }
-            }
-            keep = mask32x8::from_bitmask(simd, drawn);
-        }
+        keep = drawn(simd, keep, marked & sometimes, |lane| is_drawn(number(lane)));
         is_coarse |= marked.any_true();
         out.put3(0, keep, a);
         out.put3(3, keep, b);
@@ -144,17 +120,61 @@ fn beside<S: Simd>(simd: S, cone: &Cone, a: Vec3x8<S>, b: Vec3x8<S>) -> mask32x8
     beside | !(front_a | front_b) | ((leaves | comes) & outside_a & outside_b)
 }
 
+/// The side of its first triangle on which a point lies, less that of its second one, for each of eight edges. `exact` has both
+/// sides of those of `lanes` that f32 cannot decide.
+#[inline(always)]
+pub(crate) fn steps<S: Simd>(
+    simd: S,
+    edges: &impl EdgePacket,
+    lanes: mask32x8<S>,
+    x: Vec3,
+    exact: impl Fn(usize) -> [f32; 2],
+) -> f32x8<S> {
+    let reach = UNSURE * x.abs().element_sum();
+    let (one, unsure_one) = side(simd, edges, PLANES[0], x, reach);
+    let (other, unsure_other) = side(simd, edges, PLANES[1], x, reach);
+    let step = one - other;
+    let mut unsure = ((unsure_one | unsure_other) & lanes).to_bitmask();
+    if unsure == 0 {
+        return step;
+    }
+    let mut steps: [f32; 8] = step.into();
+    while unsure != 0 {
+        let lane = unsure.trailing_zeros() as usize & 7;
+        unsure &= unsure - 1;
+        let [one, other] = exact(lane);
+        steps[lane] = one - other;
+    }
+    f32x8::simd_from(simd, steps)
+}
+
+/// Leaves out those of eight edges that are `sometimes` drawn and not for this receiver.
+#[inline(always)]
+pub(crate) fn drawn<S: Simd>(
+    simd: S,
+    keep: mask32x8<S>,
+    sometimes: mask32x8<S>,
+    is_drawn: impl Fn(usize) -> bool,
+) -> mask32x8<S> {
+    let mut open = (keep & sometimes).to_bitmask();
+    if open == 0 {
+        return keep;
+    }
+    let mut drawn = keep.to_bitmask();
+    while open != 0 {
+        let lane = open.trailing_zeros() as usize & 7;
+        open &= open - 1;
+        if !is_drawn(lane) {
+            drawn &= !(1 << lane);
+        }
+    }
+    mask32x8::from_bitmask(simd, drawn)
+}
+
 /// The sides of eight planes on which a point lies, and a mask of those that f32 cannot decide.
 #[inline(always)]
-pub(crate) fn side<S: Simd>(
-    simd: S,
-    edges: &EdgeList,
-    column: usize,
-    first: usize,
-    x: Vec3,
-    reach: f32,
-) -> (f32x8<S>, mask32x8<S>) {
-    let (normal, d) = (edges.load3(simd, column, first), edges.load(simd, column + 3, first));
+fn side<S: Simd>(simd: S, edges: &impl EdgePacket, column: usize, x: Vec3, reach: f32) -> (f32x8<S>, mask32x8<S>) {
+    let (normal, d) = (vectors(simd, edges, column), edges.column(simd, column + 3));
     let value = normal.dot_one(x) + d;
     let [zero, plus, minus] = [f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0), f32x8::splat(simd, -1.0)];
     let is_there = normal.abs().dot_one(Vec3::ONE).simd_gt(zero);

@@ -2,10 +2,10 @@
 
 use crate::blockers::{AnyHit, SilhouetteBlockers};
 use crate::edge_list::{CLOSED, COARSE, Columns, ENDS, EdgeList, ID, MARKS, PLANES, SOMETIMES};
-use crate::hull::{Fineness, Hull, Memory, UNSURE};
+use crate::hull::{Fineness, Hull, Memory};
 use crate::lists::Meshes;
 use crate::look::{LookMemory, Looker};
-use crate::select::side;
+use crate::select::{drawn, steps};
 use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
 use lobe_core::Receiver;
@@ -319,42 +319,19 @@ impl Look<'_, '_> {
         out.clear();
         out.reserve(list.len());
         let x = self.origin;
-        let reach = UNSURE * x.abs().element_sum();
         let zero = f32x8::splat(simd, 0.0);
         for first in (0..list.len()).step_by(8) {
             let mut keep = mask32x8::from_bitmask(simd, u64::from(list.lanes(first)));
-            let [(one, unsure_one), (other, unsure_other)] =
-                [side(simd, list, PLANES[0], first, x, reach), side(simd, list, PLANES[1], first, x, reach)];
+            let number = |lane: usize| list.get(ID, first + lane).to_bits() & !MARKS;
             // To the right as the receiver sees it; masks are seen from the light.
-            let mut step = other - one;
-            let mut ask = ((unsure_one | unsure_other) & keep).to_bitmask();
-            if ask != 0 {
-                let mut steps: [f32; 8] = step.into();
-                while ask != 0 {
-                    let lane = ask.trailing_zeros() as usize & 7;
-                    ask &= ask - 1;
-                    let [one, other] = self.meshes.sides(list.get(ID, first + lane).to_bits() & !MARKS, x);
-                    steps[lane] = other - one;
-                }
-                step = f32x8::simd_from(simd, steps);
-            }
+            let step = -steps(simd, &(list, first), keep, x, |lane| self.meshes.sides(number(lane), x));
             keep &= !step.simd_eq(zero);
             if !keep.any_true() {
                 continue;
             }
             let names = list.load(simd, ID, first);
-            let mut ask = (keep & names.bitcast::<u32x8<S>>().simd_ge(u32x8::splat(simd, SOMETIMES))).to_bitmask();
-            if ask != 0 {
-                let mut drawn = keep.to_bitmask();
-                while ask != 0 {
-                    let lane = ask.trailing_zeros() as usize & 7;
-                    ask &= ask - 1;
-                    if !self.meshes.is_drawn_at(list.get(ID, first + lane).to_bits() & !MARKS, x, self.scale) {
-                        drawn &= !(1 << lane);
-                    }
-                }
-                keep = mask32x8::from_bitmask(simd, drawn);
-            }
+            let sometimes = names.bitcast::<u32x8<S>>().simd_ge(u32x8::splat(simd, SOMETIMES));
+            keep = drawn(simd, keep, sometimes, |lane| self.meshes.is_drawn_at(number(lane), x, self.scale));
             out.put3(0, keep, list.load3(simd, ENDS[0], first).minus(x));
             out.put3(3, keep, list.load3(simd, ENDS[1], first).minus(x));
             out.put(STEP, keep, in_halves(simd, step, names));

@@ -56,6 +56,12 @@ impl Edge {
         [corner, (corner + 1) % 3]
     }
 
+    /// A box around it, among these corners and triangles.
+    pub(crate) fn bounds(self, corners: &[Vec3], triangles: &[[u32; 3]]) -> [Vec3; 2] {
+        let [a, b] = self.ends().map(|k| corners[triangles[self.triangle() as usize][k] as usize]);
+        [a.min(b), a.max(b)]
+    }
+
     pub(crate) fn is_flat(self) -> bool {
         self.second & FLAT != 0
     }

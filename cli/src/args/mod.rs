@@ -4,6 +4,7 @@ mod bake;
 mod check;
 mod clock;
 mod compare;
+mod console;
 mod figures;
 mod merge;
 mod model;
@@ -20,6 +21,7 @@ pub(crate) use self::bake::BakeArgs;
 pub(crate) use self::check::CheckArgs;
 pub(crate) use self::clock::ClockArgs;
 pub(crate) use self::compare::CompareArgs;
+pub(crate) use self::console::ConsoleArgs;
 pub(crate) use self::figures::{Figure, FiguresArgs};
 pub(crate) use self::merge::MergeArgs;
 pub(crate) use self::open::OpenArgs;
@@ -30,7 +32,7 @@ pub(crate) use self::spheres::SpheresArgs;
 pub(crate) use self::trade::{TradeArgs, TradeDevice, TradeGeometry};
 pub(crate) use self::view::ViewArgs;
 
-use crate::console;
+use crate::console::say;
 use crate::failure::Failure;
 use clap::builder::ValueParser;
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
@@ -87,11 +89,11 @@ pub(crate) fn parse() -> Result<Option<Command>, Failure> {
     match definition().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(Cli { command: Some(command) }) => Ok(Some(command)),
         Ok(Cli { command: None }) => {
-            console::say(definition().render_help());
+            say(definition().render_help());
             Ok(None)
         }
         Err(error) if !error.use_stderr() => {
-            console::say(error.render().to_string().trim_end());
+            say(error.render().to_string().trim_end());
             Ok(None)
         }
         Err(error) => {

@@ -1,4 +1,5 @@
 use super::clock::ClockArgs;
+use super::console::ConsoleArgs;
 use super::model::ModelArgs;
 use super::values::{exposure, size, whole};
 use clap::Args;
@@ -38,17 +39,8 @@ pub(crate) struct ViewArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
 
-    /// Threads to use, instead of one a core
-    #[arg(long, value_name = "N", value_parser = whole(1..=1024))]
-    pub(crate) threads: Option<u32>,
-
-    /// No progress, no summary, no warnings
-    #[arg(long, short)]
-    pub(crate) quiet: bool,
-
-    /// Print the summary as JSON
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) console: ConsoleArgs,
 }
 
 impl ViewArgs {

@@ -14,7 +14,7 @@ use cosine_lobes::paper::Tables;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::Geometry;
 use cosine_lobes::render_cpu::blockers;
-use cosine_lobes::scene::{BlockerSet, Scene, builtin};
+use cosine_lobes::scene::{BlockerSet, Scene, ShadingPoints, builtin};
 use cosine_lobes::{Comparison, Picture, signed_difference};
 use glam::Vec3;
 use std::ops::ControlFlow;
@@ -270,6 +270,16 @@ fn square_lights() -> Result<[Vec<Light>; 3], Failure> {
     Ok([vec![Light::from(flat)], nine.collect(), vec![sphere(center, radius)]])
 }
 
+/// Frames a second of each method, as cells of a table.
+fn speeds_of(scene: &Scene, blockers: &BlockerSet, points: &ShadingPoints, tables: &Tables) -> Result<String, Failure> {
+    let mut cells = String::new();
+    for (_, how) in methods(tables) {
+        let (timing, _) = frames(scene, blockers, points, how, 3).map_err(Failure::new)?;
+        cells += &format!(" {:.1} |", fps(&timing));
+    }
+    Ok(cells)
+}
+
 pub(super) fn square_light(name: &str, studio: &mut Studio) -> Result<Page, Failure> {
     const HEIGHTS: [f32; 3] = [0.0, 0.7, 1.4];
     const SIDE: u32 = 200;
@@ -304,10 +314,7 @@ pub(super) fn square_light(name: &str, studio: &mut Studio) -> Result<Page, Fail
         scene.lights.clone_from(&one);
         let points = GBuffer::new(&World::new(&scene), 526, 527, 1).points;
         speeds += &format!("\n| #{} | {} |", k + 1, ["1.6", "0.2", "0.2"][k]);
-        for (_, how) in methods(&tables) {
-            let (timing, _) = frames(&scene, &blockers, &points, how, 3).map_err(Failure::new)?;
-            speeds += &format!(" {:.1} |", fps(&timing));
-        }
+        speeds += &speeds_of(&scene, &blockers, &points, &tables)?;
     }
     // As in the paper, nine spheres and one; and the square.
     let shown = [0, 1, 4].into_iter().flat_map(|i| core::mem::take(&mut cells[i])).collect();

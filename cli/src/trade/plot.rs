@@ -7,6 +7,7 @@ use crate::failure::Failure;
 use cosine_lobes::{Output, write_png};
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use std::ops::Range;
 use std::path::Path;
 
 const SIZE: (u32, u32) = (1100, 680);
@@ -49,6 +50,36 @@ fn round(x: f64, up: bool) -> f64 {
     *(if up { above } else { below }).unwrap_or(&x)
 }
 
+/// The techniques of rows, in their order.
+fn techniques(rows: &[Row]) -> Vec<String> {
+    let mut techniques: Vec<String> = Vec::new();
+    for row in rows {
+        if !techniques.contains(&row.technique()) {
+            techniques.push(row.technique());
+        }
+    }
+    techniques
+}
+
+/// The range of an axis.
+fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
+    let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(l, h), x| (l.min(x), h.max(x)));
+    if low > high { 0.1..1.0 } else { round(0.9 * low, false)..round(1.1 * high, true) }
+}
+
+/// The names of curves beside pieces of them.
+fn draw_keys<B: DrawingBackend>(
+    margin: &DrawingArea<B, Shift>,
+    keys: Vec<(String, RGBColor, u32)>,
+) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+    for (i, (name, color, stroke)) in keys.into_iter().enumerate() {
+        let y = 60 + 24 * i as i32;
+        margin.draw(&PathElement::new(vec![(4, y), (26, y)], color.stroke_width(stroke)))?;
+        margin.draw(&Text::new(name, (34, y - 8), ("sans-serif", 15)))?;
+    }
+    Ok(())
+}
+
 fn draw<B: DrawingBackend>(root: &DrawingArea<B, Shift>, title: &str, rows: &[Row]) -> Result<(), String>
 where
     B::ErrorType: 'static,
@@ -56,11 +87,8 @@ where
     let failed = |e: DrawingAreaErrorKind<B::ErrorType>| format!("the plot cannot be drawn: {e}");
     root.fill(&WHITE).map_err(failed)?;
     let (area, margin) = root.split_horizontally(SIZE.0 as i32 - KEY_WIDTH);
-    let range = |of: fn(&Row) -> f64| {
-        let (low, high) = rows.iter().map(of).fold((f64::INFINITY, 0.0_f64), |(l, h), x| (l.min(x), h.max(x)));
-        if low > high { 0.1..1.0 } else { round(0.9 * low, false)..round(1.1 * high, true) }
-    };
-    let (times, errors) = (range(|r| place(r).0), range(|r| place(r).1));
+    let times = range(rows.iter().map(|row| place(row).0));
+    let errors = range(rows.iter().map(|row| place(row).1));
     let caption = format!("{title}: error in penumbra against time of shading");
     let mut chart = ChartBuilder::on(&area)
         .caption(caption, ("sans-serif", 20))
@@ -92,13 +120,7 @@ where
     chart.draw_series(line).map_err(failed)?;
     let mut keys = vec![("Pareto front".to_owned(), RGBColor(200, 200, 200), 9)];
 
-    let mut techniques: Vec<String> = Vec::new();
-    for row in rows {
-        if !techniques.contains(&row.technique()) {
-            techniques.push(row.technique());
-        }
-    }
-    for (i, technique) in techniques.iter().enumerate() {
+    for (i, technique) in techniques(rows).iter().enumerate() {
         let color = COLORS[i % COLORS.len()];
         let own: Vec<&Row> = rows.iter().filter(|r| r.technique() == *technique).collect();
         let dots = own.iter().map(|r| Circle::new(place(r), 3, color.mix(0.45).filled()));
@@ -110,11 +132,7 @@ where
     }
     let rings = front.iter().map(|r| Circle::new(place(r), 7, BLACK.stroke_width(2)));
     chart.draw_series(rings).map_err(failed)?;
-    for (i, (name, color, stroke)) in keys.into_iter().enumerate() {
-        let y = 60 + 24 * i as i32;
-        margin.draw(&PathElement::new(vec![(4, y), (26, y)], color.stroke_width(stroke))).map_err(failed)?;
-        margin.draw(&Text::new(name, (34, y - 8), ("sans-serif", 15))).map_err(failed)?;
-    }
+    draw_keys(&margin, keys).map_err(failed)?;
     root.present().map_err(failed)
 }
 

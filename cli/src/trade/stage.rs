@@ -187,7 +187,7 @@ impl<'a> Stage<'a> {
                 None => (Vec::new(), None),
             };
             if let Some(coarser) = coarser {
-                let _ = Teller::new(self.args.view.quiet).hear(Event::MapsReduced(coarser));
+                let _ = Teller::new(self.args.view.console.quiet).hear(Event::MapsReduced(coarser));
             }
             self.maps = Some((visibility, maps, time));
         }

@@ -33,11 +33,11 @@ impl Truth {
         };
         let mut reference = Reference::new(ReferenceJob { world, gbuffer, blockers, geometry, seed: 0 });
         let path = args.output.join("reference.checkpoint");
-        checkpoint::resume(&mut reference, &path, args.view.quiet)?;
+        checkpoint::resume(&mut reference, &path, args.view.console.quiet)?;
         let samples = args.reference_spp;
         if reference.samples() < samples {
             console::stoppable(|| -> Result<(), Failure> {
-                checkpoint::advance(&mut reference, samples, &path, "reference", args.view.quiet)?;
+                checkpoint::advance(&mut reference, samples, &path, "reference", args.view.console.quiet)?;
                 checkpoint::save(&reference, &path)
             })?;
             if STOP.is_cancelled() {

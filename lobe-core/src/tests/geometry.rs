@@ -1,7 +1,25 @@
 //! The cones of spheres, and the spheres in which objects look for shadows of their own.
 
 use crate::*;
-use glam::Vec3;
+use glam::{Mat4, Quat, Vec3};
+
+#[test]
+fn even_scales() {
+    let turn = Quat::from_rotation_y(0.7) * Quat::from_rotation_x(2.1);
+    let place = |scale: Vec3| Mat4::from_scale_rotation_translation(scale, turn, Vec3::new(5.0, -1.0, 3.0));
+    for scale in [1e-6, 0.3, 1.0, 2e6] {
+        let even = place(Vec3::splat(scale));
+        assert!(scales_evenly(&even, f64::from(scale), 1e-4), "{scale}");
+        assert!(scales_evenly(&place(Vec3::new(-scale, scale, scale)), f64::from(scale), 1e-4), "mirrored, {scale}");
+        assert!(!scales_evenly(&even, 1.001 * f64::from(scale), 1e-4), "another scale than {scale}");
+        assert!(!scales_evenly(&place(Vec3::new(1.0, 1.001, 1.0) * scale), f64::from(scale), 1e-4), "{scale}");
+        assert!(scales_evenly(&place(Vec3::new(1.0, 1.001, 1.0) * scale), f64::from(scale), 2e-3), "{scale}");
+        let mut skew = even;
+        skew.y_axis += skew.x_axis * 0.002;
+        assert!(!scales_evenly(&skew, f64::from(scale), 1e-3), "skew, {scale}");
+    }
+    assert!(!scales_evenly(&(Mat4::IDENTITY * f32::NAN), 1.0, 1.0));
+}
 
 #[test]
 fn cones_of_all_spheres() {

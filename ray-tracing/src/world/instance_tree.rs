@@ -124,12 +124,8 @@ impl Instance {
 
     /// A box around the mesh at this place.
     fn bounds(&self, of: &Shared) -> Aabb {
-        let corners = of.mesh.triangles.iter().flatten().map(|i| of.mesh.positions[*i as usize]);
-        let mut bounds = Aabb::empty();
-        corners.for_each(|p| {
-            bounds.extend(Vec3A::from(self.matrix.transform_point3(p)));
-        });
-        Aabb::new(bounds.min - Vec3A::from(self.pad), bounds.max + Vec3A::from(self.pad))
+        let bounds = of.mesh.bounds_at(&self.matrix);
+        Aabb::new((bounds.min - self.pad).into(), (bounds.max + self.pad).into())
     }
 
     /// The boxes of a node's children, relative to `from`.

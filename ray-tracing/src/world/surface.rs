@@ -20,6 +20,16 @@ pub(crate) struct RayHits {
     pub(crate) directions: [Row; 3],
 }
 
+/// The triangles that eight rays have met.
+#[derive(Default)]
+struct Met {
+    corner: [DVec3x8; 3],
+    /// Of the corners; unused for triangles that are not smooth.
+    normals: [DVec3x8; 3],
+    smooth: [bool; SIDE],
+    objects: [u32; SIDE],
+}
+
 /// The same as `DVec3`'s of the same names, lane by lane.
 #[inline(always)]
 fn dot(a: &DVec3x8, b: &DVec3x8, l: usize) -> f64 {
@@ -56,12 +66,19 @@ impl World<'_> {
         dispatch!(level, _simd => self.surfaces_simd(are_parallel, rays, out));
     }
 
+    /// Where a ray meets a sphere, the normal there, and the sphere's object.
+    fn sphere_surface(&self, number: u32, start: Vec3, direction: Vec3) -> (Vec3, Vec3, u32) {
+        let sphere = &self.hierarchy.spheres.primitives[number as usize];
+        let t = sphere.intersect(&Ray::new_inf(start.into(), direction.into()));
+        let (position, normal) = sphere.surface(start, direction, t);
+        (position, normal, sphere.object)
+    }
+
+    /// The triangles that rays have met.
     #[inline(always)]
-    fn surfaces_simd(&self, are_parallel: bool, rays: &RayHits, out: &mut [Receiver]) {
-        let mut corner: [DVec3x8; 3] = Default::default();
-        let mut normals: [DVec3x8; 3] = Default::default();
-        let mut smooth = [false; SIDE];
-        let mut objects = [0u32; SIDE];
+    fn met(&self, rays: &RayHits) -> Met {
+        let mut met = Met::default();
+        let Met { corner, normals, smooth, objects } = &mut met;
         for (l, number) in rays.found.iter().enumerate() {
             if number & SPHERE != 0 {
                 continue;
@@ -93,6 +110,12 @@ impl World<'_> {
                 Shape::Spheres(_) => unreachable!("triangles come from meshes"),
             }
         }
+        met
+    }
+
+    #[inline(always)]
+    fn surfaces_simd(&self, are_parallel: bool, rays: &RayHits, out: &mut [Receiver]) {
+        let Met { corner, normals, smooth, objects } = self.met(rays);
         let (mut position, mut normal, mut face) = ([[0.0f32; SIDE]; 3], [[0.0f32; SIDE]; 3], [[0.0f32; SIDE]; 3]);
         let (mut d, mut e1, mut e2, mut s): (DVec3x8, DVec3x8, DVec3x8, DVec3x8) = Default::default();
         let (mut n, mut p): (DVec3x8, DVec3x8) = Default::default();
@@ -141,10 +164,8 @@ impl World<'_> {
             let (mut position, mut normal, mut face) = (at(&position, l), at(&normal, l), at(&face, l));
             let mut object = objects[l];
             if number & SPHERE != 0 && number != NOTHING {
-                let sphere = &self.hierarchy.spheres.primitives[(number & !SPHERE) as usize];
-                let t = sphere.intersect(&Ray::new_inf(start.into(), direction.into()));
-                (position, normal) = sphere.surface(start, direction, t);
-                (face, object) = (normal, sphere.object);
+                (position, normal, object) = self.sphere_surface(number & !SPHERE, start, direction);
+                face = normal;
             }
             // The view is from the rounded position, not the ray's, so that it is consistent with shading; all views are alike where
             // rays are parallel.

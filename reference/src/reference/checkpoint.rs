@@ -2,7 +2,10 @@
 
 use super::{Geometry, REPLICATES, Reference, ReferenceJob, Tally};
 use crate::sobol::mix;
+use core::fmt::Debug;
 use glam::Vec3;
+use lobe_core::Sphere;
+use scene::{BlockerSet, Mesh, Proxy, Shape};
 use std::io::{self, Read, Write};
 
 const MAGIC: [u8; 8] = *b"lobesref";
@@ -41,67 +44,84 @@ impl ReferenceJob<'_> {
             Geometry::None => 2,
             Geometry::Mixed(_) => 3,
         };
-        let mut hash = mix(self.seed, kind);
-        let mut word = |w: u32| hash = mix(hash, u64::from(w));
+        let mut hash = Fingerprint(mix(self.seed, kind));
         let scene = self.world.scene();
-        word(self.gbuffer.width);
-        word(self.gbuffer.height);
-        word(self.gbuffer.samples);
+        hash.words([self.gbuffer.width, self.gbuffer.height, self.gbuffer.samples]);
         let points = &self.gbuffer.points;
         for (r, material) in points.receivers.iter().zip(&points.materials) {
-            for v in [r.position, r.normal, r.view] {
-                v.to_array().iter().for_each(|x| word(x.to_bits()));
-            }
-            word(r.object);
-            word(*material);
+            hash.numbers([r.position, r.normal, r.view].into_iter().flat_map(|v| v.to_array()));
+            hash.words([r.object, *material]);
         }
-        for light in &scene.lights {
-            format!("{light:?}").bytes().for_each(|b| word(u32::from(b)));
-        }
+        scene.lights.iter().for_each(|light| hash.text(light));
         if let Some(environment) = &scene.environment {
-            format!("{:?}", environment.map()).bytes().for_each(|b| word(u32::from(b)));
+            hash.text(environment.map());
         }
-        format!("{:?}", scene.materials).bytes().for_each(|b| word(u32::from(b)));
+        hash.text(&scene.materials);
         if !scene.surfaces.is_empty() {
-            format!("{:?}", scene.surfaces).bytes().for_each(|b| word(u32::from(b)));
+            hash.text(&scene.surfaces);
         }
         if let Geometry::Mixed(objects) = self.geometry {
-            objects.iter().for_each(|solid| word(u32::from(*solid)));
+            hash.words(objects.iter().map(|solid| u32::from(*solid)));
         }
         if self.geometry.has_spheres() {
-            for (s, object) in self.blockers.spheres.iter().zip(&self.blockers.objects) {
-                s.center.to_array().iter().for_each(|x| word(x.to_bits()));
-                word(s.radius.to_bits());
-                word(*object);
-            }
-            self.blockers.self_distances.iter().for_each(|x| word(x.to_bits()));
-            let own = self.blockers.self_shadows.iter();
-            own.flat_map(|s| [s.offset.x, s.offset.y, s.offset.z, s.radius, s.distance])
-                .for_each(|x| word(x.to_bits()));
+            hash.blockers(self.blockers);
         }
         if matches!(self.geometry, Geometry::Mesh | Geometry::Mixed(_)) {
             for object in &scene.objects {
-                word(u32::from(object.visible));
-                word(u32::from(object.proxy != scene::Proxy::None));
-                match &object.shape {
-                    scene::Shape::Mesh(mesh) => {
-                        mesh.positions.iter().flat_map(|p| p.to_array()).for_each(|x| word(x.to_bits()));
-                        mesh.triangles.iter().flatten().for_each(|i| word(*i));
-                    }
-                    scene::Shape::Instances(instances) => {
-                        let mesh = instances.mesh();
-                        mesh.positions.iter().flat_map(|p| p.to_array()).for_each(|x| word(x.to_bits()));
-                        mesh.triangles.iter().flatten().for_each(|i| word(*i));
-                        instances.places().iter().flat_map(|m| m.to_cols_array()).for_each(|x| word(x.to_bits()));
-                    }
-                    scene::Shape::Spheres(spheres) => spheres.iter().for_each(|s| {
-                        s.center.to_array().iter().for_each(|x| word(x.to_bits()));
-                        word(s.radius.to_bits());
-                    }),
-                }
+                hash.words([object.visible, object.proxy != Proxy::None].map(u32::from));
+                hash.shape(&object.shape);
             }
         }
-        hash
+        hash.0
+    }
+}
+
+/// A hash of all that was put into it, in this order.
+struct Fingerprint(u64);
+
+impl Fingerprint {
+    fn words(&mut self, words: impl IntoIterator<Item = u32>) {
+        words.into_iter().for_each(|word| self.0 = mix(self.0, u64::from(word)));
+    }
+
+    fn numbers(&mut self, numbers: impl IntoIterator<Item = f32>) {
+        self.words(numbers.into_iter().map(f32::to_bits));
+    }
+
+    /// All that a value's `Debug` tells.
+    fn text(&mut self, value: &impl Debug) {
+        self.words(format!("{value:?}").bytes().map(u32::from));
+    }
+
+    fn blockers(&mut self, blockers: &BlockerSet) {
+        for (s, object) in blockers.spheres.iter().zip(&blockers.objects) {
+            self.sphere(s);
+            self.words([*object]);
+        }
+        self.numbers(blockers.self_distances.iter().copied());
+        let own = blockers.self_shadows.iter();
+        self.numbers(own.flat_map(|s| [s.offset.x, s.offset.y, s.offset.z, s.radius, s.distance]));
+    }
+
+    fn sphere(&mut self, sphere: &Sphere) {
+        self.numbers(sphere.center.to_array());
+        self.numbers([sphere.radius]);
+    }
+
+    fn mesh(&mut self, mesh: &Mesh) {
+        self.numbers(mesh.positions.iter().flat_map(|p| p.to_array()));
+        self.words(mesh.triangles.iter().flatten().copied());
+    }
+
+    fn shape(&mut self, shape: &Shape) {
+        match shape {
+            Shape::Mesh(mesh) => self.mesh(mesh),
+            Shape::Instances(instances) => {
+                self.mesh(instances.mesh());
+                self.numbers(instances.places().iter().flat_map(|m| m.to_cols_array()));
+            }
+            Shape::Spheres(spheres) => spheres.iter().for_each(|sphere| self.sphere(sphere)),
+        }
     }
 }
 

@@ -20,15 +20,7 @@ pub(super) fn lights(
     let (mut next, mut order, mut gone) = (0, Vec::with_capacity(now.lights.len()), Vec::new());
     for (index, table) in elements(document, "lights").into_iter().enumerate() {
         let kind = table.get("kind").and_then(Item::as_str).unwrap_or_default().to_owned();
-        let count = match kind.as_str() {
-            "spheres" => table.get("spheres").and_then(Item::as_array).map_or(0, Array::len),
-            "environment" | "ambient" if kind == "environment" || is_occluded(table) => before.lights
-                [next.min(before.lights.len())..]
-                .iter()
-                .take_while(|item| matches!(item.light, Light::Sky(_)))
-                .count(),
-            _ => 1,
-        };
+        let count = count_of(table, &kind, &before.lights[next.min(before.lights.len())..]);
         let range = next..next + count;
         next += count;
         let other = || SaveError::Text("it has other lights".to_owned());
@@ -48,6 +40,36 @@ pub(super) fn lights(
         order.extend(new);
     }
     remove(document, "lights", &gone);
+    add_new(document, before, now, (&mut order, &mut cuts))?;
+    // Those of objects that emit follow.
+    let rest = before.lights.get(next..).unwrap_or_default();
+    for (old, new) in rest.iter().filter_map(|old| Some((old, now.light(old.handle)?))) {
+        if is_changed((old, new)) {
+            return Err(change("a light that an object of the file shines with is changed by the object's material"));
+        }
+        order.push(new.clone());
+    }
+    Ok((order, cuts))
+}
+
+/// The number of lights that a table stands for; `rest` are those that no table before has.
+fn count_of(table: &dyn TableLike, kind: &str, rest: &[LightItem]) -> usize {
+    match kind {
+        "spheres" => table.get("spheres").and_then(Item::as_array).map_or(0, Array::len),
+        "environment" | "ambient" if kind == "environment" || is_occluded(table) => {
+            rest.iter().take_while(|item| matches!(item.light, Light::Sky(_))).count()
+        }
+        _ => 1,
+    }
+}
+
+/// Appends tables of lights that were not there before: those of their own where they were cut out.
+fn add_new(
+    document: &mut DocumentMut,
+    before: &Snapshot,
+    now: &Snapshot,
+    (order, cuts): (&mut Vec<LightItem>, &mut Vec<Cut<LightItem>>),
+) -> Result<(), SaveError> {
     for item in now.lights.iter().filter(|item| before.light(item.handle).is_none()) {
         if order.iter().any(|known: &LightItem| known.handle == item.handle) {
             continue;
@@ -68,15 +90,7 @@ pub(super) fn lights(
         append(document, "lights", table)?;
         order.extend(new);
     }
-    // Those of objects that emit follow.
-    let rest = before.lights.get(next..).unwrap_or_default();
-    for (old, new) in rest.iter().filter_map(|old| Some((old, now.light(old.handle)?))) {
-        if is_changed((old, new)) {
-            return Err(change("a light that an object of the file shines with is changed by the object's material"));
-        }
-        order.push(new.clone());
-    }
-    Ok((order, cuts))
+    Ok(())
 }
 
 fn is_changed((old, new): (&LightItem, &LightItem)) -> bool {

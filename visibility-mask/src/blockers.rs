@@ -1,0 +1,87 @@
+use crate::{Edges, Mask, UnitSquare};
+use glam::{Vec2, Vec3};
+use lobe_core::{Receiver, Sphere};
+use shading::{Coverage, Shaft, VisibilityQuery};
+
+/// Blockers of light that can be rasterised: the interface of a visibility strategy.
+///
+/// [`MaskVisibility`](crate::MaskVisibility) makes a [`Visibility`](shading::Visibility) of them: masks, cuts and lobes are the same for all strategies.
+///
+/// ```
+/// use glam::Vec3;
+/// use visibility_mask::{Blockers, Mask, MaskVisibility};
+/// use shading::{Coverage, VisibilityQuery};
+///
+/// /// Hides everything to the left of the light's middle.
+/// struct Curtain;
+///
+/// impl Blockers for Curtain {
+///     type Scratch = ();
+///     fn scratch(&self) {}
+///     fn select(&self, _: &VisibilityQuery<'_>, _: &mut ()) -> Coverage {
+///         Coverage::Partial
+///     }
+///     fn splat(&self, _: &VisibilityQuery<'_>, _: &mut (), mask: &mut Mask) {
+///         for row in 0..mask.side() {
+///             mask.block_span(row, f32::NEG_INFINITY, 0.0);
+///         }
+///     }
+/// }
+///
+/// let strategy = MaskVisibility::new(Curtain); // a shading::Visibility
+/// # let _ = strategy;
+/// ```
+pub trait Blockers: Sync {
+    /// Working memory, one a thread.
+    type Scratch: Send;
+
+    /// New working memory.
+    fn scratch(&self) -> Self::Scratch;
+
+    /// Called before a group of receivers and one light: all following receivers are inside `shaft` until the next call.
+    /// [`Coverage::Lit`] means that no receiver meets a blocker, as [`select`](Self::select) would return for each, except for the
+    /// facets of receivers whose shading normal differs from the facet's.
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
+        let _ = (shaft, scratch);
+        Coverage::Partial
+    }
+
+    /// The width of the narrowest penumbra on a part of the group: see [`Visibility::narrowest_penumbra`](shading::Visibility::narrowest_penumbra). Provided: 0, not known.
+    fn narrowest_penumbra(&self, at: &Receiver, part: Sphere, scratch: &mut Self::Scratch) -> f32 {
+        let _ = (at, part, scratch);
+        0.0
+    }
+
+    /// Finds the blockers that may meet this receiver's light cone. [`Coverage::Lit`] if there are none, [`Coverage::Dark`] if a
+    /// single one hides the whole light; no mask is drawn in either case.
+    fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage;
+
+    /// Adds the edges across the light, so that masks are turned in the direction in which most of them are exact. Add none if
+    /// their directions do not matter to [`splat`](Self::splat). Call it only after [`select`](Self::select) of the same query.
+    fn edges(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, edges: &mut Edges) {
+        let _ = (query, scratch, edges);
+    }
+
+    /// The direction across which most of these edges run. Provided.
+    fn across(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch) -> Vec3 {
+        let mut edges = Edges::new(query.cone);
+        self.edges(query, scratch, &mut edges);
+        edges.across()
+    }
+
+    /// Two corners of a box in the plane that contains all edges in a window, if known: samples may be wrong only there. Call it
+    /// only after [`splat`](Self::splat) of the same query. Provided: `None`.
+    fn edge_bounds(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &Self::Scratch,
+        window: &UnitSquare,
+    ) -> Option<[Vec2; 2]> {
+        let _ = (query, scratch, window);
+        None
+    }
+
+    /// Blocks cells of the mask, whose window is any part of the receiver's unit square. Call it only after
+    /// [`select`](Self::select) of the same query.
+    fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask);
+}
