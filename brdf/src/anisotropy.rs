@@ -1,7 +1,10 @@
 //! The grain of a metallic–roughness material (KHR_materials_anisotropy).
 
+use crate::Packer;
 use crate::visible_normals::VisibleNormals;
+use crate::wgsl::MATERIAL;
 use glam::Vec3;
+use lobe_core::wgsl::{MICROFACETS_GRAIN, Piece};
 use lobe_core::{Grain, Receiver, orthonormal_basis};
 
 /// Rougher along a direction: `α_t = α + (1 − α) strength²` there, `α` across it.
@@ -21,6 +24,13 @@ impl Anisotropy {
         (self.strength > 0.0).then(|| Grain::new(at.normal, at.view, self.tangent(at.normal), self.strength))
     }
 
+    /// Strength, whether there is an own tangent, that tangent.
+    pub(crate) fn pack(&self, out: &mut Packer) {
+        out.push([self.strength]);
+        out.push_word(u32::from(self.tangent.is_some()));
+        out.push(self.tangent.unwrap_or(Vec3::ZERO).to_array());
+    }
+
     /// The roughness of an isotropic surface with as large a peak.
     pub(crate) fn mean(&self, alpha: f32) -> f32 {
         let along = alpha + (1.0 - alpha) * self.strength * self.strength;
@@ -34,3 +44,6 @@ impl Anisotropy {
         Some(VisibleNormals::in_frame(frame, at.view, [grain.alpha(alpha), alpha]))
     }
 }
+
+/// The WGSL of a grain.
+pub(crate) static WGSL: Piece = Piece::new(include_str!("brushed.wgsl")).needs(&[&MATERIAL, &MICROFACETS_GRAIN]);

@@ -1,4 +1,4 @@
-use crate::anisotropy::Anisotropy;
+use crate::anisotropy::{self, Anisotropy};
 use crate::clearcoat::{self, Clearcoat};
 use crate::coat::{self, Coat, MIN_ALPHA};
 use crate::error::check_fraction;
@@ -145,7 +145,7 @@ impl MetallicRoughness {
 
     /// Brushed, by a strength in [0, 1]: along the tangent ([`Material::turned`]) microfacets have `α_t = α + (1 − α) strength²`, across it `α`, as
     /// KHR_materials_anisotropy has it (GGX as B. Burley, *Physically Based Shading at Disney*, 2012, has it). Exact as lobes of microfacets; cosine lobes
-    /// have no grain, and GPUs have no code for it.
+    /// have no grain.
     ///
     /// # Errors
     /// [`MaterialError::Fraction`] for what lies outside.
@@ -350,6 +350,10 @@ impl MetallicRoughness {
 static MICROFACETS_WGSL: Piece = Piece::new(include_str!("metallic_microfacets.wgsl")).needs(&[&coat::WGSL]);
 static COATED_MICROFACETS_WGSL: Piece =
     Piece::new(include_str!("clearcoat_microfacets.wgsl")).needs(&[&MICROFACETS_WGSL, &clearcoat::WGSL]);
+static BRUSHED_MICROFACETS_WGSL: Piece =
+    Piece::new(include_str!("brushed_microfacets.wgsl")).needs(&[&MICROFACETS_WGSL, &anisotropy::WGSL]);
+static COATED_BRUSHED_MICROFACETS_WGSL: Piece = Piece::new(include_str!("clearcoat_brushed_microfacets.wgsl"))
+    .needs(&[&COATED_MICROFACETS_WGSL, &anisotropy::WGSL]);
 static DIRECTIONS_WGSL: Piece = Piece::new(include_str!("metallic_roughness.wgsl")).needs(&[&coat::WGSL, &rows::WGSL]);
 static COATED_DIRECTIONS_WGSL: Piece =
     Piece::new(include_str!("clearcoat_directions.wgsl")).needs(&[&DIRECTIONS_WGSL, &clearcoat::WGSL]);
@@ -398,14 +402,14 @@ impl Model for MetallicRoughness {
     }
 
     fn wgsl(&self) -> Option<ModelWgsl> {
-        if self.anisotropy.is_some() {
-            return None;
-        }
-        let own = match self.clearcoat {
-            None => ModelWgsl::new("metallic-microfacets", &MICROFACETS_WGSL),
-            Some(_) => ModelWgsl::new("clearcoat-microfacets", &COATED_MICROFACETS_WGSL),
-        };
-        Some(own.with_microfacets())
+        let round = |name, piece| ModelWgsl::new(name, piece).with_microfacets();
+        let brushed = |name, piece| ModelWgsl::new(name, piece).with_grain();
+        Some(match (self.clearcoat.is_some(), self.anisotropy.is_some()) {
+            (false, false) => round("metallic-microfacets", &MICROFACETS_WGSL),
+            (true, false) => round("clearcoat-microfacets", &COATED_MICROFACETS_WGSL),
+            (false, true) => brushed("brushed-microfacets", &BRUSHED_MICROFACETS_WGSL),
+            (true, true) => brushed("clearcoat-brushed-microfacets", &COATED_BRUSHED_MICROFACETS_WGSL),
+        })
     }
 
     fn cosine_wgsl(&self) -> Option<ModelWgsl> {
@@ -419,11 +423,13 @@ impl Model for MetallicRoughness {
         let coat = coat::pack(out);
         let has_base = self.pack_numbers(coat, out);
         out.push_word(has_base);
-        let below = has_base + 2;
-        self.clearcoat.map_or(below, |coat| {
+        if let Some(coat) = self.clearcoat {
             coat.pack(out);
-            below + 2
-        })
+        }
+        if let Some(anisotropy) = self.anisotropy {
+            anisotropy.pack(out);
+        }
+        has_base + if self.clearcoat.is_some() { 4 } else { 2 }
     }
 
     fn cosine_pack(&self, out: &mut Packer) -> u32 {

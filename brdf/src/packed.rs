@@ -106,11 +106,7 @@ impl PackedMaterials {
         let mut of = Vec::with_capacity(materials.len());
         for material in materials {
             let (model, name) = (material.model(), material.name());
-            let why = match material {
-                Material::MetallicRoughness(_) => "anisotropy is for CPUs",
-                _ => "it has no WGSL",
-            };
-            of.push(wgsl(model).ok_or_else(|| format!("a GPU cannot shade the material `{name}`: {why}"))?);
+            of.push(wgsl(model).ok_or_else(|| format!("a GPU cannot shade the material `{name}`: it has no WGSL"))?);
         }
         let mut models = of.clone();
         models.sort_by_key(|model| model.name);
@@ -156,6 +152,7 @@ impl From<PackedMaterials> for GpuMaterialSet {
             max_lobes,
             is_lambert: names.iter().all(|name| *name == "lambert"),
             has_microfacets: models.iter().any(|model| model.has_microfacets),
+            has_grain: models.iter().any(|model| model.has_grain),
         }
     }
 }

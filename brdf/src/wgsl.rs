@@ -4,14 +4,14 @@
 //! `array<u32>`.
 
 use core::fmt::Write;
-use lobe_core::wgsl::{LOBE, Piece};
+use lobe_core::wgsl::{COS_SIN, LOBE, Piece};
 
 /// Packed materials (`material_f32`, `material_vec3`, which read a word), and the lobe of diffuse parts.
 pub static MATERIAL: Piece = Piece::new(include_str!("material.wgsl")).needs(&[&LOBE]);
 /// `mirrored_view` of both Phong models.
 pub(crate) static MIRRORED_VIEW: Piece = Piece::new(include_str!("mirrored_view.wgsl")).needs(&[&MATERIAL]);
 /// Unit vectors and turns.
-pub(crate) static TURN: Piece = Piece::new(include_str!("turn.wgsl")).needs(&[&MATERIAL]);
+pub(crate) static TURN: Piece = Piece::new(include_str!("turn.wgsl")).needs(&[&MATERIAL, &COS_SIN]);
 
 /// The WGSL of one model.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,19 +24,27 @@ pub struct ModelWgsl {
     pub piece: &'static Piece,
     /// Whether it may give lobes of microfacets.
     pub has_microfacets: bool,
+    /// Whether these may have a [grain](lobe_core::Grain).
+    pub has_grain: bool,
 }
 
 impl ModelWgsl {
     /// The WGSL of a model without microfacets.
     #[must_use]
     pub const fn new(name: &'static str, piece: &'static Piece) -> Self {
-        Self { name, piece, has_microfacets: false }
+        Self { name, piece, has_microfacets: false, has_grain: false }
     }
 
     /// The same, which may give lobes of microfacets.
     #[must_use]
     pub const fn with_microfacets(self) -> Self {
         Self { has_microfacets: true, ..self }
+    }
+
+    /// The same, which may give lobes of microfacets that have a [grain](lobe_core::Grain).
+    #[must_use]
+    pub const fn with_grain(self) -> Self {
+        Self { has_microfacets: true, has_grain: true, ..self }
     }
 }
 

@@ -28,7 +28,7 @@ pub struct Grain {
 }
 
 /// Steps of each of both numbers.
-const STEPS: u32 = 1 << 11;
+pub(crate) const STEPS: u32 = 1 << 11;
 
 impl Grain {
     /// Rougher along a tangent (of any length, projected onto the surface), by a strength in [0, 1], seen from a direction.

@@ -30,7 +30,7 @@ impl PackedLobe {
 }
 
 /// The lowest bit of the second half of numbers from [`PackedLobe::MICROFACETS_GRAIN`] on.
-const HALF: u32 = 1 << 22;
+pub(crate) const HALF: u32 = 1 << 22;
 
 impl PackedLobe {
     /// Whether it is of [`Microfacets`].

@@ -37,6 +37,14 @@ pub(crate) struct MaterialText {
     pub(crate) needs: Vec<&'static Piece>,
     pub(crate) is_lambert: bool,
     pub(crate) has_microfacets: bool,
+    pub(crate) has_grain: bool,
+}
+
+impl MaterialText {
+    /// Lobes of microfacets in a direction.
+    const fn microfacets(&self) -> &'static Piece {
+        if self.has_grain { &lobes::MICROFACETS_GRAIN } else { &lobes::MICROFACETS }
+    }
 }
 
 /// The shape in which a light may appear.
@@ -150,13 +158,13 @@ impl Variant {
 
     /// The integrals of lobes over a light.
     fn integral(&self) -> Vec<&'static Piece> {
-        let MaterialText { is_lambert, has_microfacets, .. } = self.materials;
-        let over_cones = match (is_lambert, has_microfacets) {
-            (true, _) => &lobes::CAP_LAMBERT,
-            (false, true) => &lobes::CAP_MICROFACETS,
-            (false, false) => &lobes::CAP_NO_MICROFACETS,
+        let MaterialText { is_lambert, has_microfacets, has_grain, .. } = self.materials;
+        let (over_cones, over_outlines) = match (has_microfacets, has_grain) {
+            (false, _) => (&lobes::CAP_NO_MICROFACETS, &lobes::OUTLINE_NO_MICROFACETS),
+            (true, false) => (&lobes::CAP_MICROFACETS, &lobes::OUTLINE_MICROFACETS),
+            (true, true) => (&lobes::CAP_BRUSHED, &lobes::OUTLINE_BRUSHED),
         };
-        let over_outlines = if has_microfacets { &lobes::OUTLINE_MICROFACETS } else { &lobes::OUTLINE_NO_MICROFACETS };
+        let over_cones = if is_lambert { &lobes::CAP_LAMBERT } else { over_cones };
         match self.shown {
             Shown::Cone => vec![over_cones, &OVER_CONES],
             Shown::Outline => vec![over_cones, over_outlines, &lobes::OUTLINE_PLAIN],
@@ -193,7 +201,10 @@ impl Variant {
             (Shown::Image, false) => &masks::IMAGE_NO_MICROFACETS,
             _ => &masks::ALIKE,
         };
-        if has_microfacets { vec![by_channel, &masks::MICROFACETS] } else { vec![by_channel] }
+        match has_microfacets {
+            true => vec![by_channel, self.materials.microfacets(), &masks::MICROFACETS],
+            false => vec![by_channel],
+        }
     }
 
     /// Whether anything blocks.
@@ -348,8 +359,11 @@ pub(crate) fn sky(variant: &SkyVariant) -> Text {
         fn blockers_sky_hide(at: Receiver, direction: vec3f) -> bool {{ return false {hide}; }}\n\
         fn blockers_sky_have_facet(at: Receiver) -> bool {{ return false {facet}; }}"
     );
-    let facets = if materials.has_microfacets { &masks::SKY_MICROFACETS } else { &masks::SKY_NO_MICROFACETS };
-    let mut pieces: Vec<&'static Piece> = vec![&wgsl::SKY, facets];
+    let mut pieces: Vec<&'static Piece> = vec![&wgsl::SKY];
+    match materials.has_microfacets {
+        true => pieces.extend([materials.microfacets(), &masks::SKY_MICROFACETS]),
+        false => pieces.push(&masks::SKY_NO_MICROFACETS),
+    }
     pieces.extend(&materials.needs);
     let mut bindings = SHADED.to_vec();
     bindings.push((Slot::Sky, Read));

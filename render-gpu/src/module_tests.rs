@@ -5,8 +5,8 @@ use crate::binding::Access;
 use crate::layout::GpuFrame;
 use crate::occlusion::pass_text;
 use crate::{GpuError, inlined, validated};
-use brdf::Material;
 use brdf::wgsl::ModelWgsl;
+use brdf::{Material, MetallicRoughness};
 use glam::Vec3;
 use lighting::{FlatLight, Light, SphereLight};
 use lobe_core::Sphere;
@@ -55,18 +55,23 @@ const LIGHT: GpuText = (SphereLight::NAME, SphereLight::WGSL);
 fn set(models: &[ModelWgsl]) -> MaterialText {
     let name = models.iter().map(|model| model.name).collect::<Vec<_>>().join(" + ");
     let has_microfacets = models.iter().any(|model| model.has_microfacets);
+    let has_grain = models.iter().any(|model| model.has_grain);
     let (needs, wgsl) = brdf::wgsl::compose(models);
-    MaterialText { is_lambert: name == "lambert", has_microfacets, name, wgsl, needs }
+    MaterialText { is_lambert: name == "lambert", has_microfacets, has_grain, name, wgsl, needs }
 }
 
-/// Each model alone, the first two, and all.
+/// Each model alone, the first two, all, and those with a grain beside others.
 fn choices() -> Vec<Vec<ModelWgsl>> {
     let built_in = Material::built_in();
     let mut all: Vec<ModelWgsl> = built_in.iter().filter_map(|material| material.model().cosine_wgsl()).collect();
     let facets = built_in.iter().filter_map(|material| material.model().wgsl());
     all.extend(facets.filter(|model| model.has_microfacets));
+    let metal = MetallicRoughness::default().with_anisotropy(0.5).expect("in range");
+    let coated = metal.clone().with_clearcoat(1.0, 0.1).expect("in range");
+    let brushed = [metal, coated].map(|metal| Material::from(metal).model().wgsl().expect("for a GPU"));
+    let brushed = all[..2].iter().chain(&brushed).cloned().collect();
     let alone = all.iter().map(|model| vec![model.clone()]);
-    alone.chain([all[..2].to_vec(), all.clone()]).collect()
+    alone.chain([all[..2].to_vec(), all.clone(), brushed]).collect()
 }
 
 /// A strategy whose slots begin with this one.

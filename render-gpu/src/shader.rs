@@ -290,10 +290,10 @@ impl GpuShader {
         if self.paper.is_some() && set.has_microfacets {
             return Err(GpuError::Unsupported(MICROFACETS_BY_PAPER.to_owned()));
         }
-        let GpuMaterialSet { name, wgsl, needs, words, max_lobes, is_lambert, has_microfacets } = set;
+        let GpuMaterialSet { name, wgsl, needs, words, max_lobes, is_lambert, has_microfacets, has_grain } = set;
         self.materials.hold(&self.gpu, bytemuck::cast_slice(&words))?;
         self.max_lobes = max_lobes;
-        let materials = MaterialText { name, wgsl, needs, is_lambert, has_microfacets };
+        let materials = MaterialText { name, wgsl, needs, is_lambert, has_microfacets, has_grain };
         let patches: Vec<usize> = (0..frame.lights.len()).filter(|light| self.sky.replaces(*light)).collect();
         let sky = match self.paper.is_none() && !patches.is_empty() {
             true => self.sky.prepare(&self.gpu, &self.blockers, (&materials, max_lobes))?,

@@ -32,6 +32,8 @@ pub struct GpuMaterialSet {
     pub is_lambert: bool,
     /// Whether there may be lobes of [microfacets](lobe_core::Microfacets).
     pub has_microfacets: bool,
+    /// Whether these may have a [grain](lobe_core::Grain).
+    pub has_grain: bool,
 }
 
 /// Materials that a GPU can shade.
@@ -59,7 +61,7 @@ pub struct GpuMaterialSet {
 ///                 return Lobe(at.view, 40.0, bitcast<vec3f>(color), LOBE_PLAIN);
 ///             }";
 ///         let words = materials.iter().flat_map(|m| m.0.to_array()).map(f32::to_bits).collect();
-///         Ok(GpuMaterialSet { name: "retro".into(), wgsl: wgsl.into(), needs: Vec::new(), words, max_lobes: 1, is_lambert: false, has_microfacets: false })
+///         Ok(GpuMaterialSet { name: "retro".into(), wgsl: wgsl.into(), words, max_lobes: 1, ..GpuMaterialSet::default() })
 ///     }
 /// }
 /// ```

@@ -4,15 +4,15 @@
 var<private> image_surface: MicrofacetsAt;
 var<private> image_is_edge: bool;
 
-fn image_alpha(lobe: Lobe) -> f32 { return sqrt(microfacets_alpha_sq(lobe.exponent)); }
+fn image_alpha(lobe: Lobe) -> f32 { return microfacets_width(lobe); }
 
 fn image_highlight(whole: UnitSquare, at: Receiver, tolerance: f32, lobe: Lobe) -> UnitSquare {
-    return microfacets_highlight(whole, microfacets_of(at.normal, lobe), at.normal, tolerance);
+    return microfacets_highlight(whole, at, lobe, tolerance);
 }
 
 fn image_facets_in(square: UnitSquare, at: Receiver, lobe: Lobe) {
     image_surface = microfacets_in(square, microfacets_of(at.normal, lobe));
-    image_is_edge = lobe.kind == LOBE_MICROFACETS_F90;
+    image_is_edge = microfacets_is_edge(lobe);
 }
 
 fn image_facets(v: vec3f) -> f32 {

@@ -3,16 +3,15 @@
 // The exponent of microfacets whose edge fraction is known, and that fraction.
 var<private> known_edge: vec2f = vec2f(-1.0, 0.0);
 
-fn is_known_edge(lobe: Lobe) -> bool { return lobe.kind == LOBE_MICROFACETS_F90 && known_edge.x == lobe.exponent; }
+fn is_known_edge(lobe: Lobe) -> bool { return microfacets_is_edge(lobe) && known_edge.x == lobe.exponent; }
 
 // The highlight has masks of its own, beside those of the whole light.
 fn masks_of_microfacets(at: Receiver, tolerance: f32, lobe: Lobe, is_narrow_finer: bool) -> Masks {
     if (is_known_edge(lobe)) {
         return Masks();
     }
-    let microfacets = microfacets_of(at.normal, lobe);
-    let square = microfacets_highlight(visibility_whole, microfacets, at.normal, tolerance);
-    let is_finer = is_narrow_finer && light_size(visibility_whole) > 2.0 * sqrt(microfacets.alpha_sq);
+    let square = microfacets_highlight(visibility_whole, at, lobe, tolerance);
+    let is_finer = is_narrow_finer && light_size(visibility_whole) > 2.0 * microfacets_width(lobe);
     return masks_of_highlight(square, is_finer);
 }
 
@@ -22,7 +21,7 @@ fn microfacet_fraction(sums: vec4f, lobe: Lobe) -> f32 {
         known_edge.x = -1.0;
         return known_edge.y;
     }
-    let is_edge = lobe.kind == LOBE_MICROFACETS_F90;
+    let is_edge = microfacets_is_edge(lobe);
     var fractions = sums.xy / sums.zw;
     // If all weights vanish, every sample counts alike.
     let is_known = (sums.zw > vec2f(0.0)) & (sums.zw < vec2f(3e38)) & (abs(fractions) < vec2f(3e38));
@@ -32,10 +31,10 @@ fn microfacet_fraction(sums: vec4f, lobe: Lobe) -> f32 {
 }
 
 // The part of the window that shows the highlight, along its cells; the whole window if the part is most of it.
-fn microfacets_highlight(whole: UnitSquare, microfacets: MicrofacetsAt, normal: vec3f, tolerance: f32) -> UnitSquare {
+fn microfacets_highlight(whole: UnitSquare, at: Receiver, lobe: Lobe, tolerance: f32) -> UnitSquare {
     let widths = clamp(HIGHLIGHT / sqrt(max(tolerance, 1e-6)), 1.5, 20.0);
-    let mirror = microfacets_mirror(microfacets);
-    let peak = square_peak(whole, Lobe(mirror, 1.0, vec3f(1.0), LOBE_PLAIN), normal).point;
+    let mirror = microfacets_mirror(microfacets_of(at.normal, lobe));
+    let peak = square_peak(whole, Lobe(mirror, 1.0, vec3f(1.0), LOBE_PLAIN), at.normal).point;
     let along = dot(whole.axis, mirror);
     let aside = vec2f(dot(whole.right, mirror), dot(whole.up, mirror));
     var beside = 1e30;
@@ -43,7 +42,7 @@ fn microfacets_highlight(whole: UnitSquare, microfacets: MicrofacetsAt, normal: 
         let away = aside / along - peak;
         beside = sqrt(dot(away, away));
     }
-    let reach = widths * max(2.0 * sqrt(microfacets.alpha_sq) * (1.0 + dot(peak, peak)), 0.5 * beside);
+    let reach = widths * max(2.0 * microfacets_width(lobe) * (1.0 + dot(peak, peak)), 0.5 * beside);
     let most = vec2f(grid_counts.xy * vec2u(4u * row_groups, SIDE));
     let cell = 2.0 * whole.half / most;
     let origin = whole.center - whole.half;
@@ -59,7 +58,7 @@ fn microfacets_highlight(whole: UnitSquare, microfacets: MicrofacetsAt, normal: 
 
 // The microfacets in the frame of a mask's square.
 fn microfacets_in(square: UnitSquare, world: MicrofacetsAt) -> MicrofacetsAt {
-    return MicrofacetsAt(square_local(square, world.normal), world.alpha_sq, square_local(square, world.view), world.shadowing);
+    return microfacets_local(world, square.right, square.up, square.axis);
 }
 
 // Sums over all rows, in steradians of samples: both lobes over the lit samples, and over the emitting samples. Of the whole light's

@@ -74,9 +74,8 @@ pub static SKY_BUFFER: Piece = Piece::new(include_str!("sky/buffer.wgsl"))
 pub static SKY_VIEW: Piece = Piece::new(include_str!("sky/view.wgsl"))
     .numbers(wgsl_numbers![SKY_STEEP = view::STEEP, SKY_LITTLE = view::LITTLE])
     .needs(&[&SKY_BUFFER, &TOTAL, &lobes::LOBE]);
-/// [`SKY_VIEW`] with microfacet lobes.
-pub static SKY_MICROFACETS: Piece =
-    Piece::new(include_str!("sky/facets.wgsl")).needs(&[&SKY_VIEW, &lobes::MICROFACETS]);
+/// [`SKY_VIEW`] with microfacet lobes. Needs one of [`lobes::MICROFACETS`] and [`lobes::MICROFACETS_GRAIN`].
+pub static SKY_MICROFACETS: Piece = Piece::new(include_str!("sky/facets.wgsl")).needs(&[&SKY_VIEW]);
 /// [`SKY_VIEW`] without microfacets.
 pub static SKY_NO_MICROFACETS: Piece = Piece::new(
     "fn sky_set_facets(at: Receiver, lobe: Lobe) {}
@@ -147,10 +146,11 @@ static GLOSSY_WEIGHTS: Piece = Piece::new(include_str!("fraction_glossy.wgsl"))
 pub static LOBES: Piece =
     Piece::new(include_str!("fraction_both.wgsl")).needs(&[&WINDOW, &LAMBERT_WEIGHTS, &GLOSSY_WEIGHTS]);
 
-/// The visible fraction of microfacet lobes, if [`header_of_lobes`] has them.
+/// The visible fraction of microfacet lobes, if [`header_of_lobes`] has them. Needs one of [`lobes::MICROFACETS`] and
+/// [`lobes::MICROFACETS_GRAIN`].
 pub static MICROFACETS: Piece = Piece::new(include_str!("fraction_microfacets.wgsl"))
     .numbers(wgsl_numbers![HIGHLIGHT = square::HIGHLIGHT])
-    .needs(&[&LOBES, &lobes::MICROFACETS]);
+    .needs(&[&LOBES]);
 
 /// The visible fraction if it is the same in all channels.
 pub static ALIKE: Piece = Piece::new(include_str!("fraction_alike.wgsl")).needs(&[&LOBES]);

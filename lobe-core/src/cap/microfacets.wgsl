@@ -1,15 +1,4 @@
-// The ellipse of cap/microfacets.rs.
-
-struct Ellipse {
-    view: vec3f,
-    one_minus_cos: f32,
-    light: vec3f,
-    alpha_sq: f32,
-    middle: f32,
-    half: f32,
-    shadowing: f32,
-    is_cut: bool,
-}
+// The chords of the ellipse of cap/microfacets.rs, whose numbers are those of ellipse.wgsl or brushed.wgsl.
 
 // The integral over a light of the edge of microfacets, which has come with that of the lobe before it.
 struct KnownEdge {
@@ -23,7 +12,7 @@ var<private> known_edge_integral: KnownEdge;
 
 fn microfacets_integral(at: Receiver, lobe: Lobe, light: Seen) -> f32 {
     let known = known_edge_integral;
-    let is_edge = lobe.kind == LOBE_MICROFACETS_F90;
+    let is_edge = microfacets_is_edge(lobe);
     if (is_edge && known.exponent == lobe.exponent && all(known.axis == lobe.axis) && all(known.light == light.axis)) {
         // Of this receiver, and no other.
         known_edge_integral.axis = vec3f(0.0);
@@ -60,42 +49,37 @@ fn root_of(x: f32) -> f32 { return sqrt(positive(x)); }
 
 fn above_zero(x: f32) -> f32 { return max(x, 1e-12); }
 
-fn ellipse_of(at: Receiver, lobe: Lobe, light: Seen) -> Ellipse {
-    let n = at.normal;
-    let seen = seen_from(n, lobe.axis);
-    let ahead = tangent_toward(n, lobe.axis);
-    let vz = seen.x;
-    let sine = seen.y;
-    let c = vec3f(dot(ahead, light.axis), dot(cross(n, ahead), light.axis), dot(n, light.axis));
-    let alpha_sq = microfacets_alpha_sq(lobe.exponent);
-    let omc = light.one_minus_cos;
-    let sin_sq = omc * (2.0 - omc);
+// The ellipse's second moment about the origin, in slopes: xx, yy and xy.
+fn ellipse_moments(view: vec3f, light: vec3f, omc: f32) -> vec3f {
+    let near = max(view.z + light.z, 1e-3);
+    let s = (view.xy + light.xy) / near;
+    let q = light.xy - s * light.z;
+    let size = 0.25 * (omc * (2.0 - omc)) / (near * near);
+    return vec3f(s * s + size * (1.0 + s * s - q * q), s.x * s.y + size * (s.x * s.y - q.x * q.y));
+}
 
-    // Chords run along the principal axis of the ellipse's second moment about the origin.
-    let height = vz + c.z;
-    let near = max(height, 1e-3);
-    let s = vec2f(sine + c.x, c.y) / near;
-    let q = c.xy - s * c.z;
-    let size = 0.25 * sin_sq / (near * near);
-    let moments = s * s + size * (1.0 + s * s - q * q);
-    let twice = 2.0 * (s.x * s.y + size * (s.x * s.y - q.x * q.y));
+// Cosine and sine of the turn of the chords: they run along the principal axis of a second moment.
+fn ellipse_axis(moments: vec3f) -> vec2f {
+    let twice = 2.0 * moments.z;
     let difference = moments.x - moments.y;
     let axes = sqrt(difference * difference + twice * twice);
     let double = select(1.0, difference / axes, axes > 1e-30);
-    let ex = root_of(0.5 * (1.0 + double));
     let up = root_of(0.5 * (1.0 - double));
-    let ey = select(up, -up, twice < 0.0);
-    let v1 = sine * ex;
-    let v2 = -sine * ey;
-    let c1 = c.x * ex + c.y * ey;
-    let c2 = c.y * ex - c.x * ey;
+    return vec2f(root_of(0.5 * (1.0 + double)), select(up, -up, twice < 0.0));
+}
 
+// Middle and half of the chords' places, of view and light along the chords and α across them. `flat` is the squared length of the light's
+// direction along the surface.
+fn ellipse_places(view: vec3f, toward: vec3f, flat: f32, alpha_sq: f32, light: Seen) -> vec2f {
+    let omc = light.one_minus_cos;
+    let sin_sq = omc * (2.0 - omc);
     // From where to where: a·z² − 2b·z − d ≤ 0 about the half vector of the light's middle.
-    let across = v2 + c2;
-    let y0 = across / near;
-    let tilt = v2 - y0 * vz;
-    let a = height * height - 2.0 * omc * vz * c.z - sin_sq;
-    let b = omc * tilt * (vz - c.z) + sin_sq * y0;
+    let height = view.z + toward.z;
+    let across = view.y + toward.y;
+    let y0 = across / max(height, 1e-3);
+    let tilt = view.y - y0 * view.z;
+    let a = height * height - 2.0 * omc * view.z * toward.z - sin_sq;
+    let b = omc * tilt * (view.z - toward.z) + sin_sq * y0;
     let d = omc * ((2.0 - omc) * (1.0 + y0 * y0) - 2.0 * tilt * tilt);
     let root = root_of(b * b + a * d);
     var low = y0 + (b - root) / a;
@@ -103,8 +87,8 @@ fn ellipse_of(at: Receiver, lobe: Lobe, light: Seen) -> Ellipse {
     if (!light.above) {
         if (height <= 0.05) {
             // About the normal: near the horizon the half vector of the middle may be below it.
-            let b = omc * (v2 * c.z + c2 * vz) - across * height;
-            let d = across * across - 2.0 * omc * v2 * c2 - sin_sq;
+            let b = omc * (view.y * toward.z + toward.y * view.z) - across * height;
+            let d = across * across - 2.0 * omc * view.y * toward.y - sin_sq;
             let root = root_of(b * b - a * d);
             let q = -b - select(root, -root, b < 0.0);
             low = q / a;
@@ -113,14 +97,14 @@ fn ellipse_of(at: Receiver, lobe: Lobe, light: Seen) -> Ellipse {
         // Of what is above the horizon: where the rim meets it, its own ends where the light has them, and where a line of half
         // vectors touches the light above it.
         let cosine = 1.0 - omc;
-        let flat = max(dot(c.xy, c.xy), 1e-12);
-        let along = cosine / flat;
-        let beside = root_of(1.0 - cosine * along) / sqrt(flat);
-        let one = (v2 + c2 * along + c1 * beside) / vz;
-        let other = (v2 + c2 * along - c1 * beside) / vz;
-        var least = select(min(one, other), (v2 - 1.0) / vz, c2 < -cosine);
-        var most = select(max(one, other), (v2 + 1.0) / vz, c2 > cosine);
-        let axes = vec4f(vz, v2, c.z, c2);
+        let square = max(flat, 1e-12);
+        let along = cosine / square;
+        let beside = root_of(1.0 - cosine * along) / sqrt(square);
+        let one = (view.y + toward.y * along + toward.x * beside) / view.z;
+        let other = (view.y + toward.y * along - toward.x * beside) / view.z;
+        var least = select(min(one, other), (view.y - 1.0) / view.z, toward.y < -cosine);
+        var most = select(max(one, other), (view.y + 1.0) / view.z, toward.y > cosine);
+        let axes = vec4f(view.z, view.y, toward.z, toward.y);
         if (ellipse_touches(axes, omc, low)) {
             least = min(least, low);
             most = max(most, low);
@@ -134,16 +118,7 @@ fn ellipse_of(at: Receiver, lobe: Lobe, light: Seen) -> Ellipse {
     }
     let first = low / sqrt(alpha_sq + low * low);
     let last = high / sqrt(alpha_sq + high * high);
-    return Ellipse(
-        vec3f(v1, v2, vz),
-        omc,
-        vec3f(c1, c2, c.z),
-        alpha_sq,
-        0.5 * (first + last),
-        positive(0.5 * (last - first)),
-        sqrt(vz * vz * (1.0 - alpha_sq) + alpha_sq),
-        !light.above
-    );
+    return vec2f(0.5 * (first + last), positive(0.5 * (last - first)));
 }
 
 // Whether the line of half vectors at `y` touches the light in one direction above the horizon. `axes`: the eye's and the light's
@@ -166,18 +141,19 @@ fn ellipse_rest(ellipse: Ellipse, slopes: vec2f) -> vec2f {
     let square = 1.0 + dot(slopes, slopes);
     let fifth = schlick(u / sqrt(square));
     // dω_l = 4 (ω_o·h) dω_h; the cosine lobe has taken n·h.
-    let light = 2.0 * u / square - ellipse.view.z;
-    return u * masking(light, ellipse.view.z, ellipse.alpha_sq, ellipse.shadowing) * vec2f(1.0 - fifth, fifth);
+    let scale = 2.0 * u / square;
+    let light = vec3f(scale * slopes - ellipse.view.xy, scale - ellipse.view.z);
+    return u * ellipse_masking(ellipse, light) * vec2f(1.0 - fifth, fifth);
 }
 
 // One chord of both lobes, times its weight.
 fn ellipse_node(ellipse: Ellipse, cosine: f32, weight: f32) -> vec2f {
     let v = ellipse.view;
     let c = ellipse.light;
-    let alpha = sqrt(ellipse.alpha_sq);
+    let along = ellipse_along(ellipse);
     let t = ellipse.middle + ellipse.half * cosine;
     let y = t / sqrt(above_zero((1.0 - t) * (1.0 + t)));
-    let slope = alpha * y;
+    let slope = sqrt(ellipse.alpha_sq) * y;
     let root = sqrt(1.0 + slope * slope);
 
     // The plane of half vectors across m = (0, 1, −slope)/root cuts directions by l·m = −ω_o·m: an arc 2φ of the light.
@@ -207,11 +183,12 @@ fn ellipse_node(ellipse: Ellipse, cosine: f32, weight: f32) -> vec2f {
     middle *= 1.0 / sqrt(above_zero(dot(middle, middle)));
 
     let b = sqrt(1.0 + y * y);
-    let scale = root / (alpha * b);
+    let scale = root / (along * b);
+    let shift = ellipse_shift(ellipse, y / b);
     let below = middle.y + middle.x * tangent;
     let above = middle.y - middle.x * tangent;
-    var p = scale * ellipse_end(middle.x - tangent * middle.y, below);
-    var q = scale * ellipse_end(middle.x + tangent * middle.y, above);
+    var p = scale * ellipse_end(middle.x - tangent * middle.y, below) - shift;
+    var q = scale * ellipse_end(middle.x + tangent * middle.y, above) - shift;
     if (all) {
         p = -ELLIPSE_FAR * scale;
         q = ELLIPSE_FAR * scale;
@@ -221,15 +198,15 @@ fn ellipse_node(ellipse: Ellipse, cosine: f32, weight: f32) -> vec2f {
     if (all || below * above < 1e-9) {
         length = q - p;
     }
-    let at = vec3f(alpha, b, slope);
+    let at = vec4f(along, b, slope, shift);
     if (!ellipse.is_cut) {
         return weight * ellipse_part(ellipse, at, p, q, select(0.0, length, is_one));
     }
     let aside = slope - v.y / v.z;
     let reach = root_of(1.0 / (v.z * v.z) - aside * aside);
-    let unit = 1.0 / (alpha * b);
-    let least = (v.x / v.z - reach) * unit;
-    let most = (v.x / v.z + reach) * unit;
+    let unit = 1.0 / (along * b);
+    let least = (v.x / v.z - reach) * unit - shift;
+    let most = (v.x / v.z + reach) * unit - shift;
     // One range from p to q, or all but what is between q and p.
     let cut = least > p || most < q || !is_one;
     let high = select(most, min(q, most), is_one);
@@ -249,8 +226,8 @@ fn ellipse_end(end: f32, steep: f32) -> f32 {
     return select(-ELLIPSE_FAR, ELLIPSE_FAR, (end < 0.0) == (steep < 0.0));
 }
 
-// A range of a chord; `at` is α, √(1 + y²) and the slope across.
-fn ellipse_part(ellipse: Ellipse, at: vec3f, p: f32, q: f32, length: f32) -> vec2f {
+// A range of a chord; `at` is α along it, √(1 + y²), the slope across and the shift of the stretched slopes.
+fn ellipse_part(ellipse: Ellipse, at: vec4f, p: f32, q: f32, length: f32) -> vec2f {
     if (!(length > 0.0)) {
         return vec2f(0.0);
     }
@@ -275,7 +252,7 @@ fn ellipse_part(ellipse: Ellipse, at: vec3f, p: f32, q: f32, length: f32) -> vec
     let inverse = 1.0 / max(value, 1e-30);
     let mean = 0.5 * length * (p + q) * inverse_sq * inverse;
     let apart = root_of((angle - value) * inverse - mean * mean);
-    let first = vec2f(at.x * at.y * max(mean - apart, p), at.z);
-    let last = vec2f(at.x * at.y * min(mean + apart, q), at.z);
+    let first = ellipse_slopes(at, max(mean - apart, p));
+    let last = ellipse_slopes(at, min(mean + apart, q));
     return value * 2.0 * (ellipse_rest(ellipse, first) + ellipse_rest(ellipse, last));
 }

@@ -1,7 +1,7 @@
 //! The WGSL of integrals over cones.
 
 use super::{albedo, chord, form, lambert, microfacets, slab};
-use crate::wgsl::{LOBE, MICROFACETS, Piece};
+use crate::wgsl::{LOBE, MICROFACETS, MICROFACETS_GRAIN, Piece};
 use crate::wgsl_numbers;
 
 static LAMBERT: Piece =
@@ -33,22 +33,37 @@ pub static CAP: Piece = Piece::new(include_str!("cap.wgsl"))
     .numbers(wgsl_numbers![MIRROR = form::MIRROR])
     .needs(&[&LAMBERT, &SLAB, &CHORD]);
 
+/// Needs one of [`ALBEDO_FACETS`] and [`BRUSHED_FACETS`].
 static ALBEDO: Piece = Piece::new(include_str!("albedo.wgsl"))
-    .numbers(wgsl_numbers![
-        ALBEDO_TURNS = albedo::TURNS,
-        ALBEDO_PLACES = albedo::PLACES,
-        ALBEDO_HALVINGS = albedo::HALVINGS,
-    ])
+    .numbers(wgsl_numbers![ALBEDO_PLACES = albedo::PLACES, ALBEDO_HALVINGS = albedo::HALVINGS]);
+
+static ALBEDO_FACETS: Piece = Piece::new(include_str!("albedo_facets.wgsl"))
+    .numbers(wgsl_numbers![ALBEDO_TURNS = albedo::TURNS, ALBEDO_AROUND = albedo::TURNS.len()])
     .needs(&[&MICROFACETS]);
 
-/// [`CAP`] with the integral of lobes of microfacets.
-pub static CAP_MICROFACETS: Piece = Piece::new(include_str!("microfacets.wgsl"))
+static BRUSHED_FACETS: Piece = Piece::new(include_str!("brushed_facets.wgsl"))
+    .numbers(wgsl_numbers![
+        ALBEDO_TURNS = albedo::all_turns().collect::<Vec<_>>(),
+        ALBEDO_AROUND = albedo::all_turns().count(),
+    ])
+    .needs(&[&MICROFACETS_GRAIN]);
+
+/// Needs an ellipse.
+static ELLIPSE_CHORDS: Piece = Piece::new(include_str!("microfacets.wgsl"))
     .numbers(wgsl_numbers![
         ELLIPSE_FAR = microfacets::FAR,
         NODES_WHOLE = microfacets::TEN,
         NODES_CUT = microfacets::THIRTY_TWO,
     ])
     .needs(&[&CAP, &ALBEDO]);
+
+/// [`CAP`] with the integral of lobes of microfacets without a grain.
+pub static CAP_MICROFACETS: Piece =
+    Piece::new(include_str!("ellipse.wgsl")).needs(&[&ELLIPSE_CHORDS, &ALBEDO_FACETS, &MICROFACETS]);
+
+/// [`CAP`] with the integral of lobes of microfacets that may have a grain.
+pub static CAP_BRUSHED: Piece =
+    Piece::new(include_str!("brushed.wgsl")).needs(&[&ELLIPSE_CHORDS, &BRUSHED_FACETS, &MICROFACETS_GRAIN]);
 
 /// [`CAP`] without microfacets.
 pub static CAP_NO_MICROFACETS: Piece = Piece::new(include_str!("microfacets_none.wgsl")).needs(&[&CAP]);

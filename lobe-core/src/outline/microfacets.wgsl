@@ -1,4 +1,4 @@
-// Lobes of microfacets over an outline.
+// Lobes of microfacets over an outline, whose highlights are those of highlight.wgsl or brushed.wgsl.
 
 // Those of the lobe, in the frame of the light's plane.
 var<private> outline_surface: MicrofacetsAt;
@@ -9,11 +9,10 @@ fn outline_facets(v: vec3f) -> f32 {
     return select(both.x, both.y, outline_is_edge);
 }
 
-// Rows across the plane of incidence: highlights are longer along it.
+// Rows across the direction in which highlights are longer.
 fn outline_facets_turn(normal: vec3f, lobe: Lobe) -> vec3f {
     let mirror = microfacets_mirror(microfacets_of(normal, lobe));
-    let seen = seen_from(normal, lobe.axis);
-    let turn = normal * seen.y + tangent_toward(normal, lobe.axis) * seen.x;
+    let turn = highlight_turn(normal, lobe);
     let toward = dot(outline.axis, mirror);
     return select(mirror, turn - mirror * (dot(outline.axis, turn) / toward), toward > 1e-3);
 }
@@ -22,7 +21,6 @@ fn outline_microfacets(right: vec3f, normal: vec3f, lobe: Lobe) -> OutlineTerm {
     let surface = microfacets_of(normal, lobe);
     let alpha = sqrt(surface.alpha_sq);
     let mirror = microfacets_mirror(surface);
-    let seen = seen_from(normal, lobe.axis);
     let axis = outline_local(right, mirror);
     let length = sqrt(dot(axis.xy, axis.xy));
     let far = select(vec2f(0.0), axis.xy * (1e3 / length), length > 0.0);
@@ -32,15 +30,15 @@ fn outline_microfacets(right: vec3f, normal: vec3f, lobe: Lobe) -> OutlineTerm {
     // Their tails are powers of the distance.
     let apart = place - point;
     let beside = 0.5 * sqrt(dot(apart, apart));
-    var width = max(2.0 * alpha * vec2f(stretch, max(seen.x, alpha) * sqrt(stretch)), vec2f(beside));
+    var width = max(highlight_widths(normal, lobe, stretch), vec2f(beside));
     // Next to the receiver the light's own `1/r³` may matter more.
     let foot = outline_nearest(vec2f(0.0));
     if (min(width.x, width.y) > sqrt(1.0 + dot(foot, foot))) {
         point = foot;
     }
     width = min(width, vec2f(sqrt(1.0 + dot(point, point))));
-    outline_surface = MicrofacetsAt(outline_local(right, normal), surface.alpha_sq, outline_local(right, surface.view), surface.shadowing);
-    outline_is_edge = lobe.kind == LOBE_MICROFACETS_F90;
+    outline_surface = microfacets_local(surface, right, cross(outline.axis, right), outline.axis);
+    outline_is_edge = microfacets_is_edge(lobe);
     let value = OutlineValue(OUTLINE_FACETS, false, 0.0, outline_surface.normal, axis);
     return OutlineTerm(1.0, OutlinePeak(point, width, beside > 2.0 * alpha * stretch), value);
 }

@@ -1,7 +1,7 @@
 //! The WGSL of outlines, and of integrals over them.
 
 use super::{AROUND, DEPTH, Outline, TURNS, WIDEST, cubature, image, integral, lambert};
-use crate::wgsl::{GEOMETRY, LOBE, MICROFACETS, Piece, SPECIAL};
+use crate::wgsl::{GEOMETRY, LOBE, MICROFACETS, MICROFACETS_GRAIN, Piece, SPECIAL};
 use crate::wgsl_numbers;
 
 /// The polygon or disc of light that a point sees: `outline_new`, `outline_disc`, `light_is_flat`.
@@ -19,7 +19,7 @@ pub static OUTLINE: Piece = Piece::new(include_str!("outline.wgsl"))
 /// In place of [`OUTLINE`] where all lights are seen as cones.
 pub static NO_OUTLINE: Piece = Piece::new(include_str!("none.wgsl"));
 
-/// Integrals over outlines. Needs one of [`OUTLINE_MICROFACETS`] and [`OUTLINE_NO_MICROFACETS`], and one of [`OUTLINE_PLAIN`] and
+/// Integrals over outlines. Needs one of [`OUTLINE_MICROFACETS`], [`OUTLINE_BRUSHED`] and [`OUTLINE_NO_MICROFACETS`], and one of [`OUTLINE_PLAIN`] and
 /// [`OUTLINE_IMAGE`].
 pub static OUTLINE_INTEGRAL: Piece = Piece::new(include_str!("integral.wgsl"))
     .numbers(wgsl_numbers![
@@ -48,9 +48,16 @@ pub static OUTLINE_IMAGE: Piece = Piece::new(include_str!("image_integral.wgsl")
     .numbers(wgsl_numbers![OUTLINE_SMALL_LIGHT = cubature::SMALL_LIGHT])
     .needs(&[&OUTLINE_INTEGRAL, &IMAGE]);
 
-/// [`OUTLINE_INTEGRAL`] with the integral of lobes of microfacets.
+/// Needs a highlight.
+static OUTLINE_FACETS: Piece = Piece::new(include_str!("microfacets.wgsl")).needs(&[&OUTLINE_INTEGRAL]);
+
+/// [`OUTLINE_INTEGRAL`] with the integral of lobes of microfacets without a grain.
 pub static OUTLINE_MICROFACETS: Piece =
-    Piece::new(include_str!("microfacets.wgsl")).needs(&[&OUTLINE_INTEGRAL, &MICROFACETS]);
+    Piece::new(include_str!("highlight.wgsl")).needs(&[&OUTLINE_FACETS, &MICROFACETS]);
+
+/// [`OUTLINE_INTEGRAL`] with the integral of lobes of microfacets that may have a grain.
+pub static OUTLINE_BRUSHED: Piece =
+    Piece::new(include_str!("brushed.wgsl")).needs(&[&OUTLINE_FACETS, &MICROFACETS_GRAIN]);
 
 /// [`OUTLINE_INTEGRAL`] without microfacets.
 pub static OUTLINE_NO_MICROFACETS: Piece = Piece::new(include_str!("no_microfacets.wgsl")).needs(&[&OUTLINE_INTEGRAL]);

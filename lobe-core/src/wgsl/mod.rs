@@ -7,14 +7,14 @@
 
 mod piece;
 
-pub use crate::cap::wgsl::{CAP, CAP_LAMBERT, CAP_MICROFACETS, CAP_NO_MICROFACETS};
+pub use crate::cap::wgsl::{CAP, CAP_BRUSHED, CAP_LAMBERT, CAP_MICROFACETS, CAP_NO_MICROFACETS};
 pub use crate::outline::wgsl::{
-    IMAGE, NO_OUTLINE, OUTLINE, OUTLINE_IMAGE, OUTLINE_INTEGRAL, OUTLINE_MICROFACETS, OUTLINE_NO_MICROFACETS,
-    OUTLINE_PLAIN,
+    IMAGE, NO_OUTLINE, OUTLINE, OUTLINE_BRUSHED, OUTLINE_IMAGE, OUTLINE_INTEGRAL, OUTLINE_MICROFACETS,
+    OUTLINE_NO_MICROFACETS, OUTLINE_PLAIN,
 };
 pub use piece::{Number, Piece, constant, join};
 
-use crate::{Cone, Microfacets, NO_OBJECT, PackedLobe, special, wgsl_numbers};
+use crate::{Cone, Microfacets, NO_OBJECT, PackedLobe, grain, packed_lobe, special, wgsl_numbers};
 use core::f32::consts;
 
 /// Special functions and constants.
@@ -55,7 +55,17 @@ pub static LOBE: Piece = Piece::new(include_str!("../lobe.wgsl"))
     ])
     .needs(&[&SPECIAL, &GEOMETRY]);
 
-/// Lobes of microfacets in a direction: `microfacets_of`, `microfacets_both`.
-pub static MICROFACETS: Piece = Piece::new(include_str!("../microfacets.wgsl"))
+/// `cos_sin(angle)`, as exact on all devices.
+pub static COS_SIN: Piece = Piece::new(include_str!("../cos_sin.wgsl")).needs(&[&SPECIAL]);
+
+static SURFACE: Piece = Piece::new(include_str!("../microfacets.wgsl"))
     .numbers(wgsl_numbers![MICROFACETS_GRAZING = Microfacets::GRAZING])
     .needs(&[&LOBE]);
+
+/// Lobes of microfacets without a grain in a direction: `microfacets_of`, `microfacets_both`.
+pub static MICROFACETS: Piece = Piece::new(include_str!("../facets.wgsl")).needs(&[&SURFACE]);
+
+/// In place of [`MICROFACETS`] where lobes may have a [grain](crate::Grain); `grain_kind` gives them one. A module has one of both.
+pub static MICROFACETS_GRAIN: Piece = Piece::new(include_str!("../grain.wgsl"))
+    .numbers(wgsl_numbers![GRAIN_STEPS = grain::STEPS, GRAIN_HALF = packed_lobe::HALF])
+    .needs(&[&SURFACE, &COS_SIN]);

@@ -9,8 +9,9 @@ use glam::{DVec3, UVec2, Vec3};
 use libtest_mimic::Trial;
 use lighting::{AmbientLight, EnclosedLight, Environment, EnvironmentMap, FlatLight, Light, SphereLight, TubeLight};
 use lobe_core::oracle::Random;
+use lobe_core::wgsl::Piece;
 use lobe_core::{
-    BrdfLobe, LightImage, Lobe, Microfacets, Outline, PackedLobe, Receiver, Sphere, outline_integral, wgsl,
+    BrdfLobe, Grain, LightImage, Lobe, Microfacets, Outline, PackedLobe, Receiver, Sphere, outline_integral, wgsl,
 };
 use paper::{ProductTable, Resolution, Tables};
 use render_cpu::{GBuffer, World};
@@ -20,7 +21,8 @@ use std::sync::Arc;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![
-        trial("outline_integrals", gpu, integrals),
+        trial("outline_integrals", gpu, |gpu| integrals(gpu, &wgsl::OUTLINE_MICROFACETS, false)),
+        trial("outline_integrals_of_brushed_lobes", gpu, |gpu| integrals(gpu, &wgsl::OUTLINE_BRUSHED, true)),
         trial("flat_lights_and_spheres", gpu, beside_spheres),
         trial("flat_lights_and_rays", gpu, |gpu| RAYS.compare(gpu, "rays", &lit(fence(), panel()), [48, 36], 0.003, 5)),
         trial("flat_lights_and_silhouettes", gpu, by_silhouettes),
@@ -58,7 +60,7 @@ fn outline(random: &mut Random) -> Option<(Outline, Vec<Vec3>, f32)> {
 
 /// The same rules in another order of operations. Errors are relative to the light's integral with a lobe of that size along the
 /// axis.
-fn integrals(gpu: &Gpu) {
+fn integrals(gpu: &Gpu, piece: &'static Piece, is_brushed: bool) {
     let mut random = Random::new(23);
     let (mut rows, mut want) = (Vec::new(), Vec::new());
     while want.len() < 4096 {
@@ -75,7 +77,12 @@ fn integrals(gpu: &Gpu) {
             2 => Lobe::new(toward, random.log_uniform(0.3, 2e4) as f32, Vec3::ONE).into(),
             _ => {
                 let alpha = random.log_uniform(0.01, 1.0) as f32;
-                Microfacets::new(view, alpha, [Vec3::ONE; 2])[(random.bits() % 2) as usize].into()
+                let facets = Microfacets::new(view, alpha, [Vec3::ONE; 2])[(random.bits() % 2) as usize];
+                let grain = (is_brushed && want.len() % 16 != 3).then(|| {
+                    let tangent = random.axis().as_vec3();
+                    Grain::new(Vec3::Z, view, tangent, random.uniform() as f32)
+                });
+                facets.with_grain(grain).into()
             }
         };
         let PackedLobe { axis, exponent, kind, .. } = lobe.into();
@@ -100,7 +107,7 @@ fn integrals(gpu: &Gpu) {
         y(1, cone.one_minus_cos);
         y(2, cone.distance);
         y(3, dot(cone.axis, light_middle()));";
-    let text = wgsl::join(&[&wgsl::OUTLINE_MICROFACETS, &wgsl::OUTLINE_PLAIN])
+    let text = wgsl::join(&[piece, &wgsl::OUTLINE_PLAIN])
         + "fn cap_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return 0.0; }";
     let got = call(gpu, &text, body, &rows, INPUTS, 4);
     let (mut sums, mut worst, mut cones) = ([0.0_f64; 4], [0.0_f64; 4], 0.0_f32);

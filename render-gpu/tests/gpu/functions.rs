@@ -4,7 +4,7 @@ use crate::call::{call, trial};
 use libtest_mimic::Trial;
 use lobe_core::oracle::{self, Random};
 use lobe_core::wgsl::{self, Piece};
-use lobe_core::{Cone, Lobe, Microfacets, PackedLobe, Receiver, Sphere, cap_integral, orthonormal_basis};
+use lobe_core::{Cone, Grain, Lobe, Microfacets, PackedLobe, Receiver, Sphere, cap_integral, orthonormal_basis};
 use lobe_core::{is_lambert, power, special, sphere_light_irradiance};
 use render_gpu::Gpu;
 
@@ -14,6 +14,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("cones_and_bases", gpu, cones_and_bases),
         trial("cap_integrals", gpu, cap_integrals),
         trial("microfacet_integrals", gpu, microfacet_integrals),
+        trial("brushed_integrals", gpu, brushed_integrals),
         trial("lambert_integrals", gpu, lambert_integrals),
     ]
 }
@@ -251,6 +252,15 @@ fn cap_integrals(gpu: &Gpu) {
 /// Microfacets of all roughnesses; lights of all sizes in the mirror direction of the view, beside it, anywhere, and across the
 /// horizon.
 fn microfacet_integrals(gpu: &Gpu) {
+    microfacet_integrals_by(gpu, &wgsl::CAP_MICROFACETS, false);
+}
+
+/// The same of microfacets with a grain, strong and weak, and of some without.
+fn brushed_integrals(gpu: &Gpu) {
+    microfacet_integrals_by(gpu, &wgsl::CAP_BRUSHED, true);
+}
+
+fn microfacet_integrals_by(gpu: &Gpu, piece: &'static Piece, is_brushed: bool) {
     let mut random = Random::new(6);
     let mut rows: Vec<f32> = Vec::new();
     let mut wants = Vec::new();
@@ -258,7 +268,8 @@ fn microfacet_integrals(gpu: &Gpu) {
         let normal = random.axis();
         let tilt = random.between(0.0, 1.5);
         let view = random.axis_at(normal, tilt);
-        let alpha = random.log_uniform(1e-3, 1.0);
+        // A grain that is hundreds of times as rough along as across leaves the chords' direction to rounding.
+        let alpha = random.log_uniform(if is_brushed { 0.01 } else { 1e-3 }, 1.0);
         let half_angle = random.log_uniform(1e-3, 1.3);
         let mirror = 2.0 * normal.dot(view) * normal - view;
         let light = match case % 4 {
@@ -269,17 +280,25 @@ fn microfacet_integrals(gpu: &Gpu) {
         let at = Receiver { view: view.as_vec3(), ..receiver(normal.as_vec3()) };
         let one_minus_cos = (2.0 * (0.5 * half_angle).sin().powi(2)) as f32;
         let cone = Cone { axis: light.as_vec3(), one_minus_cos, distance: 1.0 };
+        // Light from everywhere among them.
+        let cone = if case % 16 == 5 { Cone { axis: at.normal, one_minus_cos: 1.0, distance: 1.0 } } else { cone };
+        let grain = is_brushed.then(|| {
+            let tangent = random.axis().as_vec3();
+            Grain::new(at.normal, at.view, tangent, random.uniform() as f32)
+        });
         for facets in Microfacets::new(at.view, alpha as f32, [glam::Vec3::ONE; 2]) {
+            // One of five without a grain among them.
+            let facets = facets.with_grain(grain.filter(|_| case % 5 > 0));
             wants.push(cap_integral(&at, facets, &cone));
             let PackedLobe { axis: a, exponent, kind, .. } = facets.into();
             let [n, l] = [at.normal, cone.axis];
-            rows.extend([n.x, n.y, n.z, a.x, a.y, a.z, exponent, kind, l.x, l.y, l.z, one_minus_cos]);
+            rows.extend([n.x, n.y, n.z, a.x, a.y, a.z, exponent, kind, l.x, l.y, l.z, cone.one_minus_cos]);
         }
     }
-    let got = call(gpu, &wgsl::join(&[&wgsl::CAP_MICROFACETS]), BODY, &rows, 12, 1);
+    let got = call(gpu, &wgsl::join(&[piece]), BODY, &rows, 12, 1);
     let differences: Vec<f64> = got.iter().zip(&wants).map(|(got, want)| f64::from((got - want).abs())).collect();
     let (mean, worst) = spread(&differences);
-    println!("microfacets: mean {mean:.1e}, worst {worst:.1e}");
+    println!("microfacets, brushed {is_brushed}: mean {mean:.1e}, worst {worst:.1e}");
     assert!(mean <= 2e-6 && worst <= 2e-3);
 }
 

@@ -32,6 +32,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("parity_without_blockers", gpu, without_blockers),
         trial("parity_of_materials", gpu, of_materials),
         trial("parity_of_textures", gpu, of_textures),
+        trial("parity_of_brushed_metal", gpu, of_brushed_metal),
         trial("parity_of_depths_and_tolerances", gpu, of_depths_and_tolerances),
         trial("parity_of_many_lights", gpu, of_many_lights),
         trial("parity_of_spots_and_suns", gpu, of_spots_and_suns),
@@ -213,6 +214,19 @@ fn of_textures(gpu: &Gpu) {
         scene.surfaces = vec![surface.clone()];
         View::new(scene, 96, 54).compare_spheres(gpu, &name, 0.003, 5);
     }
+}
+
+/// Directions and strengths from a texture, on a floor and on spheres.
+fn of_brushed_metal(gpu: &Gpu) {
+    let texel = |i: u32| [(40 + 7 * i % 215) as u8, (90 + i % 160) as u8, (128 + i * 50 % 128) as u8, 255];
+    let texture = Texture::new("grain", [32, 32], (0..32 * 32).map(texel).collect(), Encoding::Linear);
+    let map = TextureMap { transform: Affine2::from_scale(Vec2::splat(0.3)), ..TextureMap::new(texture) };
+    let metal = MetallicRoughness::new(Vec3::new(0.9, 0.7, 0.5), 0.8, 0.35).and_then(|m| m.with_anisotropy(0.8));
+    let mut scene = scene::builtin();
+    scene.materials.fill(metal.expect("in range").into());
+    let surface = Surface { anisotropy: Some(map), anisotropy_turn: 0.4, follows_u: true, ..Surface::default() };
+    scene.surfaces = vec![surface; scene.materials.len()];
+    View::new(scene, 96, 54).compare_spheres(gpu, "brushed metal", 0.003, 5);
 }
 
 fn without_blockers(gpu: &Gpu) {

@@ -21,7 +21,9 @@ fn layout(module: &naga::Module, name: &str) -> (u32, Vec<(String, u32)>) {
 
 #[test]
 fn lobe_core_pieces_validate() {
-    for piece in [&wgsl::SPECIAL, &wgsl::GEOMETRY, &wgsl::LOBE, &wgsl::MICROFACETS, &wgsl::OUTLINE] {
+    for piece in
+        [&wgsl::SPECIAL, &wgsl::GEOMETRY, &wgsl::LOBE, &wgsl::MICROFACETS, &wgsl::MICROFACETS_GRAIN, &wgsl::OUTLINE]
+    {
         module(&join(&[piece]));
     }
 }
@@ -49,6 +51,8 @@ fn integrals_validate() {
             module(&join(&[cap, outline, &wgsl::OUTLINE_PLAIN]));
         }
     }
+    module(&join(&[&wgsl::CAP_BRUSHED]));
+    module(&join(&[&wgsl::CAP_BRUSHED, &wgsl::OUTLINE_BRUSHED, &wgsl::OUTLINE_PLAIN]));
 }
 
 /// Reflectance and blockers, as the paper's kernels require them.

@@ -10,5 +10,5 @@ fn sky_set_facets(at: Receiver, lobe: Lobe) {
 
 fn sky_facets(lobe: Lobe, v: vec3f) -> f32 {
     let both = microfacets_both(sky_microfacets, v);
-    return select(both.x, both.y, lobe.kind == LOBE_MICROFACETS_F90);
+    return select(both.x, both.y, microfacets_is_edge(lobe));
 }

@@ -1,0 +1,14 @@
+// The highlight of microfacets on a light's plane.
+
+// The direction in which it is longest: the plane of incidence.
+fn highlight_turn(normal: vec3f, lobe: Lobe) -> vec3f {
+    let seen = seen_from(normal, lobe.axis);
+    return normal * seen.y + tangent_toward(normal, lobe.axis) * seen.x;
+}
+
+// Its widths along and across that, where the plane at distance 1 is stretched.
+fn highlight_widths(normal: vec3f, lobe: Lobe, stretch: f32) -> vec2f {
+    let alpha = sqrt(microfacets_alpha_sq(lobe.exponent));
+    let cosine = seen_from(normal, lobe.axis).x;
+    return 2.0 * alpha * vec2f(stretch, max(cosine, alpha) * sqrt(stretch));
+}
