@@ -47,6 +47,16 @@ fn brushed_metals_are_the_printed_formula() {
     }
 }
 
+/// Where a mesh has no coordinates the grain follows from the normal, and does not turn with the eye.
+#[test]
+fn no_tangent_is_as_none() {
+    let material = Material::from(brushed(0.4, 0.8));
+    for tangent in [Vec3::ZERO, Vec3::Z * 2.0] {
+        assert_eq!(material.turned(Vec3::Z, tangent).as_ref(), Some(&material));
+    }
+    assert_ne!(material.turned(Vec3::Z, Vec3::X).as_ref(), Some(&material));
+}
+
 #[test]
 fn strengths_are_checked() {
     let plain = MetallicRoughness::new(Vec3::ONE, 1.0, 0.3).unwrap();

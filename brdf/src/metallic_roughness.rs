@@ -387,8 +387,11 @@ impl Model for MetallicRoughness {
         Some(scaled.into())
     }
 
-    fn turned(&self, _: Vec3, tangent: Vec3) -> Option<Material> {
-        let anisotropy = Anisotropy { tangent: Some(tangent), ..self.anisotropy? };
+    fn turned(&self, normal: Vec3, tangent: Vec3) -> Option<Material> {
+        // Meshes without coordinates have none.
+        let aside = tangent - normal * normal.dot(tangent);
+        let tangent = (aside != Vec3::ZERO).then_some(tangent);
+        let anisotropy = Anisotropy { tangent, ..self.anisotropy? };
         Some(Self { anisotropy: Some(anisotropy), ..self.clone() }.into())
     }
 
