@@ -108,7 +108,8 @@ fn bare(folder: &std::path::Path, args: &[&str]) -> std::process::Command {
     for name in ["XDG_RUNTIME_DIR", "WAYLAND_DISPLAY", "WAYLAND_SOCKET", "LP_NATIVE_VECTOR_WIDTH"] {
         command.env_remove(name);
     }
-    command.current_dir(folder).args(args);
+    // Kernels for vectors of another width are no good.
+    command.env("MESA_SHADER_CACHE_DIR", folder.join("kernels")).current_dir(folder).args(args);
     command
 }
 
