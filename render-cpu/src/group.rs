@@ -94,7 +94,7 @@ impl GroupStats {
         Self { clock: timed.then(Stopwatch::start), ..Self::default() }
     }
 
-    /// The sum over all groups of a call that took so many seconds.
+    /// The sum over all groups of a call that took a number of seconds.
     pub(crate) fn sum(groups: &[Self], seconds: f64) -> ShadeStats {
         let mut counts = Counts::default();
         let mut stages = [0.0_f64; 5];
@@ -171,7 +171,7 @@ mod tests {
             let timed: Vec<usize> =
                 (0..96 * columns).filter(|group| is_timed(*group)).map(|group| group % columns).collect();
             let all = 3 * columns;
-            // Four standard deviations of a count of so many.
+            // Four standard deviations of such a count.
             let slack = 4.0 * (all as f64).sqrt();
             assert!(timed.len().abs_diff(all) as f64 <= slack, "{columns} columns: {} of {all}", timed.len());
             // Each column is timed about three times.

@@ -78,7 +78,6 @@ impl Smoke {
         message: Option<&str>,
         print: Option<&Print>,
     ) {
-        let is_seen = print.is_some();
         if desk.is_none()
             && let Some(line) = message
         {
@@ -92,7 +91,7 @@ impl Smoke {
             let side = 1000.0 + (self.frames % 7) as f32 * 40.0;
             context.send_viewport_cmd(ViewportCommand::InnerSize(vec2(side, 0.6 * side)));
         }
-        if is_seen && self.first.is_none() {
+        if print.is_some() && self.first.is_none() {
             self.first = Some(self.start.elapsed());
         }
         self.looks += u32::from(desk.is_some_and(|desk| desk.probed.is_some()));

@@ -276,7 +276,7 @@ fn of_materials(gpu: &Gpu) {
 
 fn of_depths_and_tolerances(gpu: &Gpu) {
     let view = builtin();
-    for (depth, tolerance) in [(3, 0.003), (4, 0.01), (5, 0.006), (6, 0.001)] {
+    for (depth, tolerance) in [(3, 0.003), (4, 0.003), (6, 0.001), (3, 0.01), (4, 0.01), (5, 0.006), (6, 0.01)] {
         view.compare_spheres(gpu, &format!("depth {depth}, tolerance {tolerance}"), tolerance, depth);
     }
 }
@@ -362,17 +362,19 @@ fn of_wide_lights(gpu: &Gpu) {
 fn of_shadow_maps(gpu: &Gpu) {
     let view = builtin();
     let maps = view.maps();
-    let frame = view.frame(0.003, 5);
-    let want = view.cpu(MaskVisibility::new(maps.clone()).look_again(LookAgain::Never), &frame);
-    let occlusion = Occlusion { blockers: &[&maps.pack()], any_hit: None };
-    let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
-    assert_same("maps", &want, &view.gpu(&mut shader, &frame));
+    for (tolerance, depth) in [(0.003, 5), (0.01, 4)] {
+        let frame = view.frame(tolerance, depth);
+        let want = view.cpu(MaskVisibility::new(maps.clone()).look_again(LookAgain::Never), &frame);
+        let occlusion = Occlusion { blockers: &[&maps.pack()], any_hit: None };
+        let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
+        assert_same(&format!("maps, depth {depth}"), &want, &view.gpu(&mut shader, &frame));
 
-    let mixture = Mixture::new(maps.clone(), view.spheres.clone());
-    let want = view.cpu(MaskVisibility::new(mixture).look_again(LookAgain::Never), &frame);
-    let both = Occlusion { blockers: &[&view.spheres, &maps.pack()], any_hit: None };
-    shader.occlude(both).expect("room for them");
-    assert_same("maps and spheres", &want, &view.gpu(&mut shader, &frame));
+        let mixture = Mixture::new(maps.clone(), view.spheres.clone());
+        let want = view.cpu(MaskVisibility::new(mixture).look_again(LookAgain::Never), &frame);
+        let both = Occlusion { blockers: &[&view.spheres, &maps.pack()], any_hit: None };
+        shader.occlude(both).expect("room for them");
+        assert_same(&format!("maps and spheres, depth {depth}"), &want, &view.gpu(&mut shader, &frame));
+    }
 }
 
 /// A light moves and gets another map; the other light keeps its map.

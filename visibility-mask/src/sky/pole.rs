@@ -32,15 +32,11 @@ const fn frame(number: usize) -> [Vec3; 3] {
 
 impl Pole {
     /// All poles, in the order of their [numbers](Self::number).
-    pub const ALL: [Self; 6] = {
-        let mut all = [Self { number: 0 }; 6];
-        let mut number = 0;
-        while number < all.len() {
-            all[number].number = number;
-            number += 1;
-        }
-        all
-    };
+    pub const ALL: [Self; 6] = [Self::of(0), Self::of(1), Self::of(2), Self::of(3), Self::of(4), Self::of(5)];
+
+    const fn of(number: usize) -> Self {
+        Self { number }
+    }
 
     /// The pole that is nearest to a direction of any length. Any pole for a direction without one.
     #[must_use]
