@@ -107,38 +107,35 @@ impl Number for usize {
     }
 }
 
+/// Adds `name(…, …)`.
+fn write_call(name: &str, numbers: &[impl Number], out: &mut String) {
+    out.push_str(name);
+    out.push('(');
+    for (k, number) in numbers.iter().enumerate() {
+        out.push_str(if k > 0 { ", " } else { "" });
+        number.write(out);
+    }
+    out.push(')');
+}
+
 /// A `vec2f`.
 impl Number for (f32, f32) {
     fn write(&self, out: &mut String) {
-        out.push_str("vec2f(");
-        self.0.write(out);
-        out.push_str(", ");
-        self.1.write(out);
-        out.push(')');
+        write_call("vec2f", &[self.0, self.1], out);
     }
 }
 
 /// A `vec3f`.
 impl Number for glam::Vec3 {
     fn write(&self, out: &mut String) {
-        out.push_str("vec3f(");
-        for (k, number) in self.to_array().iter().enumerate() {
-            out.push_str(if k > 0 { ", " } else { "" });
-            number.write(out);
-        }
-        out.push(')');
+        write_call("vec3f", &self.to_array(), out);
     }
 }
 
 /// An array, which is not empty.
 impl<T: Number> Number for [T] {
     fn write(&self, out: &mut String) {
-        out.push_str("array(");
-        for (k, number) in self.iter().enumerate() {
-            out.push_str(if k > 0 { ", " } else { "" });
-            number.write(out);
-        }
-        out.push(')');
+        write_call("array", self, out);
     }
 }
 
