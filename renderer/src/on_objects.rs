@@ -54,4 +54,14 @@ impl<B: Blockers> Blockers for OnObjects<B> {
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {
         self.blockers.splat(query, &mut scratch.blockers, mask);
     }
+
+    fn mark_openings(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut Self::Scratch,
+        mask: &mut Mask,
+        narrowest: f32,
+    ) -> bool {
+        self.blockers.mark_openings(query, &mut scratch.blockers, mask, narrowest)
+    }
 }

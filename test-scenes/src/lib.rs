@@ -2,7 +2,7 @@
 
 mod opening;
 
-pub use opening::{Opening, ROOM, room};
+pub use opening::{Opening, ROOM, leaf, room, with_door};
 
 use brdf::Material;
 use core::f32::consts::PI;

@@ -58,3 +58,29 @@ pub fn room(opening: Opening, light: Light) -> Scene {
         lights: vec![light],
     }
 }
+
+/// How far the door of [`with_door`] is open, in radians, and how thick its leaf is.
+const DOOR: [f32; 2] = [0.105, 0.04];
+
+/// Fills an opening with a door that is ajar: a leaf as wide and as high, hinged at the opening's left side, turned outward by 6°.
+#[must_use]
+pub fn with_door(mut scene: Scene, opening: Opening) -> Scene {
+    let [hinge, up, along, outward] = leaf(opening);
+    let mut mesh = Mesh::cuboid(Vec3::splat(0.5), Vec3::ONE);
+    for p in &mut mesh.positions {
+        *p = hinge + up * p.x + along * p.y + outward * p.z;
+    }
+    mesh.normals.clear();
+    scene.objects.push(Object::mesh("door", mesh, 0, Proxy::None));
+    scene
+}
+
+/// The leaf of a door: its lower corner at the hinge and its sides, upward, along the leaf and outward.
+#[must_use]
+pub fn leaf([left, right, low, high]: Opening) -> [Vec3; 4] {
+    let [angle, thick] = DOOR;
+    let (sin, cos) = angle.sin_cos();
+    let along = Vec3::new(cos, 0.0, -sin);
+    let outward = Vec3::new(-sin, 0.0, -cos) * thick;
+    [Vec3::new(left, low, -ROOM.z), Vec3::Y * (high - low), along * (right - left), outward]
+}

@@ -1,5 +1,5 @@
-use crate::{Edges, Mask, UnitSquare};
-use glam::{Vec2, Vec3};
+use crate::{Edges, Mask};
+use glam::Vec3;
 use lobe_core::{Receiver, Sphere};
 use shading::{Coverage, Shaft, VisibilityQuery};
 
@@ -69,16 +69,18 @@ pub trait Blockers: Sync {
         edges.across()
     }
 
-    /// Two corners of a box in the plane that contains all edges in a window, if known: samples may be wrong only there. Call it
-    /// only after [`splat`](Self::splat) of the same query. Provided: `None`.
-    fn edge_bounds(
+    /// Marks openings that lie between two samples of a row and are at least `narrowest` wide in plane coordinates: see
+    /// [`Mask::mark_opening`]. Returns whether it knows all of them. Call it only after [`splat`](Self::splat) of the same query and mask. Provided:
+    /// it knows none.
+    fn mark_openings(
         &self,
         query: &VisibilityQuery<'_>,
-        scratch: &Self::Scratch,
-        window: &UnitSquare,
-    ) -> Option<[Vec2; 2]> {
-        let _ = (query, scratch, window);
-        None
+        scratch: &mut Self::Scratch,
+        mask: &mut Mask,
+        narrowest: f32,
+    ) -> bool {
+        let _ = (query, scratch, mask, narrowest);
+        false
     }
 
     /// Blocks cells of the mask, whose window is any part of the receiver's unit square. Call it only after

@@ -63,6 +63,7 @@ mod mixture;
 mod moments;
 mod near_masks;
 mod optional;
+mod places;
 mod quadtree_cut;
 mod raster;
 mod row;

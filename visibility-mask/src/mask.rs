@@ -39,6 +39,11 @@ pub struct Mask {
     lit: [Row; ROWS],
     halves: [[u32; ROWS]; 2],
     coarse: bool,
+    /// Openings between samples.
+    openings: Vec<[Vec2; 2]>,
+    stride: usize,
+    /// Half-planes of the next square's plane, outside of which nothing emits.
+    cell: Vec<Vec3>,
 }
 
 /// The emitting samples of a window that shows a whole disc: the same for all lights.
@@ -75,6 +80,9 @@ impl Default for Mask {
             lit: [row::NONE; ROWS],
             halves: [[0; ROWS]; 2],
             coarse: false,
+            openings: Vec::new(),
+            stride: 1,
+            cell: Vec::new(),
         }
     }
 }
@@ -98,7 +106,8 @@ impl Mask {
         self.depth = depth;
         self.square = *square;
         self.fit();
-        self.sides.clear();
+        self.openings.clear();
+        self.sides.clone_from(&self.cell);
         self.circle = (Vec2::ZERO, square.disc);
         let n = square.local(normal);
         if let Some(outline) = outline {
@@ -111,7 +120,8 @@ impl Mask {
             self.emit(n);
             return;
         }
-        let above = n.z > 0.0 && n.z * n.z >= square.disc * square.disc * n.truncate().length_squared();
+        let above =
+            self.cell.is_empty() && n.z > 0.0 && n.z * n.z >= square.disc * square.disc * n.truncate().length_squared();
         self.whole_disc = above && square.half == Vec2::splat(square.disc) && square.center == Vec2::ZERO;
         if self.whole_disc {
             let (disc, side) = (&DISCS[usize::from(self.coarse)][depth as usize], self.side());
@@ -140,6 +150,12 @@ impl Mask {
     /// thousandths and more.
     pub(crate) fn set_coarse(&mut self, coarse: bool) {
         self.coarse = coarse;
+    }
+
+    /// Sets the half-planes `a x + b y + c > 0` outside of which nothing emits, from the next [`reset`](Self::reset) on.
+    pub(crate) fn set_cell(&mut self, cell: impl Iterator<Item = Vec3>) {
+        self.cell.clear();
+        self.cell.extend(cell);
     }
 
     /// Samples in a row.
@@ -410,7 +426,9 @@ impl Mask {
     }
 
     /// Number of samples that are lit.
-    pub(crate) fn lit_count(&self) -> u32 {
+    #[doc(hidden)]
+    #[must_use]
+    pub fn lit_count(&self) -> u32 {
         dispatch!(Level::new(), _simd => self.count_lit())
     }
 
@@ -424,11 +442,21 @@ impl Mask {
         self.fine_rows().iter().map(row::count).sum()
     }
 
-    /// The rows and samples that contain all lit samples; `None` if there are none.
-    pub(crate) fn lit_block(&self) -> Option<[core::ops::Range<u32>; 2]> {
-        let bounds = dispatch!(Level::new(), simd => self.lit_bounds(simd));
-        let LitBounds { rows, samples } = bounds;
-        (!bounds.is_empty()).then(|| [samples[0]..samples[1], rows[0]..rows[1].min(self.side() as u32)])
+    /// Marks an opening between samples, with its ends on a line along the rows or across them, in plane coordinates: the mask shows nothing of it,
+    /// and is drawn again around it. `stride`: openings are looked for on one of so many lines.
+    pub fn mark_opening(&mut self, ends: [Vec2; 2], stride: usize) {
+        self.openings.push(ends);
+        self.stride = stride;
+    }
+
+    /// The openings that are marked.
+    pub(crate) fn openings(&self) -> &[[Vec2; 2]] {
+        &self.openings
+    }
+
+    /// The distance of the lines on which openings are marked, across the columns and across the rows.
+    pub(crate) fn lines(&self) -> Vec2 {
+        self.cell() * self.stride as f32
     }
 
     /// The area of a sample in plane coordinates.

@@ -1,5 +1,4 @@
-use crate::{Blockers, Edges, Mask, UnitSquare};
-use glam::Vec2;
+use crate::{Blockers, Edges, Mask};
 use lobe_core::{Receiver, Sphere};
 use shading::{Coverage, Shaft, VisibilityQuery};
 
@@ -77,21 +76,6 @@ impl<A: Blockers, B: Blockers> Blockers for Mixture<A, B> {
         }
     }
 
-    fn edge_bounds(
-        &self,
-        query: &VisibilityQuery<'_>,
-        scratch: &Self::Scratch,
-        window: &UnitSquare,
-    ) -> Option<[Vec2; 2]> {
-        let first = || self.first.edge_bounds(query, &scratch.first, window);
-        let second = || self.second.edge_bounds(query, &scratch.second, window);
-        match scratch.partial {
-            (true, false) => first(),
-            (false, true) => second(),
-            _ => first().zip(second()).map(|([a, b], [c, d])| [a.min(c), b.max(d)]),
-        }
-    }
-
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {
         if scratch.partial.0 {
             self.first.splat(query, &mut scratch.first, mask);
@@ -99,5 +83,17 @@ impl<A: Blockers, B: Blockers> Blockers for Mixture<A, B> {
         if scratch.partial.1 {
             self.second.splat(query, &mut scratch.second, mask);
         }
+    }
+
+    fn mark_openings(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut Self::Scratch,
+        mask: &mut Mask,
+        narrowest: f32,
+    ) -> bool {
+        let first = !scratch.partial.0 || self.first.mark_openings(query, &mut scratch.first, mask, narrowest);
+        let second = !scratch.partial.1 || self.second.mark_openings(query, &mut scratch.second, mask, narrowest);
+        first && second
     }
 }

@@ -1,9 +1,8 @@
 //! Masks around the lit part of a light, if it is small.
 
-use crate::row::{self, Row};
-use crate::{Mask, UnitSquare};
-use core::ops::Range;
-use glam::Vec2;
+use crate::places::{self, Group, Place, Side, Turned};
+use crate::{Mask, UnitSquare, row};
+use glam::{Vec2, Vec3};
 
 /// Masks may be drawn again if less than 1/LITTLE of their emitting samples is lit,
 pub(crate) const LITTLE: u32 = 3;
@@ -14,13 +13,19 @@ pub(crate) const FEW: u32 = 3;
 pub(crate) const OF: u32 = 8;
 /// A mask is fine enough if 1/FILLED of its samples is lit.
 pub(crate) const FILLED: u32 = 4;
+/// Openings between the samples of such a mask matter if less than 1/FAINT is lit.
+const FAINT: u32 = 16;
 /// If less than 1/SLIGHT is lit, masks are drawn again for ordinary penumbrae as well: the light seen through an opening may end at its own
 /// outline.
 pub(crate) const SLIGHT: u32 = 10;
 /// The lit part is an opening's if less than 1/ENDS of its rows, or of its columns, end where the light does.
 pub(crate) const ENDS: u32 = 4;
 /// The most masks for a window.
-const MOST: usize = 16;
+const MOST: usize = 24;
+/// A mask is replaced by others if these are together smaller than this part of it.
+const SMALLER: f32 = 0.75;
+/// How often a window may grow.
+const MOST_GROWN: u32 = 3;
 /// The lit part ends between two samples, of which one is dark: a window around it has this much room, in samples and in rows.
 pub(crate) const ROOM_SAMPLES: f32 = 2.0;
 pub(crate) const ROOM_ROWS: f32 = 1.0;
@@ -48,53 +53,14 @@ impl LitCounts {
         LITTLE * lit < emitting && (LEAST * lit < emitting || OF * lit_rows < FEW * rows)
     }
 
-    /// Whether that is looked at again whatever bounds the lit part.
-    pub(crate) fn are_slight(self) -> bool {
-        SLIGHT * self.lit < self.emitting
-    }
-
     /// Whether no sample is lit.
     pub(crate) fn are_none(self) -> bool {
         self.lit == 0
     }
-}
 
-/// A rectangle of the plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Rect {
-    pub(crate) low: Vec2,
-    pub(crate) high: Vec2,
-}
-
-impl Rect {
-    pub(crate) const NOTHING: Self = Self { low: Vec2::INFINITY, high: Vec2::NEG_INFINITY };
-
-    pub(crate) fn of(square: &UnitSquare) -> Self {
-        Self { low: square.center - square.half, high: square.center + square.half }
-    }
-
-    pub(crate) fn with(self, other: Self) -> Self {
-        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
-    }
-
-    pub(crate) fn within(self, other: Self) -> Self {
-        Self { low: self.low.max(other.low), high: self.high.min(other.high) }
-    }
-
-    fn quarters(self) -> [Self; 4] {
-        let middle = 0.5 * (self.low + self.high);
-        [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| Self {
-            low: Vec2::new([self.low.x, middle.x][x], [self.low.y, middle.y][y]),
-            high: Vec2::new([middle.x, self.high.x][x], [middle.y, self.high.y][y]),
-        })
-    }
-
-    fn size(self) -> Vec2 {
-        (self.high - self.low).max(Vec2::ZERO)
-    }
-
-    pub(crate) fn area(self) -> f32 {
-        self.size().element_product()
+    /// Whether that is looked at again whatever bounds the lit part.
+    pub(crate) fn are_slight(self) -> bool {
+        SLIGHT * self.lit < self.emitting
     }
 }
 
@@ -143,22 +109,32 @@ impl LitEnds {
     }
 }
 
-/// Samples and rows of a mask.
-type Block = [Range<u32>; 2];
+/// Whether so little of a mask is lit that openings between its samples matter.
+pub(crate) fn is_faint(mask: &Mask) -> bool {
+    FAINT * mask.lit_count() < (mask.width() * mask.side()) as u32
+}
 
-/// A window to be drawn, and the part of the light up to which it may grow.
-#[derive(Clone, Copy, Debug)]
+/// Whether the lit part fills enough of a mask.
+fn is_fine(mask: &Mask) -> bool {
+    FILLED * mask.lit_count() >= (mask.width() * mask.side()) as u32
+}
+
+/// A window to be drawn.
+#[derive(Clone, Debug)]
 struct Job {
-    window: Rect,
-    limit: Rect,
+    window: Turned,
+    cell: Vec<Side>,
+    /// How often it has grown.
+    grown: u32,
 }
 
 /// Masks around the lit parts of a window.
 ///
 /// # Method
-/// A mask is drawn around the lit part. If that reaches the mask's side, the next mask is larger on that side. If it fills less
-/// than a quarter of the mask, the next one is smaller; if no smaller rectangle contains all of it, it is divided in the middle.
-/// This is repeated as long as there are masks left of [`MOST`].
+/// Lit samples, and openings between samples that the blockers have marked, are segments of rows and columns. A window is put around them, along
+/// them if they are long and thin. If two windows on both sides of a line are much smaller together, these are taken instead, and each sees its
+/// own side of the line. A mask is drawn in each window. If the lit part reaches the window's side, the next mask is larger there. If it fills
+/// less than a quarter of the mask, the mask's own segments are used in the same way, as long as there are masks left of [`MOST`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NearMasks {
     masks: Vec<Mask>,
@@ -176,128 +152,134 @@ impl NearMasks {
         &self.masks[..self.used]
     }
 
-    /// Draws masks around the lit part of a window, which lies in the rectangle `lit` as far as masks of the whole window show. If that is
-    /// [`NOTHING`](Rect::NOTHING), they look for it in the window's quarters.
-    pub(crate) fn draw(&mut self, window: &UnitSquare, lit: Rect, mut draw: impl FnMut(&UnitSquare, &mut Mask)) {
+    /// Draws masks around the lit places that other masks of a window show. Without any, they look for some in the window's quarters.
+    /// `may_turn`: whether windows may be turned.
+    pub(crate) fn draw(
+        &mut self,
+        window: &UnitSquare,
+        places: Vec<Place>,
+        may_turn: bool,
+        mut draw: impl FnMut(&UnitSquare, &mut Mask),
+    ) {
         self.clear();
         self.jobs.clear();
-        let limit = Rect::of(window);
-        if lit == Rect::NOTHING {
-            self.jobs.extend(limit.quarters().map(|window| Job { window, limit: window }));
-        } else {
-            self.jobs.push(Job { window: lit.within(limit), limit });
+        let cell = places::sides(window);
+        match Group::new(places, cell.clone(), may_turn) {
+            Some(group) => self.add(group, may_turn, MOST / 2),
+            None => self.jobs.extend(quarters(window).map(|window| Job { window, cell: cell.clone(), grown: 0 })),
         }
-        let smallest = Vec2::splat(window.smallest());
+        let smallest = window.smallest();
         let mut left = MOST;
-        while let Some(job) = self.jobs.pop() {
+        while let Some(job) = self.next() {
             if self.masks.len() == self.used {
                 self.masks.push(Mask::default());
             }
             let mask = &mut self.masks[self.used];
-            let half = (0.5 * job.window.size()).max(smallest);
-            let center = 0.5 * (job.window.low + job.window.high);
-            draw(&UnitSquare { center, half, ..*window }, mask);
+            mask.set_cell(job.cell.iter().map(|side| job.window.local(*side)));
+            draw(&job.window.window(window, smallest), mask);
             left -= 1;
-            let Some(block) = mask.lit_block() else { continue };
             // Each waiting window is certain to get a mask.
             let room = left.saturating_sub(self.jobs.len());
-            match next(mask, &job, &block, smallest) {
-                [Some(one), None] if room >= 1 => self.jobs.push(one),
-                [Some(one), Some(other)] if room >= 2 => self.jobs.extend([other, one]),
-                _ => self.used += 1,
+            let mut places = Vec::new();
+            places::add(mask, window, &mut places);
+            if places.is_empty() {
+                continue;
+            }
+            if room > 0
+                && let Some(window) = grown(mask, &job)
+            {
+                self.jobs.push(Job { window, grown: job.grown + 1, ..job });
+                continue;
+            }
+            let is_small = job.window.size().min_element() < 4.0 * smallest;
+            if room > 0
+                && !is_fine(mask)
+                && !is_small
+                && let Some(group) = Group::new(places, job.cell, may_turn)
+            {
+                let jobs = self.jobs.len();
+                let area = job.window.area();
+                self.add(group, may_turn, room);
+                let new: f32 = self.jobs[jobs..].iter().map(|job| job.window.area()).sum();
+                if new <= SMALLER * area {
+                    continue;
+                }
+                self.jobs.truncate(jobs);
+            }
+            self.used += 1;
+        }
+    }
+
+    /// Removes the largest window.
+    fn next(&mut self) -> Option<Job> {
+        let areas = self.jobs.iter().map(|job| job.window.area()).enumerate();
+        let (largest, _) = areas.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some(self.jobs.swap_remove(largest))
+    }
+
+    /// Adds the windows of a group, at most `room`.
+    fn add(&mut self, group: Group, may_turn: bool, room: usize) {
+        let mut groups = vec![group];
+        let mut count = 1;
+        while let Some(group) = groups.pop() {
+            match if count < room { group.divided(0.1, may_turn) } else { None } {
+                Some(parts) => {
+                    count += 1;
+                    groups.extend(parts);
+                }
+                None => self.jobs.push(Job { window: group.window, cell: group.cell, grown: 0 }),
             }
         }
     }
 }
 
-/// The windows that replace a mask whose lit samples are in a block: none, one, or two.
-fn next(mask: &Mask, job: &Job, block: &Block, smallest: Vec2) -> [Option<Job>; 2] {
-    let Job { window, limit } = *job;
-    let all = Vec2::new(mask.width() as f32, mask.side() as f32);
-    let [samples, rows] = block;
-    // A lit part at a side continues beyond it.
-    let room = 1e-3 * window.size();
-    let at_low = [samples.start == 0, rows.start == 0];
-    let at_high = [samples.end == mask.width() as u32, rows.end == mask.side() as u32];
-    let mut around = rect(mask, block).within(limit);
-    let mut grows = false;
+/// The quarters of a window.
+fn quarters(window: &UnitSquare) -> [Turned; 4] {
+    let middle = window.center;
+    let (low, high) = (middle - window.half, middle + window.half);
+    [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| Turned {
+        right: Vec2::X,
+        low: Vec2::new([low.x, middle.x][x], [low.y, middle.y][y]),
+        high: Vec2::new([middle.x, high.x][x], [middle.y, high.y][y]),
+    })
+}
+
+/// A larger window, if the lit part reaches a side of the mask where it may continue.
+fn grown(mask: &Mask, job: &Job) -> Option<Turned> {
+    let Turned { right, mut low, mut high } = job.window;
+    if job.grown == MOST_GROWN {
+        return None;
+    }
+    let (width, last) = (mask.width() as u32, mask.side() - 1);
+    let cell: Vec<Side> = job.cell.iter().map(|side| job.window.local(*side)).collect();
+    let step = mask.cell();
+    // Whether the cell continues beside a place.
+    let continues = |x: f32, y: f32| cell.iter().all(|side| side.dot(Vec3::new(x, y, 1.0)) > 0.0);
+    let (mut at_low, mut at_high) = ([false; 2], [false; 2]);
+    for j in 0..=last {
+        let [from, to] = row::bounds(&mask.lit(j));
+        if from >= to {
+            continue;
+        }
+        let y = mask.row_y(j);
+        let x = mask.square().center.x + mask.square().half.x * ((from + to) as f32 / width as f32 - 1.0);
+        at_low[0] |= from == 0 && continues(low.x - step.x, y);
+        at_high[0] |= to == width && continues(high.x + step.x, y);
+        at_low[1] |= j == 0 && continues(x, low.y - step.y);
+        at_high[1] |= j == last && continues(x, high.y + step.y);
+    }
+    let size = job.window.size();
     for k in 0..2 {
-        if at_low[k] && window.low[k] > limit.low[k] + room[k] {
-            around.low[k] = (window.low[k] - 0.5 * window.size()[k]).max(limit.low[k]);
-            grows = true;
-        }
-        if at_high[k] && window.high[k] < limit.high[k] - room[k] {
-            around.high[k] = (window.high[k] + 0.5 * window.size()[k]).min(limit.high[k]);
-            grows = true;
-        }
+        low[k] -= if at_low[k] { size[k] } else { 0.0 };
+        high[k] += if at_high[k] { size[k] } else { 0.0 };
     }
-    let one = |window| [Some(Job { window, limit }), None];
-    if grows {
-        return one(around);
-    }
-    let lit = mask.lit_count();
-    if FILLED * lit >= (mask.width() * mask.side()) as u32 || window.size().cmple(2.0 * smallest).any() {
-        return [None, None];
-    }
-    if 2.0 * around.area() <= window.area() {
-        return one(around);
-    }
-    let across = usize::from(rows.len() as f32 / all.y > samples.len() as f32 / all.x);
-    match [true, false].map(|first| part(mask, job, block, across, first)) {
-        [None, only] => [only, None],
-        parts => parts,
-    }
-}
-
-/// The window for one half of a block, which is cut in the middle of its samples (0) or its rows (1).
-fn part(mask: &Mask, job: &Job, block: &Block, across: usize, first: bool) -> Option<Job> {
-    let Job { window, mut limit } = *job;
-    let middle = (block[across].start + block[across].end) / 2;
-    let count = [mask.width(), mask.side()][across] as f32;
-    let cut = window.low[across] + window.size()[across] * (middle as f32 / count);
-    let mut block = block.clone();
-    if first {
-        block[across].end = middle;
-        limit.high[across] = cut;
-    } else {
-        block[across].start = middle;
-        limit.low[across] = cut;
-    }
-    let [samples, rows] = block;
-    // Shifts of rows may move a sample across the cut.
-    lit_block(mask, samples, rows).map(|lit| Job { window: rect(mask, &lit).within(limit), limit })
-}
-
-/// The samples and rows that contain all lit samples of a part of a mask.
-fn lit_block(mask: &Mask, samples: Range<u32>, rows: Range<u32>) -> Option<Block> {
-    let within = row::span(samples.start, samples.end);
-    let (mut columns, mut first, mut end) = (row::NONE, None, 0);
-    for j in rows {
-        let lit: Row = row::and(&mask.lit(j as usize), &within);
-        if lit != row::NONE {
-            columns = row::with(&columns, &lit);
-            first = first.or(Some(j));
-            end = j + 1;
-        }
-    }
-    let [from, to] = row::bounds(&columns);
-    first.map(|first| [from..to, first..end])
-}
-
-/// The rectangle of the plane that contains the lit part of a block.
-pub(crate) fn rect(mask: &Mask, [samples, rows]: &Block) -> Rect {
-    let Rect { low, high } = Rect::of(mask.square());
-    let sample = (high - low) / Vec2::new(mask.width() as f32, mask.side() as f32);
-    let from = Vec2::new(samples.start as f32, rows.start as f32);
-    let to = Vec2::new(samples.end as f32, rows.end as f32);
-    let room = Vec2::new(ROOM_SAMPLES, ROOM_ROWS);
-    Rect { low: low + (from - room) * sample, high: low + (to + room) * sample }
+    (low != job.window.low || high != job.window.high).then_some(Turned { right, low, high })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
+    use crate::UnitSquare;
     use lobe_core::Cone;
     use lobe_core::oracle::Random;
 
@@ -321,7 +303,7 @@ mod tests {
         for (coarse, depth) in [(true, 4), (true, 5), (false, 5), (false, 6)] {
             let hole = |[x, y]: [f32; 2], [w, h]: [f32; 2]| {
                 let hole = Rect { low: disc * Vec2::new(x - w, y - h), high: disc * Vec2::new(x + w, y + h) };
-                is_opening(coarse, depth, &|mask| block_around(&[hole], mask))
+                is_opening(coarse, depth, &|mask| block_around(&[hole], &window, mask))
             };
             assert!(hole([0.1, -0.2], [0.2, 0.3]), "window");
             assert!(hole([0.1, 0.0], [0.1, 2.0]) && hole([0.0, 0.3], [2.0, 0.15]), "slits");
@@ -341,16 +323,39 @@ mod tests {
         }
     }
 
-    /// Blocks everything except rectangles.
-    fn block_around(holes: &[Rect], mask: &mut Mask) {
+    /// A hole in the plane of a window.
+    #[derive(Clone, Copy)]
+    struct Rect {
+        low: Vec2,
+        high: Vec2,
+    }
+
+    impl Rect {
+        fn area(self) -> f32 {
+            (self.high - self.low).element_product()
+        }
+
+        /// The part of a line that passes through it, from a start in a direction.
+        fn passed(self, start: Vec2, along: Vec2) -> [f32; 2] {
+            let ends = [self.low, self.high].map(|side| (side - start) / along);
+            let (from, to) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+            [from.max_element(), to.min_element()]
+        }
+    }
+
+    /// Blocks everything except rectangles in a mask on the plane of a window, which may be turned.
+    fn block_around(holes: &[Rect], window: &UnitSquare, mask: &mut Mask) {
+        let turn = window.turn_to(mask.square());
         for j in 0..mask.side() {
-            let y = mask.row_y(j);
-            let mut open: Vec<Rect> = holes.iter().copied().filter(|hole| hole.low.y < y && y < hole.high.y).collect();
-            open.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
+            // Off the sides of the rectangles, lest a line runs along one.
+            let start = turn.rotate(Vec2::new(0.0, mask.row_y(j)));
+            let passed = holes.iter().map(|hole| hole.passed(start, turn + 1e-9));
+            let mut open: Vec<[f32; 2]> = passed.filter(|[from, to]| from < to).collect();
+            open.sort_by(|a, b| a[0].total_cmp(&b[0]));
             let mut from = f32::NEG_INFINITY;
             for hole in &open {
-                mask.block_span(j, from, hole.low.x);
-                from = hole.high.x;
+                mask.block_span(j, from, hole[0]);
+                from = hole[1];
             }
             mask.block_span(j, from, f32::INFINITY);
         }
@@ -360,20 +365,22 @@ mod tests {
     fn area(holes: &[Rect]) -> (f32, usize, f32) {
         let cone = Cone { axis: Vec3::Z, one_minus_cos: 0.01, distance: f32::INFINITY };
         let window = UnitSquare::facing(&cone, Vec3::X);
-        let draw = |square: &UnitSquare, mask: &mut Mask| {
+        let draw = |square: &UnitSquare, depth: u32, mask: &mut Mask| {
             mask.set_coarse(true);
-            mask.reset(square, 5, Vec3::Z);
-            block_around(holes, mask);
+            mask.reset(square, depth, Vec3::Z);
+            block_around(holes, &window, mask);
         };
         let mut whole = Mask::default();
-        draw(&window, &mut whole);
-        let Some(block) = whole.lit_block() else {
+        draw(&window, 5, &mut whole);
+        let mut places = Vec::new();
+        places::add(&whole, &window, &mut places);
+        if places.is_empty() {
             return (0.0, 0, 0.0);
-        };
+        }
         let (mut near, mut drawn) = (NearMasks::default(), 0);
-        near.draw(&window, rect(&whole, &block), |square, mask| {
+        near.draw(&window, places, true, |square, mask| {
             drawn += 1;
-            draw(square, mask);
+            draw(square, 6, mask);
         });
         let area = |mask: &Mask| mask.lit_count() as f32 * mask.sample_area();
         (near.masks().iter().map(area).sum(), drawn, area(&whole))

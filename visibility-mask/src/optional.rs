@@ -1,5 +1,4 @@
-use crate::{Blockers, Edges, Mask, UnitSquare};
-use glam::Vec2;
+use crate::{Blockers, Edges, Mask};
 use lobe_core::{Receiver, Sphere};
 use shading::{Coverage, Shaft, VisibilityQuery};
 
@@ -47,18 +46,22 @@ impl<B: Blockers> Blockers for Option<B> {
         }
     }
 
-    fn edge_bounds(
-        &self,
-        query: &VisibilityQuery<'_>,
-        scratch: &Self::Scratch,
-        window: &UnitSquare,
-    ) -> Option<[Vec2; 2]> {
-        self.as_ref().zip(scratch.as_ref()).and_then(|(blockers, scratch)| blockers.edge_bounds(query, scratch, window))
-    }
-
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {
         if let (Some(blockers), Some(scratch)) = (self, scratch) {
             blockers.splat(query, scratch, mask);
+        }
+    }
+
+    fn mark_openings(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut Self::Scratch,
+        mask: &mut Mask,
+        narrowest: f32,
+    ) -> bool {
+        match (self, scratch) {
+            (Some(blockers), Some(scratch)) => blockers.mark_openings(query, scratch, mask, narrowest),
+            _ => true,
         }
     }
 }
@@ -87,16 +90,17 @@ impl<B: Blockers> Blockers for &B {
         B::edges(self, query, scratch, edges);
     }
 
-    fn edge_bounds(
-        &self,
-        query: &VisibilityQuery<'_>,
-        scratch: &Self::Scratch,
-        window: &UnitSquare,
-    ) -> Option<[Vec2; 2]> {
-        B::edge_bounds(self, query, scratch, window)
-    }
-
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {
         B::splat(self, query, scratch, mask);
+    }
+
+    fn mark_openings(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut Self::Scratch,
+        mask: &mut Mask,
+        narrowest: f32,
+    ) -> bool {
+        B::mark_openings(self, query, scratch, mask, narrowest)
     }
 }

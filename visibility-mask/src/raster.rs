@@ -50,6 +50,14 @@ impl Raster {
         row::phases(j)
     }
 
+    /// The first sample at or after a position.
+    #[doc(hidden)]
+    #[inline(always)]
+    #[must_use]
+    pub fn index(&self, position: f32) -> u32 {
+        row::index(position).min(self.width as u32)
+    }
+
     /// The first sample at or after each position.
     #[doc(hidden)]
     #[inline(always)]

@@ -138,6 +138,21 @@ pub(crate) fn bounds(row: &Row) -> [u32; 2] {
     bounds
 }
 
+/// Calls `visit` for each run of samples: from, to.
+pub(crate) fn each(row: &Row, mut visit: impl FnMut([u32; 2])) {
+    for (k, word) in row.0.iter().enumerate() {
+        let (mut rest, mut at) = (*word, 64 * k as u32);
+        while rest != 0 {
+            let skip = rest.trailing_zeros();
+            rest >>= skip;
+            let count = rest.trailing_ones();
+            visit([at + skip, at + skip + count]);
+            rest = rest.unbounded_shr(count);
+            at += skip + count;
+        }
+    }
+}
+
 /// Those samples of row `j` that are at height `k`: one of every eight, a different one in each row.
 #[inline(always)]
 pub(crate) fn of_line(row: &Row, j: usize, k: usize) -> Row {

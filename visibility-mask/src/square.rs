@@ -1,5 +1,5 @@
 use crate::spread::Spread;
-use glam::{UVec2, Vec2, Vec3};
+use glam::{UVec2, Vec2, Vec2Swizzles, Vec3};
 use lobe_core::{Cone, Lobe, Outline, nearest_of, orthonormal_basis};
 
 /// Half-angles above this (85°) count as this one: the square faces one hemisphere.
@@ -207,6 +207,22 @@ impl UnitSquare {
         let peak = self.peak(&Lobe::new(mirror, 1.0, Vec3::ONE), normal, bright).point;
         let stretch = 1.0 + peak.length_squared();
         Spread { peak, scale: (2.0 * alpha * stretch).min(stretch.sqrt()) }
+    }
+
+    /// The direction of another window's right side in this one's coordinates: both are on one plane.
+    pub(crate) fn turn_to(&self, other: &Self) -> Vec2 {
+        if self.right == other.right {
+            return Vec2::X;
+        }
+        Vec2::new(self.right.dot(other.right), self.up.dot(other.right)).normalize_or(Vec2::X)
+    }
+
+    /// The same window turned by a right angle: a point `(x, y)` of it is `(−y, x)` of this one.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn turned(&self) -> Self {
+        let Self { right, up, center, half, .. } = *self;
+        Self { right: up, up: -right, center: Vec2::new(center.y, -center.x), half: half.yx(), ..*self }
     }
 
     /// The part of the window between two corners; not smaller than [`THINNEST`].

@@ -1,6 +1,7 @@
 use crate::accuracy::{CROWDED, crowding, depth, evenly, tolerance, zoom_sigmas};
 use crate::contour;
 use crate::counts::Counts;
+use crate::near_masks::is_faint;
 use crate::spread::{Spread, along};
 use crate::window_masks::{WindowMasks, image_fractions, microfacet_fractions};
 use crate::{Blockers, Edges, Fineness, MAX_DEPTH, Mask, MaskLobes, UnitSquare};
@@ -14,6 +15,9 @@ pub(crate) const STEEP: f32 = 1.0;
 
 /// A mask of a wider light than this (1 − cos θ) is turned as one of this width.
 pub(crate) const WIDE: f32 = 0.6;
+
+/// The width of an opening that is looked for, in windows' half sides: a thousandth of a sample of 64.
+const NARROWEST_OPENING: f32 = 1.0 / 32768.0;
 
 /// Where masks are drawn again around the lit part of a light that is so small that few samples measure its size.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -231,22 +235,30 @@ impl<B: Blockers> MaskVisibility<B> {
             return;
         }
         let counts = masks.lit_counts();
-        if !counts.are_few() {
+        if !counts.are_slight() && !counts.are_few() {
             return;
         }
         // A part of an environment, whose outline knows its sides, ends where the next one begins.
         let is_patch = query.outline.is_some_and(Outline::has_sides);
+        let is_thorough = self.again == LookAgain::Everywhere || is_patch;
         // Through an opening between samples much of a wide light's radiance may come.
-        let is_hidden = counts.are_none() && square.half.max_element() > contour::WIDE;
-        let is_thorough = self.again == LookAgain::Everywhere || is_patch || is_hidden;
-        if !is_thorough && !counts.are_slight() && !masks.is_opening() {
+        let is_wide = is_thorough || square.half.max_element() > contour::WIDE;
+        let is_opening = is_thorough || masks.is_opening();
+        let seeks = is_wide && is_opening;
+        let narrowest = NARROWEST_OPENING * square.half.x;
+        let are_known = seeks && masks.mark(|mask| self.blockers.mark_openings(query, blockers, mask, narrowest));
+        if !masks.has_openings() && !(counts.are_few() && (is_opening || counts.are_slight())) {
             return;
         }
-        let edges = self.blockers.edge_bounds(query, blockers, square);
-        masks.draw_near(edges, [near.coarse, is_thorough], |square, mask| {
-            mask.reset_to(square, query.accuracy.depth.clamp(1, MAX_DEPTH), query.at.normal, query.outline);
+        let is_found = masks.has_openings() || !counts.are_none();
+        let depth = (query.accuracy.depth + u32::from(seeks && is_found)).clamp(1, MAX_DEPTH);
+        masks.draw_near([near.coarse, seeks && !are_known, query.image.is_none()], |square, mask| {
+            mask.reset_to(square, depth, query.at.normal, query.outline);
             if !mask.is_dark() {
                 self.blockers.splat(query, blockers, mask);
+                if seeks && is_faint(mask) {
+                    self.blockers.mark_openings(query, blockers, mask, narrowest);
+                }
             }
         });
     }

@@ -50,7 +50,7 @@ fn of_counts<S: Simd, const B: usize>(
     lobe: &Lobe,
 ) -> Sums {
     if is_lambert(at, lobe) {
-        lambert::<S, B>(simd, mask, window, counts, window.local(at.normal))
+        lambert::<S, B>(simd, mask, window, counts, mask.square().local(at.normal))
     } else {
         glossy::<S, B>(simd, mask, window, counts, at, lobe)
     }
@@ -75,7 +75,7 @@ pub(crate) fn microfacet_sums(
 
 #[inline(always)]
 fn facet_sums(mask: &Mask, microfacets: impl Facets, skip: Option<&UnitSquare>, counts: &mut Counts) -> [Sums; 2] {
-    let outside = outside(skip);
+    let outside = outside(mask, skip);
     let weight = |x: f32, y: f32| {
         let inverse = 1.0 / (x * x + y * y + 1.0);
         let root = inverse.sqrt();
@@ -156,7 +156,7 @@ fn shown_sums(
     counts: &mut Counts,
     value: impl Fn(Vec3, f32) -> f32,
 ) -> [Sums; 3] {
-    let outside = outside(skip);
+    let outside = outside(mask, skip);
     let weight = |x: f32, y: f32| {
         let inverse = 1.0 / (x * x + y * y + 1.0);
         let value = value(Vec3::new(x, y, 1.0), inverse) * inverse * inverse.sqrt();
@@ -219,11 +219,15 @@ fn by_texel<S: Simd, const B: usize>(
     core::array::from_fn(|k| Sums { lit: sum(lit[k]), all: sum(all[k]) })
 }
 
-/// Whether a point of the plane is outside a window.
-fn outside(skip: Option<&UnitSquare>) -> impl Fn(f32, f32) -> bool {
+/// Whether a point of a mask is outside a window.
+fn outside(mask: &Mask, skip: Option<&UnitSquare>) -> impl Fn(f32, f32) -> bool {
+    let turn = skip.map_or(Vec2::X, |skip| skip.turn_to(mask.square()));
     let none = [Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY)];
     let [low, high] = skip.map_or(none, |skip| [skip.center - skip.half, skip.center + skip.half]);
-    move |x, y| !((x > low.x) & (x < high.x) & (y > low.y) & (y < high.y))
+    move |x, y| {
+        let Vec2 { x, y } = turn.rotate(Vec2::new(x, y));
+        !((x > low.x) & (x < high.x) & (y > low.y) & (y < high.y))
+    }
 }
 
 /// The exponent of lobes as narrow as the cells: a mirror still needs some samples.
@@ -311,26 +315,31 @@ impl Rows for LambertRows {
 fn glossy<S: Simd, const B: usize>(
     simd: S,
     mask: &Mask,
-    square: &UnitSquare,
+    window: &UnitSquare,
     counts: &Counts,
     at: &Receiver,
     lobe: &Lobe,
 ) -> Sums {
-    let (axis, normal) = (square.local(lobe.axis), square.local(at.normal));
+    let axis = window.local(lobe.axis);
     let cosine = lobe.has_cosine;
     let e = lobe.exponent;
     let m = e + 3.0;
     // The peak: the point of the light nearest to the lobe's axis.
     let aside = axis.truncate();
     let peak = if axis.z > 1e-3 { aside / axis.z } else { aside.normalize_or_zero() * 1e3 };
-    let c = peak.clamp_length_max(square.disc);
-    let c = c.clamp(square.center - square.half, square.center + square.half);
+    let c = peak.clamp_length_max(window.disc);
+    let c = c.clamp(window.center - window.half, window.center + window.half);
     let d = aside.dot(c) + axis.z;
     let over = 1.0 / (1.0 + c.length_squared());
     let slope = aside.length() / d;
-    let reach = square.half.max_element().min(2.0 / m.sqrt());
+    let reach = window.half.max_element().min(2.0 / m.sqrt());
     let third = e * (slope * reach).powi(3) / 3.0 + m * (c.length() + 0.25 * reach) * reach.powi(3);
-    if !(d > 0.0 && slope * square.half.max_element() < 0.5 && third < LEFT_OUT) {
+    let is_smooth = d > 0.0 && slope * window.half.max_element() < 0.5 && third < LEFT_OUT;
+    // The mask may be turned.
+    let square = mask.square();
+    let (axis, normal) = (square.local(lobe.axis), square.local(at.normal));
+    let (aside, c) = (axis.truncate(), square.turn_to(window).rotate(c));
+    if !is_smooth {
         let [sums] = by_sample::<S, B, 1>(simd, mask, counts, |x, y| {
             let inverse = 1.0 / (x * x + y * y + 1.0);
             let along = axis.x * x + (axis.y * y + axis.z);

@@ -1,9 +1,10 @@
 use crate::counts::Counts;
-use crate::near_masks::{LitCounts, LitEnds, NearMasks, Rect, rect};
+use crate::near_masks::{LitCounts, LitEnds, NearMasks};
+use crate::places;
 use crate::spread::Spread;
 use crate::visible_fraction::{MIRROR, Shown, Sums, image_sums, microfacet_sums, narrowest, sums};
 use crate::{Fineness, Mask, UnitSquare};
-use glam::{UVec2, Vec2, Vec3};
+use glam::{UVec2, Vec3};
 use lobe_core::{BrdfLobe, LightImage, Lobe, Microfacets, Outline, Receiver};
 use shading::Coverage;
 
@@ -83,30 +84,33 @@ impl WindowMasks {
         ends.are_of_an_opening()
     }
 
+    /// Lets `mark` mark openings between the samples of each mask. Returns whether it does so for all.
+    pub(crate) fn mark(&mut self, mut mark: impl FnMut(&mut Mask) -> bool) -> bool {
+        let count = (self.grid[0] * self.grid[1]) as usize;
+        self.masks[..count].iter_mut().fold(true, |all, mask| mark(mask) && all)
+    }
+
+    /// Whether openings between samples are marked.
+    pub(crate) fn has_openings(&self) -> bool {
+        self.masks().iter().any(|mask| !mask.openings().is_empty())
+    }
+
     /// Whether there are masks around the lit part.
     pub(crate) fn has_near(&self) -> bool {
         !self.near.masks().is_empty()
     }
 
-    /// Lets `draw` block windows around the lit part, in masks with a depth and fineness; each is filled by at least a quarter if
-    /// [`NearMasks`] can do so. `edges`, if known, are two corners of a box around all edges. Where no sample is lit, an opening between samples
-    /// is looked for if that is requested (`is_thorough`).
+    /// Lets `draw` block windows around the lit part, in masks with a fineness; each is filled by at least a quarter if [`NearMasks`] can do so.
+    /// Where no place is lit, one is looked for if that is requested (`seeks`).
     pub(crate) fn draw_near(
         &mut self,
-        edges: Option<[Vec2; 2]>,
-        [coarse, is_thorough]: [bool; 2],
+        [coarse, seeks, may_turn]: [bool; 3],
         mut draw: impl FnMut(&UnitSquare, &mut Mask),
     ) {
-        let window = Rect::of(&self.window);
-        let edges = edges.map(|[low, high]| Rect { low, high }.within(window));
-        let lit = self
-            .masks()
-            .iter()
-            .fold(Rect::NOTHING, |around, mask| mask.lit_block().map_or(around, |lit| around.with(rect(mask, &lit))));
-        // The lit part may reach beyond all edges, to the light's outline.
-        let around = edges.filter(|edges| 2.0 * edges.area() <= window.area()).map_or(lit, |edges| edges.with(lit));
-        if is_thorough || around != Rect::NOTHING {
-            self.near.draw(&self.window, around, |square, mask| {
+        let mut places = Vec::new();
+        self.masks().iter().for_each(|mask| places::add(mask, &self.window, &mut places));
+        if seeks || !places.is_empty() {
+            self.near.draw(&self.window, places, may_turn, |square, mask| {
                 mask.set_coarse(coarse);
                 draw(square, mask);
             });

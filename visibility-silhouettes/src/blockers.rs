@@ -1,5 +1,4 @@
 use crate::beside::Beside;
-use crate::bounds::bounds;
 use crate::clip::{Ball, Behind, Chord, Front};
 use crate::count::{Counter, Fewest};
 use crate::fit::{is_flat, side};
@@ -7,6 +6,7 @@ use crate::hull::Fineness;
 use crate::levels::Levels;
 use crate::lists::{Lists, Meshes};
 use crate::near_light::NearLights;
+use crate::openings::{Opening, Openings, stride};
 use crate::penumbra::narrowest;
 
 use crate::project::{Crossing, View, project};
@@ -17,7 +17,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use glam::{Vec2, Vec3};
 use lobe_core::{Cone, Outline, Receiver, Sphere};
 use shading::{Coverage, Shaft, VisibilityQuery};
-use visibility_mask::{Blockers, Edges, Mask, UnitSquare, facet_coverage};
+use visibility_mask::{Blockers, Edges, Mask, facet_coverage};
 
 /// The size of details that a tolerance leaves out: this fraction of it, in radii of the light. A root mean square, measured so
 /// that masks differ by less than a quarter of the tolerance in the mean.
@@ -28,6 +28,9 @@ const ALONG: f64 = 0.999_9;
 
 /// The widest disc, `1 − cos θ`, in front of which edges are summed.
 pub(crate) const WIDEST_DISC: f32 = 0.9;
+
+/// Openings between samples are marked if they are more than 1/HIDDEN of the lit samples.
+const HIDDEN: f32 = 128.0;
 
 /// Traces the rays that outlines leave open: whether a ray meets any triangle.
 ///
@@ -258,6 +261,9 @@ pub struct SilhouetteScratch<H> {
     counter: Counter,
     fewest: Fewest,
     next: Fewest,
+    openings: Openings,
+    marks: Vec<[Vec2; 2]>,
+    turned: Mask,
     hits: H,
 }
 
@@ -311,6 +317,9 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             counter: Counter::default(),
             fewest: Fewest::default(),
             next: Fewest::default(),
+            openings: Openings::default(),
+            marks: Vec::new(),
+            turned: Mask::default(),
             hits: self.hits.scratch(),
         }
     }
@@ -405,12 +414,6 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         dispatch!(Level::new(), simd => add_edges(simd, query.cone, &light, &scratch.silhouettes, edges));
     }
 
-    fn edge_bounds(&self, _: &VisibilityQuery<'_>, scratch: &Self::Scratch, window: &UnitSquare) -> Option<[Vec2; 2]> {
-        // If the light or its plane cuts triangles, there are more edges.
-        let is_whole = scratch.facet.is_none() && scratch.arcs.is_empty();
-        is_whole.then(|| bounds(&scratch.silhouettes, window)).flatten()
-    }
-
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {
         if mask.is_dark() {
             return;
@@ -428,12 +431,90 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             mask.block_all();
         }
     }
+
+    fn mark_openings(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut Self::Scratch,
+        mask: &mut Mask,
+        narrowest: f32,
+    ) -> bool {
+        let raster = mask.raster();
+        scratch.marks.clear();
+        self.open_between(query, scratch, mask, narrowest, |_, opening| !opening.is_seen(&raster));
+        let of_rows = scratch.marks.len();
+        // The columns are the rows of a mask that is turned.
+        let mut turned = core::mem::take(&mut scratch.turned);
+        turned.reset_to(&mask.square().turned(), mask.depth(), query.at.normal, query.outline);
+        let row_above = |x: f32| ((x - raster.bottom) * raster.rows - 0.5).ceil();
+        self.open_between(query, scratch, &turned, narrowest, |view, opening| {
+            let [from, to] = opening.ends.map(|at| row_above(view.point(opening.row, at).x));
+            from == to
+        });
+        scratch.turned = turned;
+        let (rows, columns) = scratch.marks.split_at_mut(of_rows);
+        columns.iter_mut().for_each(|ends| *ends = ends.map(|p| Vec2::new(-p.y, p.x)));
+        let hidden = rows.iter().map(|[from, to]| (to.x - from.x) * raster.samples).sum::<f32>()
+            + columns.iter().map(|[from, to]| (to.y - from.y).abs() * raster.rows).sum::<f32>() * raster.width
+                / mask.side() as f32;
+        let stride = stride(mask.side());
+        if HIDDEN * stride as f32 * hidden > mask.lit_count() as f32 {
+            scratch.marks.iter().for_each(|ends| mask.mark_opening(*ends, stride));
+        }
+        true
+    }
+}
+
+impl<H: AnyHit> SilhouetteBlockers<'_, H> {
+    /// Lists those openings between the outlines in a mask's rows that a test keeps.
+    fn open_between(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut SilhouetteScratch<H::Scratch>,
+        mask: &Mask,
+        narrowest: f32,
+        is_hidden: impl Fn(&View, &Opening) -> bool,
+    ) {
+        let mut view = View::new(*mask.square(), mask.raster(), mask.side(), query);
+        let ball = scratch.project_outlines(query, &mut view);
+        let SilhouetteScratch { crossings, counter, openings, marks, facet, origin, hits, .. } = scratch;
+        let facet = facet.map(|face| mask.square().local(face));
+        let emitting = |row: usize| {
+            let (from, to) = facet.map_or_else(|| mask.emitting(row), |n| mask.emitting_above(n, row));
+            from..to
+        };
+        // Between surfaces that all end, or all begin, there is no opening.
+        if !(crossings.iter().any(|c| c.step < 0) && crossings.iter().any(|c| c.step > 0)) {
+            return;
+        }
+        let starts = counter.start(crossings, view.rows.div_ceil(8));
+        let found = openings.find(&view, crossings, &starts, emitting, narrowest * view.raster.samples);
+        found.retain(|opening| is_hidden(&view, opening));
+        // All have the same number of surfaces.
+        let Some(widest) = found.iter().max_by(|a, b| a.width().total_cmp(&b.width())) else { return };
+        let (direction, plane) = view.ray_at(widest.row, 0.5 * (widest.ends[0] + widest.ends[1]));
+        let distance = ball.map_or(plane, |ball| ball.distance(direction));
+        if !self.hits.is_hit(*origin, direction, distance, hits) {
+            marks.extend(found.iter().map(|opening| opening.ends.map(|at| view.point(opening.row, at))));
+        }
+    }
 }
 
 impl<H> SilhouetteScratch<H> {
     /// Counts the surfaces before the samples of a mask, but for a number that all of them have. Returns the light if triangles reach into it.
-    fn cross(&mut self, query: &VisibilityQuery<'_>, view: &mut View, mask: &mut Mask) -> Option<Ball> {
-        let Self { origin, silhouettes, outside, arcs, crossings, counter, fewest, near, light, .. } = self;
+    fn cross(&mut self, query: &VisibilityQuery<'_>, view: &mut View, mask: &Mask) -> Option<Ball> {
+        let ball = self.project_outlines(query, view);
+        let Self { crossings, counter, fewest, .. } = self;
+        dispatch!(Level::new(), simd => {
+            counter.count(simd, view, crossings, mask);
+            counter.fewest(fewest);
+        });
+        ball
+    }
+
+    /// Lists the crossings of outlines with the rows of a mask. Returns the light if triangles reach into it.
+    fn project_outlines(&mut self, query: &VisibilityQuery<'_>, view: &mut View) -> Option<Ball> {
+        let Self { origin, silhouettes, outside, arcs, crossings, near, light, .. } = self;
         crossings.clear();
         // If triangles reach into the light, surfaces count as far as its front side; else as far as its plane.
         let is_flat = query.outline.is_some();
@@ -459,11 +540,7 @@ impl<H> SilhouetteScratch<H> {
             view.clip = f32::INFINITY;
         }
         let drawn = if is_cut { &*outside } else { &*silhouettes };
-        dispatch!(Level::new(), simd => {
-            project(simd, drawn, view, crossings);
-            counter.count(simd, view, crossings, mask);
-            counter.fewest(fewest);
-        });
+        dispatch!(Level::new(), simd => project(simd, drawn, view, crossings));
         ball
     }
 }

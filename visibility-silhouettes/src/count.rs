@@ -106,7 +106,7 @@ impl Counter {
     /// The number left of all samples in each row, minus the least of them. Sets the number of digits for the largest number of all
     /// samples.
     #[inline(always)]
-    fn start(&mut self, crossings: &[Crossing], blocks: usize) -> [u32; ROW_LINES] {
+    pub(crate) fn start(&mut self, crossings: &[Crossing], blocks: usize) -> [u32; ROW_LINES] {
         let mut starts = [0_i32; ROW_LINES];
         let mut sizes = [0_i32; ROW_LINES];
         for c in crossings {

@@ -55,7 +55,6 @@
 
 mod beside;
 mod blockers;
-mod bounds;
 mod clip;
 mod coarse;
 mod count;
@@ -71,6 +70,7 @@ mod lists;
 mod look;
 mod mesh;
 mod near_light;
+mod openings;
 mod penumbra;
 mod placed;
 mod project;

@@ -53,11 +53,20 @@ impl View {
 
     /// The unit direction of a sample, and the distance to the light's plane along it.
     pub(crate) fn ray(&self, row: usize, sample: usize) -> (Vec3, f32) {
+        self.ray_at(row, sample as f32 + 0.5 + Raster::shift(row))
+    }
+
+    /// The same for a position in a row, in samples of the row without shift.
+    pub(crate) fn ray_at(&self, row: usize, at: f32) -> (Vec3, f32) {
+        let p = self.point(row, at);
+        let length = (1.0 + p.length_squared()).sqrt();
+        (self.square.world(p.extend(1.0)) / length, self.far * length)
+    }
+
+    /// Such a position, in plane coordinates.
+    pub(crate) fn point(&self, row: usize, at: f32) -> Vec2 {
         let Raster { left, bottom, samples, rows, .. } = self.raster;
-        let x = left + (sample as f32 + 0.5 + Raster::shift(row)) / samples;
-        let y = bottom + (row as f32 + 0.5) / rows;
-        let length = (1.0 + x * x + y * y).sqrt();
-        (self.square.world(Vec3::new(x, y, 1.0)) / length, self.far * length)
+        Vec2::new(left + at / samples, bottom + (row as f32 + 0.5) / rows)
     }
 
     /// Position, in samples, of a line that crosses the visible part of the light in every row and stays inside of the window: a light
@@ -118,6 +127,11 @@ impl Crossing {
             left: if up { left } else { [left[1], left[0]] },
             step: if up { step } else { -step },
         })
+    }
+
+    /// Its position in a row, in samples without the row's shift.
+    pub(crate) fn at(&self, row: usize) -> f32 {
+        (row as f32 * self.slope + self.start).max(self.low).min(self.high)
     }
 
     /// One piece of an outline, between two points in front of the light's plane, as [`project`] projects it.

@@ -1,0 +1,110 @@
+//! Openings between the samples of a mask, from the crossings of outlines with its rows.
+
+use crate::project::{Crossing, View};
+use core::ops::Range;
+use visibility_mask::Raster;
+
+/// An interval of a row with the fewest surfaces before it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Opening {
+    pub(crate) row: usize,
+    /// Its ends, in samples without the row's shift.
+    pub(crate) ends: [f32; 2],
+}
+
+impl Opening {
+    pub(crate) fn width(&self) -> f32 {
+        self.ends[1] - self.ends[0]
+    }
+
+    /// Whether there is a sample in it.
+    pub(crate) fn is_seen(&self, raster: &Raster) -> bool {
+        let [from, to] = self.ends.map(|at| raster.index(at - Raster::shift(self.row)));
+        from < to
+    }
+}
+
+/// Openings are looked for in one of so many rows of a mask.
+pub(crate) fn stride(rows: usize) -> usize {
+    (rows / LINES).max(1)
+}
+
+/// Rows in which openings are looked for.
+const LINES: usize = 32;
+
+/// Intervals of rows between outlines.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Openings {
+    found: Vec<Opening>,
+    /// The crossings by their first rows, and those of one row with their positions, from left to right.
+    order: Vec<u32>,
+    active: Vec<(f32, u32)>,
+}
+
+impl Openings {
+    /// The intervals with the fewest surfaces among those that are at least `narrowest` samples wide, in the emitting samples of each row. `starts` has the numbers of surfaces left of all crossings, as
+    /// [`Counter::start`](crate::count::Counter::start) returns them.
+    pub(crate) fn find(
+        &mut self,
+        view: &View,
+        crossings: &[Crossing],
+        starts: &[u32],
+        emitting: impl Fn(usize) -> Range<u32>,
+        narrowest: f32,
+    ) -> &mut Vec<Opening> {
+        let Self { found, order, active } = self;
+        found.clear();
+        active.clear();
+        order.clear();
+        order.extend((0..).zip(crossings).filter(|(_, c)| c.step != 0 && c.rows[0] < c.rows[1]).map(|(k, _)| k));
+        order.sort_unstable_by_key(|k| crossings[*k as usize].rows[0]);
+        let mut rest = &order[..];
+        let mut least = i32::MAX;
+        for (row, start) in starts[..view.rows].iter().enumerate().step_by(stride(view.rows)) {
+            let line = row as i32;
+            active.retain(|(_, k)| crossings[*k as usize].rows[1] > line);
+            while let [k, others @ ..] = rest
+                && crossings[*k as usize].rows[0] <= line
+            {
+                active.push((0.0, *k));
+                rest = others;
+            }
+            let emits = emitting(row);
+            if emits.is_empty() {
+                continue;
+            }
+            let mut number = start.cast_signed();
+            for i in 0..active.len() {
+                let (_, k) = active[i];
+                let c = &crossings[k as usize];
+                let at = c.at(row);
+                number += (-c.step).max(0);
+                // The order changes little from row to row.
+                let mut j = i;
+                while j > 0 && active[j - 1].0 > at {
+                    active[j] = active[j - 1];
+                    j -= 1;
+                }
+                active[j] = (at, k);
+            }
+            let [first, last] = [emits.start, emits.end].map(|sample| sample as f32 + Raster::shift(row));
+            let mut from = first;
+            for i in 0..=active.len() {
+                let (to, step) = match active.get(i) {
+                    Some((at, k)) => (at.clamp(first, last), crossings[*k as usize].step),
+                    None => (last, 0),
+                };
+                if number <= least && to - from >= narrowest {
+                    if number < least {
+                        found.clear();
+                        least = number;
+                    }
+                    found.push(Opening { row, ends: [from, to] });
+                }
+                number += step;
+                from = to;
+            }
+        }
+        found
+    }
+}
