@@ -1,6 +1,6 @@
 //! Simplified meshes, for outlines that are seen from a distance.
 
-use crate::topology::{self, WHOLE};
+use crate::topology::{Sides, WHOLE};
 use core::cmp::Reverse;
 use core::ops::Range;
 use glam::{DVec3, Vec3};
@@ -42,8 +42,7 @@ pub(crate) fn coarse(positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Coars
     let middles: Vec<Vec3> = triangles.par_iter().map(middle).collect();
     let middle = |t: &u32| middles[*t as usize];
     let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
-    let mut parts = Vec::new();
-    divide(&mut order, 0, &middle, &mut parts);
+    let parts = divide(&mut order, 0, &middle);
     let forms: Vec<Option<Form>> = parts
         .par_iter()
         .map(|part| Patch::new(positions, triangles, &order[part.clone()]).simplified(positions.len()))
@@ -72,19 +71,19 @@ pub(crate) fn coarse(positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Coars
     (out.count > 0).then_some(out)
 }
 
-/// Halves a list of triangles by the centres of their corners until the parts are small.
-fn divide(order: &mut [u32], first: usize, middle: &impl Fn(&u32) -> Vec3, parts: &mut Vec<Range<usize>>) {
+/// Halves a list of triangles by the centres of their corners until the parts are small. Returns the parts.
+fn divide(order: &mut [u32], first: usize, middle: &(impl Fn(&u32) -> Vec3 + Sync)) -> Vec<Range<usize>> {
     if order.len() <= PATCH {
-        parts.push(first..first + order.len());
-        return;
+        return vec![first..first + order.len()];
     }
     let bounds = order.iter().map(middle).fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[a, b], m| [a.min(m), b.max(m)]);
     let axis = (bounds[1] - bounds[0]).max_position();
     let half = order.len() / 2;
     order.select_nth_unstable_by(half, |a, b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(b)));
     let (low, high) = order.split_at_mut(half);
-    divide(low, first, middle, parts);
-    divide(high, first + half, middle, parts);
+    let (mut parts, more) = rayon::join(|| divide(low, first, middle), || divide(high, first + half, middle));
+    parts.extend(more);
+    parts
 }
 
 /// The simplified form of a patch, in the numbers of the mesh; the patch's own corners are numbered after these.
@@ -140,28 +139,57 @@ pub(crate) struct Patch {
     is_fixed: Vec<bool>,
     /// The corner that each corner was moved onto, and how often its surroundings have changed.
     onto: Vec<u32>,
-    changes: Vec<u32>,
+    /// The number of steps so far, and for each corner the number when its surroundings changed last.
+    steps: u32,
+    changed: Vec<u32>,
 }
 
-/// A step and its cost, by which steps are ordered: the bits of non-negative numbers have the same order.
-type Step = Reverse<(u64, u32, u32, [u32; 2])>;
+/// A step of a corner onto another one, and the number of steps when it was proposed. Steps are ordered by their cost, in the highest 64 bits
+/// (those of non-negative numbers have the same order), then by their corners.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Step(u128);
+
+impl Step {
+    /// Bits of the number of a corner.
+    const BITS: u32 = 21;
+
+    fn new(cost: f64, from: u32, to: u32, steps: u32) -> Self {
+        let corners = u64::from(from) << Self::BITS | u64::from(to);
+        let low = corners << (64 - 2 * Self::BITS) | u64::from(steps);
+        Self(u128::from(cost.to_bits()) << 64 | u128::from(low))
+    }
+
+    /// From which corner, onto which one, and the number of steps before.
+    fn parts(self) -> [u32; 3] {
+        let (low, rest) = (self.0 as u64, 64 - 2 * Self::BITS);
+        let of = |bits: u64, count: u32| (bits & ((1 << count) - 1)) as u32;
+        [of(low >> (64 - Self::BITS), Self::BITS), of(low >> rest, Self::BITS), of(low, rest)]
+    }
+}
 
 impl Patch {
     pub(crate) fn new(positions: &[Vec3], triangles: &[[u32; 3]], part: &[u32]) -> Self {
-        let mut numbers: Vec<u32> = part.iter().flat_map(|t| triangles[*t as usize]).collect();
-        numbers.sort_unstable();
-        numbers.dedup();
-        let place = |i: u32| numbers.partition_point(|number| *number < i) as u32;
+        // Each corner of each triangle by its number, with its place among all.
+        let corners = part.iter().flat_map(|t| triangles[*t as usize]);
+        let mut all: Vec<u64> = corners.zip(0_u64..).map(|(i, place)| u64::from(i) << 32 | place).collect();
+        all.sort_unstable();
+        let mut numbers = Vec::new();
+        let mut own = vec![[0; 3]; part.len()];
+        for same in all.chunk_by(|a, b| a >> 32 == b >> 32) {
+            same.iter().map(|key| *key as u32 as usize).for_each(|at| own[at / 3][at % 3] = numbers.len() as u32);
+            numbers.push((same[0] >> 32) as u32);
+        }
         let origin = numbers.first().map_or(DVec3::ZERO, |i| positions[*i as usize].as_dvec3());
         let count = numbers.len();
         let mut patch = Self {
             positions: numbers.iter().map(|i| positions[*i as usize].as_dvec3() - origin).collect(),
-            triangles: part.iter().map(|t| triangles[*t as usize].map(place)).collect(),
-            around: vec![Vec::new(); count],
+            triangles: own,
+            around: (0..count).map(|_| Vec::with_capacity(8)).collect(),
             quadrics: vec![Quadric::default(); count],
             is_fixed: vec![false; count],
             onto: (0..count as u32).collect(),
-            changes: vec![0; count],
+            steps: 0,
+            changed: vec![0; count],
             numbers,
         };
         for (t, corners) in (0..).zip(&patch.triangles) {
@@ -174,12 +202,13 @@ impl Patch {
                 patch.quadrics[i] = patch.quadrics[i].plus(&quadric);
             }
         }
-        for group in topology::sides(&patch.triangles).chunk_by(|a, b| a.ends() == b.ends()) {
+        let is_fixed = &mut patch.is_fixed;
+        Sides::of(&patch.triangles).each(|group| {
             if group.len() != 2 || group[0].is_down() == group[1].is_down() {
                 let (a, b) = group[0].ends();
-                (patch.is_fixed[a as usize], patch.is_fixed[b as usize]) = (true, true);
+                (is_fixed[a as usize], is_fixed[b as usize]) = (true, true);
             }
-        }
+        });
         patch
     }
 
@@ -195,10 +224,10 @@ impl Patch {
     }
 
     /// The step of a corner onto a neighbour, unless it is fixed.
-    fn proposal(&self, from: u32, to: u32) -> Option<Step> {
+    fn proposal(&self, from: u32, to: u32) -> Option<Reverse<Step>> {
         let [a, b] = [from as usize, to as usize];
         let price = || self.quadrics[a].plus(&self.quadrics[b]).at(self.positions[b]).max(0.0);
-        (!self.is_fixed[a]).then(|| Reverse((price().to_bits(), from, to, [self.changes[a], self.changes[b]])))
+        (!self.is_fixed[a]).then(|| Reverse(Step::new(price(), from, to, self.steps)))
     }
 
     /// Whether a corner can be moved onto a neighbour: the surface stays one, and no triangle turns over. Two lists are lent.
@@ -239,12 +268,17 @@ impl Patch {
         }
         self.quadrics[to as usize] = self.quadrics[to as usize].plus(&self.quadrics[from as usize]);
         self.onto[from as usize] = to;
-        self.changes[from as usize] += 1;
-        self.changes[to as usize] += 1;
+        self.steps += 1;
+        self.changed[from as usize] = self.steps;
+        self.changed[to as usize] = self.steps;
     }
 
-    /// Moves corners until one in so many of the inner ones is left, or none can be moved.
+    /// Moves corners until one in so many of the inner ones is left, or none can be moved. Patches of more than two million corners stay as they
+    /// are.
     fn simplify(&mut self, kept: usize) {
+        if self.numbers.len() > 1 << Step::BITS {
+            return;
+        }
         let (mut list, mut lent) = (Vec::new(), [Vec::new(), Vec::new()]);
         let mut steps = Vec::with_capacity(8 * self.numbers.len());
         for from in 0..self.numbers.len() as u32 {
@@ -255,8 +289,10 @@ impl Patch {
         let inner = self.is_fixed.iter().filter(|fixed| !**fixed).count();
         let mut left = inner - inner / kept;
         while left > 0 {
-            let Some(Reverse((_, from, to, changes))) = steps.pop() else { break };
-            if changes != [from, to].map(|i| self.changes[i as usize]) || !self.may_move(from, to, &mut lent) {
+            let Some(Reverse(step)) = steps.pop() else { break };
+            let [from, to, at] = step.parts();
+            let is_stale = [from, to].iter().any(|i| self.changed[*i as usize] > at);
+            if is_stale || !self.may_move(from, to, &mut lent) {
                 continue;
             }
             self.step(from, to);
@@ -381,6 +417,7 @@ impl Prism {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::topology;
     use lobe_core::oracle::Random;
     use std::collections::BTreeMap;
 
@@ -412,7 +449,7 @@ mod tests {
     fn any_forms_go_together() {
         let mut random = Random::new(3);
         let (positions, mut triangles) = sheet(&mut random);
-        topology::edges(&mut triangles);
+        topology::oriented(&mut triangles);
         let fine = triangles.len();
         let coarse = coarse(&positions, &triangles).expect("a large mesh");
         assert!(coarse.count > 1 && coarse.triangles.len() * 3 < fine);

@@ -63,6 +63,7 @@ mod draft;
 mod edge_list;
 mod fit;
 mod gpu;
+mod halving;
 mod hull;
 mod hull_placed;
 mod lanes;
