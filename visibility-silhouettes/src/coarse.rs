@@ -1,11 +1,9 @@
 //! Simplified meshes, for outlines that are seen from a distance.
 
 use crate::topology::{Sides, WHOLE};
-use core::cmp::Reverse;
 use core::ops::Range;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use std::collections::BinaryHeap;
 
 /// The most triangles of a patch. Its rim is not simplified, so a small patch loses few triangles.
 const PATCH: usize = 2048;
@@ -167,6 +165,78 @@ impl Step {
     }
 }
 
+/// The proposed steps of each corner, and a tree over the corners: each place has the cheaper one of the steps in the two places below it.
+struct Steps {
+    lists: Vec<Vec<Step>>,
+    /// The root is at 1, the places below `k` are `2k` and `2k + 1`.
+    tree: Vec<Step>,
+}
+
+impl Steps {
+    /// More than any step.
+    const NONE: Step = Step(u128::MAX);
+
+    fn new(lists: Vec<Vec<Step>>) -> Self {
+        let leaves = lists.len().next_power_of_two();
+        let mut tree = vec![Self::NONE; 2 * leaves];
+        lists.iter().zip(&mut tree[leaves..]).for_each(|(list, place)| *place = Self::cheapest_of(list));
+        for k in (1..leaves).rev() {
+            tree[k] = tree[2 * k].min(tree[2 * k + 1]);
+        }
+        Self { lists, tree }
+    }
+
+    fn cheapest_of(list: &[Step]) -> Step {
+        list.iter().fold(Self::NONE, |best, step| best.min(*step))
+    }
+
+    fn cheapest(&self) -> Option<Step> {
+        (self.tree[1] != Self::NONE).then_some(self.tree[1])
+    }
+
+    /// Changes the steps of a corner.
+    fn change(&mut self, from: u32, change: impl FnOnce(&mut Vec<Step>)) {
+        let list = &mut self.lists[from as usize];
+        change(list);
+        let mut k = self.tree.len() / 2 + from as usize;
+        let mut best = Self::cheapest_of(list);
+        while self.tree[k] != best {
+            self.tree[k] = best;
+            if k == 1 {
+                break;
+            }
+            k /= 2;
+            best = self.tree[2 * k].min(self.tree[2 * k + 1]);
+        }
+    }
+}
+
+/// Marks of corners, all of which are cleared at once.
+struct Marks {
+    stamps: Vec<u32>,
+    now: u32,
+}
+
+impl Marks {
+    fn new(count: usize) -> Self {
+        Self { stamps: vec![0; count], now: 0 }
+    }
+
+    fn clear(&mut self) {
+        self.now += 1;
+    }
+
+    /// Marks a corner; whether it was not marked.
+    fn set(&mut self, i: u32) -> bool {
+        core::mem::replace(&mut self.stamps[i as usize], self.now) != self.now
+    }
+
+    /// Removes the mark of a corner; whether it had one.
+    fn unset(&mut self, i: u32) -> bool {
+        core::mem::replace(&mut self.stamps[i as usize], 0) == self.now
+    }
+}
+
 impl Patch {
     pub(crate) fn new(positions: &[Vec3], triangles: &[[u32; 3]], part: &[u32]) -> Self {
         // Each corner of each triangle by its number, with its place among all.
@@ -212,26 +282,27 @@ impl Patch {
         patch
     }
 
-    /// Lists the corners that share a triangle with one, by number.
-    fn neighbours(&self, i: u32, all: &mut Vec<u32>) {
+    /// The corners of the triangles of a corner, others than itself; most occur twice.
+    fn ring(&self, i: u32) -> impl Iterator<Item = u32> {
+        self.around[i as usize].iter().flat_map(|t| self.triangles[*t as usize]).filter(move |k| *k != i)
+    }
+
+    /// Lists the corners that share a triangle with one.
+    fn neighbours(&self, i: u32, marks: &mut Marks, all: &mut Vec<u32>) {
+        marks.clear();
         all.clear();
-        for k in self.around[i as usize].iter().flat_map(|t| self.triangles[*t as usize]) {
-            if k != i && !all.contains(&k) {
-                all.push(k);
-            }
-        }
-        all.sort_unstable();
+        all.extend(self.ring(i).filter(|k| marks.set(*k)));
     }
 
     /// The step of a corner onto a neighbour, unless it is fixed.
-    fn proposal(&self, from: u32, to: u32) -> Option<Reverse<Step>> {
+    fn proposal(&self, from: u32, to: u32) -> Option<Step> {
         let [a, b] = [from as usize, to as usize];
         let price = || self.quadrics[a].plus(&self.quadrics[b]).at(self.positions[b]).max(0.0);
-        (!self.is_fixed[a]).then(|| Reverse(Step::new(price(), from, to, self.steps)))
+        (!self.is_fixed[a]).then(|| Step::new(price(), from, to, self.steps))
     }
 
-    /// Whether a corner can be moved onto a neighbour: the surface stays one, and no triangle turns over. Two lists are lent.
-    fn may_move(&self, from: u32, to: u32, [near, other]: &mut [Vec<u32>; 2]) -> bool {
+    /// Whether a corner can be moved onto a neighbour: the surface stays one, and no triangle turns over.
+    fn may_move(&self, from: u32, to: u32, marks: &mut Marks) -> bool {
         let around = &self.around[from as usize];
         if around.iter().filter(|t| self.triangles[**t as usize].contains(&to)).count() != 2 {
             return false;
@@ -248,9 +319,10 @@ impl Patch {
         if !around.iter().all(keeps) {
             return false;
         }
-        self.neighbours(from, near);
-        self.neighbours(to, other);
-        near.iter().filter(|i| other.contains(i)).count() == 2
+        // The corners of both rings.
+        marks.clear();
+        self.ring(from).for_each(|k| _ = marks.set(k));
+        self.ring(to).filter(|k| marks.unset(*k)).count() == 2
     }
 
     fn step(&mut self, from: u32, to: u32) {
@@ -279,30 +351,42 @@ impl Patch {
         if self.numbers.len() > 1 << Step::BITS {
             return;
         }
-        let (mut list, mut lent) = (Vec::new(), [Vec::new(), Vec::new()]);
-        let mut steps = Vec::with_capacity(8 * self.numbers.len());
-        for from in 0..self.numbers.len() as u32 {
-            self.neighbours(from, &mut list);
-            steps.extend(list.iter().filter_map(|to| self.proposal(from, *to)));
-        }
-        let mut steps = BinaryHeap::from(steps);
+        let (mut list, mut marks) = (Vec::new(), Marks::new(self.numbers.len()));
+        let propose = |from: u32| {
+            self.neighbours(from, &mut marks, &mut list);
+            list.iter().filter_map(|to| self.proposal(from, *to)).collect()
+        };
+        let mut steps = Steps::new((0..self.numbers.len() as u32).map(propose).collect());
         let inner = self.is_fixed.iter().filter(|fixed| !**fixed).count();
         let mut left = inner - inner / kept;
         while left > 0 {
-            let Some(Reverse(step)) = steps.pop() else { break };
-            let [from, to, at] = step.parts();
-            let is_stale = [from, to].iter().any(|i| self.changed[*i as usize] > at);
-            if is_stale || !self.may_move(from, to, &mut lent) {
+            let Some(step) = steps.cheapest() else { break };
+            let [from, to, _] = step.parts();
+            if self.is_stale(step) || !self.may_move(from, to, &mut marks) {
+                steps.change(from, |list| list.retain(|other| *other != step));
                 continue;
             }
             self.step(from, to);
             left -= 1;
-            self.neighbours(to, &mut list);
+            self.neighbours(to, &mut marks, &mut list);
+            steps.change(from, Vec::clear);
+            steps.change(to, |own| {
+                own.clear();
+                own.extend(list.iter().filter_map(|near| self.proposal(to, *near)));
+            });
             for near in &list {
-                steps.extend(self.proposal(*near, to));
-                steps.extend(self.proposal(to, *near));
+                steps.change(*near, |own| {
+                    own.retain(|other| !self.is_stale(*other));
+                    own.extend(self.proposal(*near, to));
+                });
             }
         }
+    }
+
+    /// Whether one of a step's corners has changed since the step was proposed.
+    fn is_stale(&self, step: Step) -> bool {
+        let [from, to, at] = step.parts();
+        self.changed[from as usize] > at || self.changed[to as usize] > at
     }
 
     /// The simplified form, if it is worth it. `mesh` is the number of the mesh's corners.
@@ -348,10 +432,11 @@ impl Patch {
         kept.iter().zip(0..).for_each(|(t, place)| places[*t as usize] = place);
         let mut prisms = vec![Prism::default(); self.triangles.len()];
         kept.iter().for_each(|t| prisms[*t as usize] = self.prism(*t));
-        let mut rings = vec![Vec::new(); self.numbers.len()];
+        let (mut rings, mut marks) = (vec![Vec::new(); self.numbers.len()], Marks::new(self.numbers.len()));
         let left_out = (0..self.numbers.len() as u32).filter(|i| self.onto[*i as usize] != *i);
-        let left_out = left_out
-            .filter_map(|i| Some([self.numbers[i as usize], places[self.nearest(i, &prisms, &mut rings)? as usize]]));
+        let left_out = left_out.filter_map(|i| {
+            Some([self.numbers[i as usize], places[self.nearest(i, &prisms, (&mut rings, &mut marks))? as usize]])
+        });
         left_out.collect()
     }
 
@@ -370,7 +455,7 @@ impl Patch {
 
     /// The triangle next to a corner that has been moved, among those around where it is now. The triangles around a corner are kept in
     /// `rings`: they are the same for all that have been moved onto it.
-    fn nearest(&self, i: u32, prisms: &[Prism], rings: &mut [Vec<u32>]) -> Option<u32> {
+    fn nearest(&self, i: u32, prisms: &[Prism], (rings, marks): (&mut [Vec<u32>], &mut Marks)) -> Option<u32> {
         let mut at = i;
         while self.onto[at as usize] != at {
             at = self.onto[at as usize];
@@ -378,7 +463,8 @@ impl Patch {
         let ring = &mut rings[at as usize];
         if ring.is_empty() {
             let mut near = Vec::new();
-            self.neighbours(at, &mut near);
+            self.neighbours(at, marks, &mut near);
+            near.sort_unstable();
             for t in near.iter().chain([&at]).flat_map(|k| &self.around[*k as usize]) {
                 if !ring.contains(t) {
                     ring.push(*t);
