@@ -2,7 +2,7 @@ use crate::normals::{angle_at, is_usable};
 use crate::{Bounds, SceneError};
 use foldhash::fast::RandomState;
 use glam::{DVec3, Mat3, Mat4, Vec2, Vec3};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 /// Triangles in world space.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -135,11 +135,35 @@ impl Mesh {
     pub fn remove_doubles(&mut self, moves: bool) -> usize {
         let before = self.triangles.len();
         let places = if moves { Vec::new() } else { self.same_places() };
-        let mut seen = HashSet::with_capacity_and_hasher(before, RandomState::default());
-        self.triangles.retain(|t| {
+        let sorted = |t: &[u32; 3]| {
             let mut key = if moves { *t } else { t.map(|i| places[i as usize]) };
             key.sort_unstable();
-            seen.insert(key)
+            key
+        };
+        // By the first place by counting, then the few of each by comparison.
+        let mut ends = vec![0_u32; self.positions.len()];
+        self.triangles.iter().for_each(|t| ends[sorted(t)[0] as usize] += 1);
+        for k in 1..ends.len() {
+            ends[k] += ends[k - 1];
+        }
+        let firsts = ends.clone();
+        let mut rest = vec![[0; 3]; before];
+        for (t, number) in self.triangles.iter().zip(0..) {
+            let [first, b, c] = sorted(t);
+            ends[first as usize] -= 1;
+            rest[ends[first as usize] as usize] = [b, c, number];
+        }
+        let mut doubles = Vec::new();
+        for (begin, end) in ends.into_iter().zip(firsts) {
+            let own = &mut rest[begin as usize..end as usize];
+            own.sort_unstable();
+            doubles.extend(own.windows(2).filter(|two| two[0][..2] == two[1][..2]).map(|two| two[1][2]));
+        }
+        doubles.sort_unstable();
+        let (mut number, mut next) = (0, doubles.iter().peekable());
+        self.triangles.retain(|_| {
+            number += 1;
+            next.next_if(|double| **double == number - 1).is_none()
         });
         before - self.triangles.len()
     }
