@@ -72,7 +72,7 @@ pub(crate) fn coarse(positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Coars
 /// Halves a list of triangles by the centres of their corners until the parts are small. Returns the parts.
 fn divide(order: &mut [u32], first: usize, middle: &(impl Fn(&u32) -> Vec3 + Sync)) -> Vec<Range<usize>> {
     if order.len() <= PATCH {
-        return vec![first..first + order.len()];
+        return core::iter::once(first..first + order.len()).collect();
     }
     let bounds = order.iter().map(middle).fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[a, b], m| [a.min(m), b.max(m)]);
     let axis = (bounds[1] - bounds[0]).max_position();
