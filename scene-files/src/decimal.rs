@@ -154,7 +154,9 @@ mod tests {
                 2 => format!("{scaled:.*}", bits as usize % 18),
                 3 => format!("{middle}"),
                 4 => format!("{beside}"),
-                _ => format!("{}{}.{}e{}", if bits % 2 == 0 { "" } else { "-" }, bits / 77, bits, bits as i32 % 31),
+                _ => {
+                    format!("{}{}.{}e{}", if k.is_multiple_of(5) { "" } else { "-" }, bits / 77, bits, bits as i32 % 31)
+                }
             };
             check(&word);
             quickly += u32::from(quick(word.as_bytes()).is_some());
