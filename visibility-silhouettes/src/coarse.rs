@@ -530,6 +530,31 @@ mod tests {
         (positions, triangles)
     }
 
+    /// Steps of few costs, which change at random.
+    #[test]
+    fn the_cheapest_step_is_the_least_of_all() {
+        let mut random = Random::new(6);
+        for count in [0, 1, 2, 37] {
+            let mut number = |below: usize| (random.uniform() * below as f64) as u32;
+            let mut propose = |from: usize| -> Vec<Step> {
+                (0..number(5)).map(|at| Step::new(f64::from(number(9)), from as u32, number(count), at)).collect()
+            };
+            let mut lists: Vec<Vec<Step>> = (0..count).map(&mut propose).collect();
+            let mut steps = Steps::new(lists.clone());
+            for k in 0..200_usize {
+                let least = lists.iter().flatten().min().copied();
+                assert_eq!(steps.cheapest().map(Step::parts), least.map(Step::parts));
+                let Some(from) = (7 * k).checked_rem(count) else { continue };
+                lists[from] = propose(from);
+                steps.change(from as u32, |list| list.clone_from(&lists[from]));
+            }
+        }
+        assert_eq!(Step::new(0.5, (1 << 21) - 1, 5, (1 << 22) - 1).parts(), [(1 << 21) - 1, 5, (1 << 22) - 1]);
+        assert!(
+            Step::new(0.5, 9, 9, 9) < Step::new(0.75, 0, 0, 0) && Step::new(0.5, 1, 9, 9) < Step::new(0.5, 2, 0, 0)
+        );
+    }
+
     /// For any choice of forms, and on any side of each triangle, all outlines are closed.
     #[test]
     fn any_forms_go_together() {

@@ -433,6 +433,31 @@ mod tests {
         assert_eq!(edges.iter().filter(|e| e.other().is_none()).count(), 2 * n as usize + 2);
     }
 
+    /// In the order of their ends, those that run up first, then by triangle.
+    #[test]
+    fn sides_come_in_order() {
+        let mut random = lobe_core::oracle::Random::new(4);
+        let mut corner = |count: u32| (random.uniform() * f64::from(count)) as u32;
+        for count in [3, 50, 40_000] {
+            let triangles: Vec<[u32; 3]> = (0..30_000).map(|_| [corner(count), corner(count), corner(count)]).collect();
+            let mut wanted = Vec::new();
+            for (t, corners) in (0_u32..).zip(&triangles) {
+                for k in 0..3 {
+                    let (a, b) = (corners[k], corners[(k + 1) % 3]);
+                    wanted.push((a.min(b), a.max(b), a > b, t, k as u32));
+                }
+            }
+            wanted.sort_unstable();
+            let numbers = |side: &Side| (side.ends.0, side.ends.1, side.down, side.triangle, side.corner);
+            let sides = Sides::of(&triangles);
+            assert!(sides.collect(|group, all| all.extend(group.iter().map(numbers))) == wanted);
+            let mut groups = wanted.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
+            sides.each(|group| assert_eq!(groups.next().map(<[_]>::len), Some(group.len())));
+            assert!(groups.next().is_none());
+        }
+        assert!(Sides::of(&[]).collect(|group, all| all.push(group.len())).is_empty());
+    }
+
     #[test]
     fn equal_positions_have_one_number() {
         let (welded, numbers) = weld(&[Vec3::ZERO, Vec3::X, Vec3::new(-0.0, 0.0, -0.0), Vec3::X]);
