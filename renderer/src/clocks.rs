@@ -7,7 +7,8 @@ pub struct Clocks {
     pub tables: f64,
 }
 
-/// Seconds of one frame, outside shading.
+/// Seconds of one frame, outside shading. The hierarchy and the silhouettes are updated at the same time, so that their sum may be more than has
+/// passed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameClocks {
     /// Updating positions, normals, lights and camera to the frame's time.

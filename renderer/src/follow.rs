@@ -7,7 +7,7 @@ use crate::{FrameClocks, Listener, Method, Plan, RenderError, Renderer, Stale, p
 use core::ops::ControlFlow;
 use glam::Vec3;
 use render_cpu::{Hierarchy, Looks, Update, World};
-use scene::Bounds;
+use scene::{Bounds, Scene};
 use std::sync::Arc;
 
 impl Renderer {
@@ -100,29 +100,20 @@ impl Renderer {
 
     /// The hierarchy at the present time.
     pub(crate) fn follow_hierarchy(&mut self) -> Arc<Hierarchy> {
+        self.fit_lights();
+        let done = update_hierarchy(&mut self.hierarchy, &self.scene, self.stale);
+        self.has_followed(done)
+    }
+
+    /// Fits lights to the scene, which a hierarchy depends on.
+    fn fit_lights(&mut self) {
         if self.stale.has(Stale::HIERARCHY | Stale::LIGHTS) && self.scene.fit_lights() {
             self.mark(Stale::LIGHTS | Stale::MAPS);
         }
-        let scene = &self.scene;
-        let mut done = Update::Kept;
-        match self.hierarchy.as_mut().and_then(Arc::get_mut) {
-            Some(kept) => {
-                if self.stale.has(Stale::HIERARCHY) {
-                    done = kept.update(scene);
-                } else {
-                    if self.stale.has(Stale::LIGHTS) {
-                        kept.update_lights(scene);
-                    }
-                    if self.stale.has(Stale::SURFACES) {
-                        kept.update_surfaces(scene);
-                    }
-                }
-            }
-            None => {
-                self.hierarchy = Some(Arc::new(Hierarchy::new(scene)));
-                done = Update::Built;
-            }
-        }
+    }
+
+    /// Drops all that a change of the hierarchy makes stale. Returns the hierarchy.
+    fn has_followed(&mut self, done: Update) -> Arc<Hierarchy> {
         self.upkeep.hierarchy_builds += u64::from(done == Update::Built);
         self.upkeep.hierarchy_refits += u64::from(done == Update::Refitted);
         if done != Update::Kept {
@@ -132,14 +123,38 @@ impl Renderer {
             [&mut self.kept, &mut self.reduced].into_iter().for_each(|kept| kept.points.clear());
         }
         self.stale = self.stale.without(Stale::HIERARCHY | Stale::SURFACES | Stale::POINTS);
+        let scene = &self.scene;
         Arc::clone(self.hierarchy.get_or_insert_with(|| Arc::new(Hierarchy::new(scene))))
     }
 
     /// Updates spheres, silhouettes and hierarchy to the present time.
     pub(crate) fn follow(&mut self, clocks: &mut FrameClocks) -> Result<Arc<Hierarchy>, RenderError> {
-        let hierarchy = seconds(&mut clocks.hierarchy, || self.follow_hierarchy());
+        self.fit_lights();
+        // A change of lights or size may make simplified forms worth their time, or no longer.
+        let looks = match self.settings.keep_points || !self.animation.is_still() || self.points.is_some() {
+            true => Looks::MANY,
+            false => crate::looks::of_picture(&self.scene),
+        };
+        let wants_silhouettes = self.stale.has(Stale::SILHOUETTES) || looks != self.silhouettes.looks();
+        if wants_silhouettes {
+            self.custom.update(&self.scene, &self.plan)?;
+        }
+        let (scene, plan, revisions, cancel) = (&self.scene, &self.plan, self.rows.revisions(), &self.cancel);
+        let (hierarchy, silhouettes, stale) = (&mut self.hierarchy, &mut self.silhouettes, self.stale);
+        let FrameClocks { hierarchy: hierarchy_clock, silhouettes: silhouettes_clock, .. } = clocks;
+        let mut hierarchy = || seconds(hierarchy_clock, || update_hierarchy(hierarchy, scene, stale));
+        let silhouettes =
+            || seconds(silhouettes_clock, || plan.follow_silhouettes(scene, (revisions, looks), silhouettes, cancel));
+        // Neither needs the other, and each has parts for one thread.
+        let (done, [made, refitted]) = match wants_silhouettes {
+            true => rayon::join(hierarchy, silhouettes),
+            false => (hierarchy(), [0; 2]),
+        };
+        self.upkeep.silhouette_builds += made as u64;
+        self.upkeep.silhouette_refits += refitted as u64;
+        let hierarchy = self.has_followed(done);
         check(&self.cancel)?;
-        let (scene, plan, revisions) = (&self.scene, &self.plan, self.rows.revisions());
+        let (scene, revisions) = (&self.scene, self.rows.revisions());
         if self.stale.has(Stale::SPHERES | Stale::LIGHTS) {
             seconds(&mut clocks.spheres, || {
                 self.sets.place(scene, revisions);
@@ -149,21 +164,25 @@ impl Renderer {
             })?;
         }
         check(&self.cancel)?;
-        // A change of lights or size may make simplified forms worth their time, or no longer.
-        let looks = match self.settings.keep_points || !self.animation.is_still() || self.points.is_some() {
-            true => Looks::MANY,
-            false => crate::looks::of_picture(scene),
-        };
-        if self.stale.has(Stale::SILHOUETTES) || looks != self.silhouettes.looks() {
-            self.custom.update(scene, plan)?;
-            let (kept, cancel) = (&mut self.silhouettes, &self.cancel);
-            let [made, refitted] =
-                seconds(&mut clocks.silhouettes, || plan.follow_silhouettes(scene, (revisions, looks), kept, cancel));
-            self.upkeep.silhouette_builds += made as u64;
-            self.upkeep.silhouette_refits += refitted as u64;
-        }
-        check(&self.cancel)?;
         self.stale = Stale::NOTHING;
         Ok(hierarchy)
     }
+}
+
+/// Updates a hierarchy to a scene where things of it are stale.
+fn update_hierarchy(hierarchy: &mut Option<Arc<Hierarchy>>, scene: &Scene, stale: Stale) -> Update {
+    let Some(kept) = hierarchy.as_mut().and_then(Arc::get_mut) else {
+        *hierarchy = Some(Arc::new(Hierarchy::new(scene)));
+        return Update::Built;
+    };
+    if stale.has(Stale::HIERARCHY) {
+        return kept.update(scene);
+    }
+    if stale.has(Stale::LIGHTS) {
+        kept.update_lights(scene);
+    }
+    if stale.has(Stale::SURFACES) {
+        kept.update_surfaces(scene);
+    }
+    Update::Kept
 }

@@ -66,6 +66,10 @@ impl<'a> Buffers<'a> {
             (true, ComponentType::U16) => 65535.0,
             _ => 1.0,
         };
+        if component == ComponentType::F32 {
+            // As they are: most numbers of a file.
+            return self.read(index, accessor, component, kind, |bytes| f32::from_le_bytes(four(bytes)));
+        }
         let to_float = |bytes: &[u8]| {
             let x = number(bytes, component);
             if scale == 1.0 { x as f32 } else { (x / scale).max(-1.0) as f32 }
@@ -90,7 +94,10 @@ impl<'a> Buffers<'a> {
         if !matches!(component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32) {
             return Err(format!("accessor {}: expected unsigned integers", index.value()));
         }
-        self.read(index, accessor, component, kind, |bytes| number(bytes, component) as u32)
+        match component {
+            ComponentType::U32 => self.read(index, accessor, component, kind, |bytes| u32::from_le_bytes(four(bytes))),
+            _ => self.read(index, accessor, component, kind, |bytes| number(bytes, component) as u32),
+        }
     }
 
     fn accessor(&self, index: Index<Accessor>, kind: Type) -> Result<(&'a Accessor, ComponentType), String> {
@@ -222,9 +229,17 @@ impl Layout {
     }
 }
 
+/// Up to four bytes, and zeros.
+fn four(bytes: &[u8]) -> [u8; 4] {
+    bytes.try_into().unwrap_or_else(|_| {
+        let mut raw = [0; 4];
+        raw[..bytes.len()].copy_from_slice(bytes);
+        raw
+    })
+}
+
 fn number(bytes: &[u8], component: ComponentType) -> f64 {
-    let mut raw = [0_u8; 4];
-    raw[..bytes.len()].copy_from_slice(bytes);
+    let raw = four(bytes);
     match component {
         ComponentType::I8 => f64::from(raw[0] as i8),
         ComponentType::U8 => f64::from(raw[0]),

@@ -57,6 +57,7 @@
 
 mod budget;
 mod context;
+mod decimal;
 mod defaults;
 mod emission;
 mod files;

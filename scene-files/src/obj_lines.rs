@@ -1,5 +1,6 @@
 //! The lines of an OBJ file, read on all threads: runs of lines, each with lists of its own.
 
+use crate::decimal;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -54,6 +55,11 @@ fn continues(line: &str) -> bool {
     line.trim_end().ends_with('\\')
 }
 
+/// Whether its last byte does not say that it ends there.
+fn may_continue(line: &str) -> bool {
+    line.as_bytes().last().is_some_and(|last| matches!(last, b'\\' | 0..=b' ' | 128..))
+}
+
 /// A text in parts that end with lines.
 fn runs(text: &str) -> Vec<&str> {
     let mut parts = Vec::with_capacity(text.len() / RUN + 1);
@@ -86,13 +92,16 @@ impl<'t> Run<'t> {
         let mut run = Self::default();
         let mut lines = text.split('\n');
         // A run ends with a newline, after which there is no further line.
-        let count = text.split('\n').count() - usize::from(text.ends_with('\n'));
+        let newlines = text.bytes().filter(|b| *b == b'\n').count();
+        let count = newlines + usize::from(!text.ends_with('\n'));
         while run.lines < count {
             let Some(line) = lines.next() else { break };
             run.lines += 1;
             let first = run.lines;
             let mut line = Cow::Borrowed(line);
-            while let Some(head) = line.trim_end().strip_suffix('\\') {
+            while may_continue(&line)
+                && let Some(head) = line.trim_end().strip_suffix('\\')
+            {
                 line = Cow::Owned(format!("{head} {}", lines.next().unwrap_or("")));
                 run.lines += 1;
             }
@@ -106,6 +115,9 @@ impl<'t> Run<'t> {
 
     /// Reads a line. One that was written as several is not kept in the text.
     fn statement(&mut self, line: Cow<'t, str>, number: usize, origin: DVec3) -> Result<(), String> {
+        if self.plain_statement(&line, number, origin) {
+            return Ok(());
+        }
         let content = line.split('#').next().unwrap_or("").trim_start();
         let end = content.find(char::is_whitespace).unwrap_or(content.len());
         let (word, rest) = content.split_at(end);
@@ -113,13 +125,52 @@ impl<'t> Run<'t> {
             "v" | "vn" | "vt" => self.list(word, rest, origin)?,
             "f" => {
                 rest.split_whitespace().try_for_each(|word| self.corner(word))?;
-                let before = [self.positions.len(), self.uvs.len(), self.normals.len()].map(|count| count as u32);
-                self.faces.push(FaceLine { end: self.corners.len(), before, line: number as u32 });
+                self.end_face(number);
             }
             "usemtl" | "s" | "mtllib" => self.others.push(Statement { faces: self.faces.len(), text: line }),
             _ => {}
         }
         Ok(())
+    }
+
+    /// Reads a line as most are: two or three numbers, or a face, in ASCII. Returns whether it is one; nothing is read of others.
+    fn plain_statement(&mut self, line: &str, number: usize, origin: DVec3) -> bool {
+        if !line.is_ascii() {
+            return false;
+        }
+        let mut words = Words(line);
+        match words.next() {
+            Some(word @ ("v" | "vn" | "vt")) if word != "v" || origin == DVec3::ZERO => {
+                let mut next = || words.next().and_then(decimal::parse);
+                let (Some(x), Some(y)) = (next(), next()) else { return false };
+                let z = if word == "vt" { Some(0.0) } else { next() };
+                let (Some(z), None) = (z, words.next()) else { return false };
+                match word {
+                    "v" => self.positions.push(Vec3::new(x, y, z)),
+                    "vn" => self.normals.push(Vec3::new(x, y, z)),
+                    _ => self.uvs.push(Vec2::new(x, 1.0 - y)),
+                }
+            }
+            Some("f") => {
+                let before = self.corners.len();
+                for word in words {
+                    let Some(corner) = plain_corner(word) else {
+                        self.corners.truncate(before);
+                        return false;
+                    };
+                    self.corners.push(corner);
+                }
+                self.end_face(number);
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    /// Adds a face of the corners since the last one.
+    fn end_face(&mut self, number: usize) {
+        let before = [self.positions.len(), self.uvs.len(), self.normals.len()].map(|count| count as u32);
+        self.faces.push(FaceLine { end: self.corners.len(), before, line: number as u32 });
     }
 
     fn list(&mut self, word: &str, rest: &str, origin: DVec3) -> Result<(), String> {
@@ -164,7 +215,55 @@ impl<'t> Run<'t> {
 }
 
 pub(crate) fn number(word: &str) -> Result<f32, String> {
-    word.parse().map_err(|_| format!("cannot read number '{word}'"))
+    decimal::parse(word).ok_or_else(|| format!("cannot read number '{word}'"))
+}
+
+/// Whether a byte is white space in a line that is ASCII.
+fn is_blank(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t'..=b'\r')
+}
+
+/// The words of a text that is ASCII: those of `str::split_whitespace`.
+#[derive(Clone)]
+struct Words<'t>(&'t str);
+
+impl<'t> Iterator for Words<'t> {
+    type Item = &'t str;
+
+    fn next(&mut self) -> Option<&'t str> {
+        let bytes = self.0.as_bytes();
+        let begin = bytes.iter().position(|b| !is_blank(*b))?;
+        let end = bytes[begin..].iter().position(|b| is_blank(*b)).map_or(bytes.len(), |length| begin + length);
+        let (word, rest) = (&self.0[begin..end], &self.0[end..]);
+        self.0 = rest;
+        Some(word)
+    }
+}
+
+/// A corner of up to three whole numbers of up to nine digits; `None` for others, which may be readable.
+fn plain_corner(word: &str) -> Option<[i32; 3]> {
+    let mut corner = [ABSENT; 3];
+    let mut bytes = word.as_bytes();
+    for (k, number) in corner.iter_mut().enumerate() {
+        let (is_negative, digits) = match bytes {
+            [b'-', rest @ ..] => (true, rest),
+            _ => (false, bytes),
+        };
+        let length = digits.iter().take_while(|b| b.is_ascii_digit()).count();
+        let is_number = (1..=9).contains(&length);
+        if is_number {
+            let size = digits[..length].iter().fold(0, |sum, digit| 10 * sum + i32::from(digit - b'0'));
+            *number = if is_negative { -size } else { size };
+        } else if length > 9 || is_negative || k == 0 {
+            return None;
+        }
+        match digits[length..] {
+            [] => return Some(corner),
+            [b'/', ref rest @ ..] => bytes = rest,
+            _ => return None,
+        }
+    }
+    None
 }
 
 fn numbers<'w>(words: &mut impl Iterator<Item = &'w str>) -> Result<[f32; 3], String> {
@@ -238,6 +337,79 @@ mod tests {
         assert_eq!(read.iter().map(|run| run.lines).sum::<usize>(), lines.len());
         assert_eq!(read.iter().map(|run| run.positions.len()).sum::<usize>(), 12_000);
         assert_eq!(read.iter().map(|run| run.faces.len()).sum::<usize>(), 24_000);
+    }
+
+    /// A comment that is not ASCII lets a line be read in the general way.
+    #[test]
+    fn plain_lines_are_read_as_all_others() {
+        let lines = [
+            "v 1 2 3",
+            " v\t-1.5\x0b2e3  .5 ",
+            "v 1 2",
+            "v 1 2 3 4",
+            "v 1 2 3 0",
+            "v 1 2 3 .1 .2 .3",
+            "v 1 2 3 .1 .2 .3 1",
+            "v 1 x 3",
+            "v 1 2 3 x",
+            "v",
+            "v1 2 3",
+            "vn 0 0 1",
+            "vn 0 1",
+            "vn 1 2 3 4",
+            "vt .25 .75",
+            "vt .5",
+            "vt .1 .2 .3",
+            "vt .1 .2 x",
+            "vt",
+            "vp 1 2 3",
+            "f 1 2 3",
+            "f 1/2 3/4 -5/-6",
+            "f 1//2 3//4 5//6",
+            "f 1/2/3 4/5/6 7/8/9 1/2/3",
+            "f",
+            "f 1 2",
+            "f 1/ 2/ 3/",
+            "f 1/2/ 3 4",
+            "f 1/2/3/ 4 5",
+            "f 1/2/3/4 5 6",
+            "f /2 3 4",
+            "f 1/x 2 3",
+            "f 1//x 2 3",
+            "f 1/-/2 3 4",
+            "f - 1 2",
+            "f -0 1 2",
+            "f +1 2 3",
+            "f 0000000001 2 3",
+            "f 99999999999 1 2",
+            "f 1.5 2 3",
+            "f 1e0 2 3",
+            "s 1",
+            "usemtl a b",
+            "o f 1 2 3",
+            "",
+        ];
+        let lists = |run: Run<'_>| {
+            let faces: Vec<_> = run.faces.iter().map(|face| (face.end, face.before, face.line)).collect();
+            (
+                run.positions,
+                run.colors,
+                run.normals,
+                run.uvs,
+                run.corners,
+                faces,
+                run.others.len(),
+                run.lines,
+                run.fault,
+            )
+        };
+        for origin in [DVec3::ZERO, DVec3::X] {
+            for line in lines {
+                let [own, wanted] =
+                    [line.to_owned(), format!("{line} # ä")].map(|line| format!("vn 1 0 0\n{line}\nf 7 8 9"));
+                assert_eq!(lists(Run::read(&own, origin)), lists(Run::read(&wanted, origin)), "{line}");
+            }
+        }
     }
 
     #[test]

@@ -134,11 +134,11 @@ impl Part {
 /// Distributes a number of spheres over parts in proportion to their areas, at least four each (fewer if the total is
 /// too small).
 pub(crate) fn share_out(total: usize, parts: &[Part]) -> Vec<usize> {
-    let areas: Vec<f64> = parts.iter().map(Part::area).collect();
-    let sum: f64 = areas.iter().sum();
-    let least = total.min(4);
     if parts.len() == 1 {
         return vec![total];
     }
+    let areas: Vec<f64> = parts.iter().map(Part::area).collect();
+    let sum: f64 = areas.iter().sum();
+    let least = total.min(4);
     areas.iter().map(|a| ((total as f64 * a / sum).round() as usize).max(least)).collect()
 }

@@ -2,7 +2,8 @@ use crate::normals::{angle_at, is_usable};
 use crate::{Bounds, SceneError};
 use foldhash::fast::RandomState;
 use glam::{DVec3, Mat3, Mat4, Vec2, Vec3};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
+use std::hash::BuildHasher;
 
 /// Triangles in world space.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -135,12 +136,16 @@ impl Mesh {
     pub fn remove_doubles(&mut self, moves: bool) -> usize {
         let before = self.triangles.len();
         let places = if moves { Vec::new() } else { self.same_places() };
-        let mut seen = HashSet::with_capacity_and_hasher(before, RandomState::default());
-        self.triangles.retain(|t| {
+        let sorted = |t: &[u32; 3]| {
             let mut key = if moves { *t } else { t.map(|i| places[i as usize]) };
             key.sort_unstable();
-            seen.insert(key)
-        });
+            key
+        };
+        if !has_doubles(&self.triangles, self.positions.len(), sorted) {
+            return 0;
+        }
+        let mut seen = HashSet::with_capacity_and_hasher(before, RandomState::default());
+        self.triangles.retain(|t| seen.insert(sorted(t)));
         before - self.triangles.len()
     }
 
@@ -179,13 +184,24 @@ impl Mesh {
 
     /// For each vertex the number of its place: the same for vertices with the same position.
     pub(crate) fn same_places(&self) -> Vec<u32> {
-        let mut first: HashMap<[u32; 3], u32, _> =
-            HashMap::with_capacity_and_hasher(self.positions.len(), RandomState::default());
+        // Places by the hashes of their positions, plus one; small, since it is read at random.
+        let mut table = vec![0_u32; (2 * self.positions.len()).next_power_of_two()];
+        let (last, hasher) = (table.len() - 1, RandomState::default());
+        // −0 and 0 are the same place.
+        let bits = |p: Vec3| (p + 0.0).to_array().map(f32::to_bits);
+        let mut places: Vec<Vec3> = Vec::new();
         let number = |p: &Vec3| {
-            // −0 and 0 are the same place.
-            let key = (*p + 0.0).to_array().map(f32::to_bits);
-            let next = first.len() as u32;
-            *first.entry(key).or_insert(next)
+            let own = bits(*p);
+            let mut slot = hasher.hash_one(own) as usize & last;
+            while let Some(place) = table[slot].checked_sub(1) {
+                if bits(places[place as usize]) == own {
+                    return place;
+                }
+                slot = (slot + 1) & last;
+            }
+            places.push(*p);
+            table[slot] = places.len() as u32;
+            places.len() as u32 - 1
         };
         self.positions.iter().map(number).collect()
     }
@@ -287,6 +303,30 @@ impl Mesh {
         self.positions.extend(&other.positions);
         self.triangles.extend(other.triangles.iter().map(|t| t.map(|i| i + offset)));
     }
+}
+
+/// Whether two triangles have the same key, of whose numbers the first one is less than `count`: by the first one by counting, then the few
+/// of each by comparison.
+fn has_doubles(triangles: &[[u32; 3]], count: usize, key: impl Fn(&[u32; 3]) -> [u32; 3]) -> bool {
+    let mut ends = vec![0_u32; count];
+    triangles.iter().for_each(|t| ends[key(t)[0] as usize] += 1);
+    for k in 1..count {
+        ends[k] += ends[k - 1];
+    }
+    let mut rest = vec![0; triangles.len()];
+    for t in triangles {
+        let [first, b, c] = key(t);
+        let place = &mut ends[first as usize];
+        *place -= 1;
+        rest[*place as usize] = u64::from(b) << 32 | u64::from(c);
+    }
+    // They begin where they ended.
+    ends.push(triangles.len() as u32);
+    ends.windows(2).any(|range| {
+        let own = &mut rest[range[0] as usize..range[1] as usize];
+        own.sort_unstable();
+        own.windows(2).any(|two| two[0] == two[1])
+    })
 }
 
 /// A matrix that maps the directions of normals as `linear` maps points: its cofactors, the largest made 1.

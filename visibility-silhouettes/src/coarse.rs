@@ -1,11 +1,9 @@
 //! Simplified meshes, for outlines that are seen from a distance.
 
-use crate::topology::{self, WHOLE};
-use core::cmp::Reverse;
+use crate::topology::{Sides, WHOLE};
 use core::ops::Range;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use std::collections::BinaryHeap;
 
 /// The most triangles of a patch. Its rim is not simplified, so a small patch loses few triangles.
 const PATCH: usize = 2048;
@@ -42,8 +40,7 @@ pub(crate) fn coarse(positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Coars
     let middles: Vec<Vec3> = triangles.par_iter().map(middle).collect();
     let middle = |t: &u32| middles[*t as usize];
     let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
-    let mut parts = Vec::new();
-    divide(&mut order, 0, &middle, &mut parts);
+    let parts = divide(&mut order, 0, &middle);
     let forms: Vec<Option<Form>> = parts
         .par_iter()
         .map(|part| Patch::new(positions, triangles, &order[part.clone()]).simplified(positions.len()))
@@ -72,19 +69,19 @@ pub(crate) fn coarse(positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Coars
     (out.count > 0).then_some(out)
 }
 
-/// Halves a list of triangles by the centres of their corners until the parts are small.
-fn divide(order: &mut [u32], first: usize, middle: &impl Fn(&u32) -> Vec3, parts: &mut Vec<Range<usize>>) {
+/// Halves a list of triangles by the centres of their corners until the parts are small. Returns the parts.
+fn divide(order: &mut [u32], first: usize, middle: &(impl Fn(&u32) -> Vec3 + Sync)) -> Vec<Range<usize>> {
     if order.len() <= PATCH {
-        parts.push(first..first + order.len());
-        return;
+        return core::iter::once(first..first + order.len()).collect();
     }
     let bounds = order.iter().map(middle).fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[a, b], m| [a.min(m), b.max(m)]);
     let axis = (bounds[1] - bounds[0]).max_position();
     let half = order.len() / 2;
     order.select_nth_unstable_by(half, |a, b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(b)));
     let (low, high) = order.split_at_mut(half);
-    divide(low, first, middle, parts);
-    divide(high, first + half, middle, parts);
+    let (mut parts, more) = rayon::join(|| divide(low, first, middle), || divide(high, first + half, middle));
+    parts.extend(more);
+    parts
 }
 
 /// The simplified form of a patch, in the numbers of the mesh; the patch's own corners are numbered after these.
@@ -140,28 +137,129 @@ pub(crate) struct Patch {
     is_fixed: Vec<bool>,
     /// The corner that each corner was moved onto, and how often its surroundings have changed.
     onto: Vec<u32>,
-    changes: Vec<u32>,
+    /// The number of steps so far, and for each corner the number when its surroundings changed last.
+    steps: u32,
+    changed: Vec<u32>,
 }
 
-/// A step and its cost, by which steps are ordered: the bits of non-negative numbers have the same order.
-type Step = Reverse<(u64, u32, u32, [u32; 2])>;
+/// A step of a corner onto another one, and the number of steps when it was proposed. Steps are ordered by their cost, in the highest 64 bits
+/// (those of non-negative numbers have the same order), then by their corners.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Step(u128);
+
+impl Step {
+    /// Bits of the number of a corner.
+    const BITS: u32 = 21;
+
+    fn new(cost: f64, from: u32, to: u32, steps: u32) -> Self {
+        let corners = u64::from(from) << Self::BITS | u64::from(to);
+        let low = corners << (64 - 2 * Self::BITS) | u64::from(steps);
+        Self(u128::from(cost.to_bits()) << 64 | u128::from(low))
+    }
+
+    /// From which corner, onto which one, and the number of steps before.
+    fn parts(self) -> [u32; 3] {
+        let (low, rest) = (self.0 as u64, 64 - 2 * Self::BITS);
+        let of = |bits: u64, count: u32| (bits & ((1 << count) - 1)) as u32;
+        [of(low >> (64 - Self::BITS), Self::BITS), of(low >> rest, Self::BITS), of(low, rest)]
+    }
+}
+
+/// The proposed steps of each corner, and a tree over the corners: each place has the cheaper one of the steps in the two places below it.
+struct Steps {
+    lists: Vec<Vec<Step>>,
+    /// The root is at 1, the places below `k` are `2k` and `2k + 1`.
+    tree: Vec<Step>,
+}
+
+impl Steps {
+    /// More than any step.
+    const NONE: Step = Step(u128::MAX);
+
+    fn new(lists: Vec<Vec<Step>>) -> Self {
+        let leaves = lists.len().next_power_of_two();
+        let mut tree = vec![Self::NONE; 2 * leaves];
+        lists.iter().zip(&mut tree[leaves..]).for_each(|(list, place)| *place = Self::cheapest_of(list));
+        for k in (1..leaves).rev() {
+            tree[k] = tree[2 * k].min(tree[2 * k + 1]);
+        }
+        Self { lists, tree }
+    }
+
+    fn cheapest_of(list: &[Step]) -> Step {
+        list.iter().fold(Self::NONE, |best, step| best.min(*step))
+    }
+
+    fn cheapest(&self) -> Option<Step> {
+        (self.tree[1] != Self::NONE).then_some(self.tree[1])
+    }
+
+    /// Changes the steps of a corner.
+    fn change(&mut self, from: u32, change: impl FnOnce(&mut Vec<Step>)) {
+        let list = &mut self.lists[from as usize];
+        change(list);
+        let mut k = self.tree.len() / 2 + from as usize;
+        let mut best = Self::cheapest_of(list);
+        while self.tree[k] != best {
+            self.tree[k] = best;
+            if k == 1 {
+                break;
+            }
+            k /= 2;
+            best = self.tree[2 * k].min(self.tree[2 * k + 1]);
+        }
+    }
+}
+
+/// Marks of corners, all of which are cleared at once.
+struct Marks {
+    stamps: Vec<u32>,
+    now: u32,
+}
+
+impl Marks {
+    fn new(count: usize) -> Self {
+        Self { stamps: vec![0; count], now: 0 }
+    }
+
+    fn clear(&mut self) {
+        self.now += 1;
+    }
+
+    /// Marks a corner; whether it was not marked.
+    fn set(&mut self, i: u32) -> bool {
+        core::mem::replace(&mut self.stamps[i as usize], self.now) != self.now
+    }
+
+    /// Removes the mark of a corner; whether it had one.
+    fn unset(&mut self, i: u32) -> bool {
+        core::mem::replace(&mut self.stamps[i as usize], 0) == self.now
+    }
+}
 
 impl Patch {
     pub(crate) fn new(positions: &[Vec3], triangles: &[[u32; 3]], part: &[u32]) -> Self {
-        let mut numbers: Vec<u32> = part.iter().flat_map(|t| triangles[*t as usize]).collect();
-        numbers.sort_unstable();
-        numbers.dedup();
-        let place = |i: u32| numbers.partition_point(|number| *number < i) as u32;
+        // Each corner of each triangle by its number, with its place among all.
+        let corners = part.iter().flat_map(|t| triangles[*t as usize]);
+        let mut all: Vec<u64> = corners.zip(0_u64..).map(|(i, place)| u64::from(i) << 32 | place).collect();
+        all.sort_unstable();
+        let mut numbers = Vec::new();
+        let mut own = vec![[0; 3]; part.len()];
+        for same in all.chunk_by(|a, b| a >> 32 == b >> 32) {
+            same.iter().map(|key| *key as u32 as usize).for_each(|at| own[at / 3][at % 3] = numbers.len() as u32);
+            numbers.push((same[0] >> 32) as u32);
+        }
         let origin = numbers.first().map_or(DVec3::ZERO, |i| positions[*i as usize].as_dvec3());
         let count = numbers.len();
         let mut patch = Self {
             positions: numbers.iter().map(|i| positions[*i as usize].as_dvec3() - origin).collect(),
-            triangles: part.iter().map(|t| triangles[*t as usize].map(place)).collect(),
-            around: vec![Vec::new(); count],
+            triangles: own,
+            around: (0..count).map(|_| Vec::with_capacity(8)).collect(),
             quadrics: vec![Quadric::default(); count],
             is_fixed: vec![false; count],
             onto: (0..count as u32).collect(),
-            changes: vec![0; count],
+            steps: 0,
+            changed: vec![0; count],
             numbers,
         };
         for (t, corners) in (0..).zip(&patch.triangles) {
@@ -174,35 +272,37 @@ impl Patch {
                 patch.quadrics[i] = patch.quadrics[i].plus(&quadric);
             }
         }
-        for group in topology::sides(&patch.triangles).chunk_by(|a, b| a.ends() == b.ends()) {
+        let is_fixed = &mut patch.is_fixed;
+        Sides::of(&patch.triangles).each(|group| {
             if group.len() != 2 || group[0].is_down() == group[1].is_down() {
                 let (a, b) = group[0].ends();
-                (patch.is_fixed[a as usize], patch.is_fixed[b as usize]) = (true, true);
+                (is_fixed[a as usize], is_fixed[b as usize]) = (true, true);
             }
-        }
+        });
         patch
     }
 
-    /// Lists the corners that share a triangle with one, by number.
-    fn neighbours(&self, i: u32, all: &mut Vec<u32>) {
+    /// The corners of the triangles of a corner, others than itself; most occur twice.
+    fn ring(&self, i: u32) -> impl Iterator<Item = u32> {
+        self.around[i as usize].iter().flat_map(|t| self.triangles[*t as usize]).filter(move |k| *k != i)
+    }
+
+    /// Lists the corners that share a triangle with one.
+    fn neighbours(&self, i: u32, marks: &mut Marks, all: &mut Vec<u32>) {
+        marks.clear();
         all.clear();
-        for k in self.around[i as usize].iter().flat_map(|t| self.triangles[*t as usize]) {
-            if k != i && !all.contains(&k) {
-                all.push(k);
-            }
-        }
-        all.sort_unstable();
+        all.extend(self.ring(i).filter(|k| marks.set(*k)));
     }
 
     /// The step of a corner onto a neighbour, unless it is fixed.
     fn proposal(&self, from: u32, to: u32) -> Option<Step> {
         let [a, b] = [from as usize, to as usize];
         let price = || self.quadrics[a].plus(&self.quadrics[b]).at(self.positions[b]).max(0.0);
-        (!self.is_fixed[a]).then(|| Reverse((price().to_bits(), from, to, [self.changes[a], self.changes[b]])))
+        (!self.is_fixed[a]).then(|| Step::new(price(), from, to, self.steps))
     }
 
-    /// Whether a corner can be moved onto a neighbour: the surface stays one, and no triangle turns over. Two lists are lent.
-    fn may_move(&self, from: u32, to: u32, [near, other]: &mut [Vec<u32>; 2]) -> bool {
+    /// Whether a corner can be moved onto a neighbour: the surface stays one, and no triangle turns over.
+    fn may_move(&self, from: u32, to: u32, marks: &mut Marks) -> bool {
         let around = &self.around[from as usize];
         if around.iter().filter(|t| self.triangles[**t as usize].contains(&to)).count() != 2 {
             return false;
@@ -219,9 +319,10 @@ impl Patch {
         if !around.iter().all(keeps) {
             return false;
         }
-        self.neighbours(from, near);
-        self.neighbours(to, other);
-        near.iter().filter(|i| other.contains(i)).count() == 2
+        // The corners of both rings.
+        marks.clear();
+        self.ring(from).for_each(|k| _ = marks.set(k));
+        self.ring(to).filter(|k| marks.unset(*k)).count() == 2
     }
 
     fn step(&mut self, from: u32, to: u32) {
@@ -239,34 +340,53 @@ impl Patch {
         }
         self.quadrics[to as usize] = self.quadrics[to as usize].plus(&self.quadrics[from as usize]);
         self.onto[from as usize] = to;
-        self.changes[from as usize] += 1;
-        self.changes[to as usize] += 1;
+        self.steps += 1;
+        self.changed[from as usize] = self.steps;
+        self.changed[to as usize] = self.steps;
     }
 
-    /// Moves corners until one in so many of the inner ones is left, or none can be moved.
+    /// Moves corners until one in so many of the inner ones is left, or none can be moved. Patches of more than two million corners stay as they
+    /// are.
     fn simplify(&mut self, kept: usize) {
-        let (mut list, mut lent) = (Vec::new(), [Vec::new(), Vec::new()]);
-        let mut steps = Vec::with_capacity(8 * self.numbers.len());
-        for from in 0..self.numbers.len() as u32 {
-            self.neighbours(from, &mut list);
-            steps.extend(list.iter().filter_map(|to| self.proposal(from, *to)));
+        if self.numbers.len() > 1 << Step::BITS {
+            return;
         }
-        let mut steps = BinaryHeap::from(steps);
+        let (mut list, mut marks) = (Vec::new(), Marks::new(self.numbers.len()));
+        let propose = |from: u32| {
+            self.neighbours(from, &mut marks, &mut list);
+            list.iter().filter_map(|to| self.proposal(from, *to)).collect()
+        };
+        let mut steps = Steps::new((0..self.numbers.len() as u32).map(propose).collect());
         let inner = self.is_fixed.iter().filter(|fixed| !**fixed).count();
         let mut left = inner - inner / kept;
         while left > 0 {
-            let Some(Reverse((_, from, to, changes))) = steps.pop() else { break };
-            if changes != [from, to].map(|i| self.changes[i as usize]) || !self.may_move(from, to, &mut lent) {
+            let Some(step) = steps.cheapest() else { break };
+            let [from, to, _] = step.parts();
+            if self.is_stale(step) || !self.may_move(from, to, &mut marks) {
+                steps.change(from, |list| list.retain(|other| *other != step));
                 continue;
             }
             self.step(from, to);
             left -= 1;
-            self.neighbours(to, &mut list);
+            self.neighbours(to, &mut marks, &mut list);
+            steps.change(from, Vec::clear);
+            steps.change(to, |own| {
+                own.clear();
+                own.extend(list.iter().filter_map(|near| self.proposal(to, *near)));
+            });
             for near in &list {
-                steps.extend(self.proposal(*near, to));
-                steps.extend(self.proposal(to, *near));
+                steps.change(*near, |own| {
+                    own.retain(|other| !self.is_stale(*other));
+                    own.extend(self.proposal(*near, to));
+                });
             }
         }
+    }
+
+    /// Whether one of a step's corners has changed since the step was proposed.
+    fn is_stale(&self, step: Step) -> bool {
+        let [from, to, at] = step.parts();
+        self.changed[from as usize] > at || self.changed[to as usize] > at
     }
 
     /// The simplified form, if it is worth it. `mesh` is the number of the mesh's corners.
@@ -312,10 +432,11 @@ impl Patch {
         kept.iter().zip(0..).for_each(|(t, place)| places[*t as usize] = place);
         let mut prisms = vec![Prism::default(); self.triangles.len()];
         kept.iter().for_each(|t| prisms[*t as usize] = self.prism(*t));
-        let mut rings = vec![Vec::new(); self.numbers.len()];
+        let (mut rings, mut marks) = (vec![Vec::new(); self.numbers.len()], Marks::new(self.numbers.len()));
         let left_out = (0..self.numbers.len() as u32).filter(|i| self.onto[*i as usize] != *i);
-        let left_out = left_out
-            .filter_map(|i| Some([self.numbers[i as usize], places[self.nearest(i, &prisms, &mut rings)? as usize]]));
+        let left_out = left_out.filter_map(|i| {
+            Some([self.numbers[i as usize], places[self.nearest(i, &prisms, (&mut rings, &mut marks))? as usize]])
+        });
         left_out.collect()
     }
 
@@ -334,7 +455,7 @@ impl Patch {
 
     /// The triangle next to a corner that has been moved, among those around where it is now. The triangles around a corner are kept in
     /// `rings`: they are the same for all that have been moved onto it.
-    fn nearest(&self, i: u32, prisms: &[Prism], rings: &mut [Vec<u32>]) -> Option<u32> {
+    fn nearest(&self, i: u32, prisms: &[Prism], (rings, marks): (&mut [Vec<u32>], &mut Marks)) -> Option<u32> {
         let mut at = i;
         while self.onto[at as usize] != at {
             at = self.onto[at as usize];
@@ -342,7 +463,8 @@ impl Patch {
         let ring = &mut rings[at as usize];
         if ring.is_empty() {
             let mut near = Vec::new();
-            self.neighbours(at, &mut near);
+            self.neighbours(at, marks, &mut near);
+            near.sort_unstable();
             for t in near.iter().chain([&at]).flat_map(|k| &self.around[*k as usize]) {
                 if !ring.contains(t) {
                     ring.push(*t);
@@ -381,6 +503,7 @@ impl Prism {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::topology;
     use lobe_core::oracle::Random;
     use std::collections::BTreeMap;
 
@@ -407,12 +530,37 @@ mod tests {
         (positions, triangles)
     }
 
+    /// Steps of few costs, which change at random.
+    #[test]
+    fn the_cheapest_step_is_the_least_of_all() {
+        let mut random = Random::new(6);
+        for count in [0, 1, 2, 37] {
+            let mut number = |below: usize| (random.uniform() * below as f64) as u32;
+            let mut propose = |from: usize| -> Vec<Step> {
+                (0..number(5)).map(|at| Step::new(f64::from(number(9)), from as u32, number(count), at)).collect()
+            };
+            let mut lists: Vec<Vec<Step>> = (0..count).map(&mut propose).collect();
+            let mut steps = Steps::new(lists.clone());
+            for k in 0..200_usize {
+                let least = lists.iter().flatten().min().copied();
+                assert_eq!(steps.cheapest().map(Step::parts), least.map(Step::parts));
+                let Some(from) = (7 * k).checked_rem(count) else { continue };
+                lists[from] = propose(from);
+                steps.change(from as u32, |list| list.clone_from(&lists[from]));
+            }
+        }
+        assert_eq!(Step::new(0.5, (1 << 21) - 1, 5, (1 << 22) - 1).parts(), [(1 << 21) - 1, 5, (1 << 22) - 1]);
+        assert!(
+            Step::new(0.5, 9, 9, 9) < Step::new(0.75, 0, 0, 0) && Step::new(0.5, 1, 9, 9) < Step::new(0.5, 2, 0, 0)
+        );
+    }
+
     /// For any choice of forms, and on any side of each triangle, all outlines are closed.
     #[test]
     fn any_forms_go_together() {
         let mut random = Random::new(3);
         let (positions, mut triangles) = sheet(&mut random);
-        topology::edges(&mut triangles);
+        topology::oriented(&mut triangles);
         let fine = triangles.len();
         let coarse = coarse(&positions, &triangles).expect("a large mesh");
         assert!(coarse.count > 1 && coarse.triangles.len() * 3 < fine);

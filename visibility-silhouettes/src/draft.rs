@@ -1,7 +1,7 @@
 //! A mesh while it is prepared: its edges are paired, then put into the order of trees, then all else into the order of the edges.
 
 use crate::coarse::Coarse;
-use crate::topology::{self, Edge, Tag};
+use crate::topology::{self, Edge, Sides, Tag};
 use crate::tree::Tree;
 use glam::Vec3;
 
@@ -27,8 +27,9 @@ pub(crate) struct Draft {
 }
 
 impl Draft {
-    /// The mesh itself: equal positions are one corner, and each edge has its two triangles.
-    pub(crate) fn welded(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+    /// The mesh itself: equal positions are one corner, and triangles agree with their neighbours where they can.
+    /// The edges come with [`pair`](Self::pair) or [`add`](Self::add).
+    pub(crate) fn welded(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Self, Sides) {
         let (corners, numbers) = topology::weld(positions);
         let mut sources = vec![0; corners.len()];
         for (source, number) in numbers.iter().enumerate().rev() {
@@ -37,8 +38,14 @@ impl Draft {
         let mut triangles: Vec<_> = triangles.iter().map(|t| t.map(|i| numbers[i as usize])).collect();
         // A triangle without area blocks nothing now, but may have an area later.
         triangles.retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
-        let edges = topology::edges(&mut triangles);
-        Self { sources, ..Self::of_edges(corners, triangles, edges) }
+        let sides = topology::oriented(&mut triangles);
+        (Self { sources, ..Self::of_edges(corners, triangles, Vec::new()) }, sides)
+    }
+
+    /// Pairs the sides of a mesh without simplified forms.
+    pub(crate) fn pair(&mut self, sides: &Sides) {
+        self.edges = topology::edges(sides);
+        self.edge_count = self.edges.len();
     }
 
     /// Edges in the order of leaves that others keep.
@@ -56,20 +63,26 @@ impl Draft {
         self.sources.extend(coarse.own.iter().map(|i| self.sources[*i as usize]).collect::<Vec<_>>());
         self.triangle_patches = coarse.patches;
         self.triangle_patches.extend(coarse.triangle_patches);
-        let mut all = topology::tagged_edges(&self.triangles, fine, &self.triangle_patches);
-        all.sort_by_key(|(_, tag)| tag.is_coarse());
-        self.edge_count = all.partition_point(|(_, tag)| !tag.is_coarse());
-        (self.edges, self.tags) = all.into_iter().unzip();
+        let all = topology::tagged_edges(&self.triangles, fine, &self.triangle_patches);
+        for is_coarse in [false, true] {
+            self.edge_count = self.edges.len();
+            let these = || all.iter().filter(|(_, tag)| tag.is_coarse() == is_coarse);
+            self.edges.extend(these().map(|(edge, _)| *edge));
+            self.tags.extend(these().map(|(_, tag)| *tag));
+        }
         self.left_out = coarse.left_out.iter().map(|[corner, near]| [*corner, near + fine]).collect();
         self.patch_count = coarse.count;
     }
 
     /// Puts the edges into the order of the leaves of two trees: of the mesh, and of edges with simplified forms.
     pub(crate) fn plant(&mut self) -> [Tree; 2] {
-        let boxes: Vec<_> = self.edges.iter().map(|edge| edge.bounds(&self.corners, &self.triangles)).collect();
         let fine = self.edge_count;
-        let (tree, mut order) = Tree::new(&boxes[..fine], 0);
-        let (coarse_tree, coarse_order) = Tree::new(&boxes[fine..], fine);
+        let tree = |edges: &[Edge], first: usize| {
+            Tree::new(edges.iter().map(|edge| edge.bounds(&self.corners, &self.triangles)), first)
+        };
+        let (fine_edges, coarse_edges) = self.edges.split_at(fine);
+        let ((tree, mut order), (coarse_tree, coarse_order)) =
+            rayon::join(|| tree(fine_edges, 0), || tree(coarse_edges, fine));
         order.extend(coarse_order.iter().map(|i| i + fine as u32));
         self.edges = order.iter().map(|i| self.edges[*i as usize]).collect();
         if !self.tags.is_empty() {

@@ -60,7 +60,7 @@ impl GpuSilhouettes {
         let meshes: Vec<&SilhouetteMesh> = meshes.into_iter().filter(|m| !m.trees()[0].nodes().is_empty()).collect();
         let mut packed = Packed::default();
         let boxes: Vec<[Vec3; 2]> = meshes.iter().map(|mesh| mesh.trees()[0].bounds()).collect();
-        let (mut top, order) = Tree::new(&boxes, 0);
+        let (mut top, order) = Tree::new(boxes.iter().copied(), 0);
         top.fit(|range| order[range].iter().map(|mesh| (boxes[*mesh as usize], Vec3::ZERO, None, 0.0)));
         packed.node_count = match meshes.len() {
             1 => 0,

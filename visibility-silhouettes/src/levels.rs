@@ -4,7 +4,7 @@ use crate::coarse;
 use crate::edge_list::{Block, COLUMNS};
 use crate::fit::SETTLE;
 use crate::mesh::{Patch, SilhouetteMesh};
-use crate::topology::{self, Edge, Side, normal};
+use crate::topology::{self, Edge, Side, Sides, normal};
 use crate::tree::{Tree, WIDE};
 use core::ops::Range;
 use fearless_simd::{Level, dispatch};
@@ -354,8 +354,7 @@ impl Forms {
 fn in_leaves(edges: &[(Edge, Tag)], corners: &[Vec3], triangles: &[[u32; 3]]) -> Vec<(Tag, Vec<Edge>)> {
     let runs: Vec<&[(Edge, Tag)]> = edges.chunk_by(|a, b| a.1 == b.1).collect();
     let leaves_of = |run: &&[(Edge, Tag)]| {
-        let boxes: Vec<_> = run.iter().map(|(edge, _)| edge.bounds(corners, triangles)).collect();
-        let (tree, order) = Tree::new(&boxes, 0);
+        let (tree, order) = Tree::new(run.iter().map(|(edge, _)| edge.bounds(corners, triangles)), 0);
         let edges: Vec<Edge> = order.iter().map(|i| run[*i as usize].0).collect();
         tree.leaves().into_iter().map(|leaf| (run[0].1, edges[leaf].to_vec())).collect::<Vec<_>>()
     };
@@ -372,11 +371,10 @@ struct Chain {
 /// The edges of triangles of several forms, with their tags. Whatever forms are drawn that are seen together, each side of each of their triangles occurs once.
 fn tagged(triangles: &[[u32; 3]], forms: &[u16], chains: &[Chain]) -> Vec<(Edge, Tag)> {
     let form = |side: &Side| forms[side.triangle() as usize];
-    let mut edges = Vec::new();
-    for group in topology::sides(triangles).chunk_by(|a, b| a.ends() == b.ends()) {
+    Sides::of(triangles).collect(|group, edges| {
         if group.iter().all(|side| form(side) == form(&group[0])) {
             topology::pairs(group, |edge| edges.push((edge, [form(&group[0]), 0])));
-            continue;
+            return;
         }
         let mut group = group.to_vec();
         group.sort_by_key(|side| (form(side), side.is_down()));
@@ -407,8 +405,7 @@ fn tagged(triangles: &[[u32; 3]], forms: &[u16], chains: &[Chain]) -> Vec<(Edge,
         } else {
             edges.extend(up.iter().chain(&down).map(|side| (Edge::new(side, topology::NONE), [form(side), 0])));
         }
-    }
-    edges
+    })
 }
 
 #[cfg(test)]

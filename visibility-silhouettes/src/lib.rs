@@ -62,6 +62,7 @@ mod draft;
 mod edge_list;
 mod fit;
 mod gpu;
+mod halving;
 mod hull;
 mod hull_placed;
 mod lanes;

@@ -92,7 +92,7 @@ impl SilhouetteMesh {
     /// Prepares a mesh: pairs its edges and builds the hierarchy.
     ///
     /// # Panics
-    /// When a triangle has a corner that is not among `positions`.
+    /// When a triangle has a corner that is not among `positions`, and for more than 2²⁹ triangles.
     #[must_use]
     pub fn new(object: u32, positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
         Self::make(object, positions, triangles, None, |_, _| None)
@@ -121,10 +121,12 @@ impl SilhouetteMesh {
         blur: Option<f32>,
         simplify: impl Fn(&[Vec3], &[[u32; 3]]) -> Option<Coarse>,
     ) -> Self {
-        let mut draft = Draft::welded(positions, triangles);
-        if let Some(coarse) = simplify(&draft.corners, &draft.triangles) {
-            draft.add(coarse);
+        let (mut draft, sides) = Draft::welded(positions, triangles);
+        match simplify(&draft.corners, &draft.triangles) {
+            Some(coarse) => draft.add(coarse),
+            None => draft.pair(&sides),
         }
+        drop(sides);
         let trees = draft.plant();
         draft.arrange();
         let is_closed = draft.edges.iter().all(|edge| edge.other().is_some());

@@ -128,8 +128,7 @@ impl SilhouetteInstances {
 
     /// Orders the places as the leaves of a hierarchy over them have them.
     fn arrange(&mut self) {
-        let boxes: Vec<[Vec3; 2]> = self.places.iter().map(|place| place.bounds).collect();
-        let (mut top, order) = Tree::new(&boxes, 0);
+        let (mut top, order) = Tree::new(self.places.iter().map(|place| place.bounds), 0);
         self.places = order.iter().map(|i| self.places[*i as usize].clone()).collect();
         let places = &self.places;
         top.fit(|range| places[range].iter().map(|place| (place.bounds, Vec3::ZERO, None, 0.0)));

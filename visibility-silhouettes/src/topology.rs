@@ -1,5 +1,6 @@
 //! Finds the triangles that share an edge.
 
+use core::ops::Range;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -125,7 +126,7 @@ pub(crate) fn placed<T: Copy>(things: &[T], places: &[u32]) -> Vec<T> {
 }
 
 /// One side of a triangle: its two ends, lower number first, then its identity.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy)]
 pub(crate) struct Side {
     ends: (u32, u32),
     /// Runs from the higher number to the lower.
@@ -146,49 +147,144 @@ impl Side {
     pub(crate) fn triangle(&self) -> u32 {
         self.triangle
     }
+
+    /// By its first end and its key.
+    fn of(first: u32, key: u64) -> Self {
+        let ends = (first, (key >> 32) as u32);
+        let low = key as u32;
+        Self { ends, down: low >> 31 == 1, triangle: (low & !(1 << 31)) / 4, corner: low % 4 }
+    }
 }
 
-/// The sides of all triangles in the order of their ends: by the first end by counting, then the few of each by comparison.
-pub(crate) fn sides(triangles: &[[u32; 3]]) -> Vec<Side> {
-    let all = (0..).zip(triangles).flat_map(|(number, corners)| {
-        (0..3).map(move |corner| {
-            let [a, b] = [corners[corner as usize], corners[(corner as usize + 1) % 3]];
-            Side { ends: (a.min(b), a.max(b)), down: a > b, triangle: number, corner }
+/// The sides of all triangles in the order of their ends, 8 bytes each.
+#[derive(Debug)]
+pub(crate) struct Sides {
+    /// For each corner the first of the sides that have it as their first end, and the number of all.
+    firsts: Vec<u32>,
+    /// The rest of each side: its second end in the highest 32 bits, then whether it runs down, its triangle and its corner, so that keys
+    /// have the order of sides.
+    keys: Vec<u64>,
+}
+
+/// First ends whose sides one thread sorts and pairs at once.
+const ENDS: usize = 1 << 13;
+
+impl Sides {
+    /// By the first end by counting, then the few of each by comparison.
+    ///
+    /// # Panics
+    /// For more than 2²⁹ triangles.
+    pub(crate) fn of(triangles: &[[u32; 3]]) -> Self {
+        assert!(triangles.len() <= 1 << 29, "too many triangles for one mesh: {}", triangles.len());
+        let count = triangles.iter().flatten().max().map_or(0, |last| *last as usize + 1);
+        let ends = |corners: &[u32; 3], k: usize| (corners[k], corners[(k + 1) % 3]);
+        let mut firsts = vec![0_u32; count + 1];
+        for corners in triangles {
+            for (a, b) in [0, 1, 2].map(|k| ends(corners, k)) {
+                firsts[a.min(b) as usize + 1] += 1;
+            }
+        }
+        for k in 0..count {
+            firsts[k + 1] += firsts[k];
+        }
+        let mut places = firsts.clone();
+        let mut keys = vec![0; 3 * triangles.len()];
+        for (number, corners) in (0_u64..).zip(triangles) {
+            for corner in 0..3 {
+                let (a, b) = ends(corners, corner);
+                let place = &mut places[a.min(b) as usize];
+                keys[*place as usize] =
+                    u64::from(a.max(b)) << 32 | u64::from(a > b) << 31 | number << 2 | corner as u64;
+                *place += 1;
+            }
+        }
+        let mut sides = Self { firsts, keys };
+        sides.sort();
+        sides
+    }
+
+    fn sort(&mut self) {
+        let mut parts = Vec::new();
+        let mut rest = &mut self.keys[..];
+        for ends in self.firsts.chunks(ENDS) {
+            let next = (parts.len() + 1) * ENDS;
+            let last = self.firsts[next.min(self.firsts.len() - 1)];
+            let (own, after) = core::mem::take(&mut rest).split_at_mut((last - ends[0]) as usize);
+            rest = after;
+            parts.push((ends, own));
+        }
+        parts.into_par_iter().for_each(|(ends, mut keys)| {
+            for (k, first) in ends.iter().enumerate() {
+                let count = ends.get(k + 1).map_or(keys.len(), |next| (next - first) as usize);
+                let (own, after) = core::mem::take(&mut keys).split_at_mut(count);
+                own.sort_unstable();
+                keys = after;
+            }
+        });
+    }
+
+    /// Ranges of first ends.
+    fn ranges(&self) -> impl IndexedParallelIterator<Item = Range<usize>> {
+        let count = self.firsts.len() - 1;
+        (0..count.div_ceil(ENDS)).into_par_iter().map(move |k| k * ENDS..count.min((k + 1) * ENDS))
+    }
+
+    /// Passes on all sides, those with the same ends together.
+    pub(crate) fn each(&self, group: impl FnMut(&[Side])) {
+        self.each_of(0..self.firsts.len() - 1, group);
+    }
+
+    /// The same for sides with a first end in a range.
+    fn each_of(&self, ends: Range<usize>, mut group: impl FnMut(&[Side])) {
+        let mut sides = Vec::new();
+        for first in ends {
+            let keys = &self.keys[self.firsts[first] as usize..self.firsts[first + 1] as usize];
+            for keys in keys.chunk_by(|a, b| a >> 32 == b >> 32) {
+                sides.clear();
+                sides.extend(keys.iter().map(|key| Side::of(first as u32, *key)));
+                group(&sides);
+            }
+        }
+    }
+
+    /// Everything that sides with the same ends give, in the order of their ends, on all threads.
+    pub(crate) fn collect<T: Copy + Send>(&self, group: impl Fn(&[Side], &mut Vec<T>) + Sync) -> Vec<T> {
+        let of_range = |ends: Range<usize>| {
+            let mut all = Vec::with_capacity((self.firsts[ends.end] - self.firsts[ends.start]) as usize / 2 + 1);
+            self.each_of(ends, |sides| group(sides, &mut all));
+            all
+        };
+        let mut parts: Vec<Vec<T>> = self.ranges().map(of_range).collect();
+        if parts.len() == 1 { parts.remove(0) } else { parts.concat() }
+    }
+
+    /// Whether any sides with the same ends fulfil a condition.
+    fn any(&self, test: impl Fn(&[Side]) -> bool + Sync) -> bool {
+        self.ranges().any(|ends| {
+            let mut any = false;
+            self.each_of(ends, |sides| any |= test(sides));
+            any
         })
-    });
-    let count = triangles.iter().flatten().max().map_or(0, |last| *last as usize + 1);
-    let mut places = vec![0_u32; count + 1];
-    all.clone().for_each(|side| places[side.ends.0 as usize + 1] += 1);
-    for k in 0..count {
-        places[k + 1] += places[k];
     }
-    let none = Side { ends: (0, 0), down: false, triangle: 0, corner: 0 };
-    let mut sides = vec![none; 3 * triangles.len()];
-    for side in all {
-        let place = &mut places[side.ends.0 as usize];
-        sides[*place as usize] = side;
-        *place += 1;
-    }
-    sides.chunk_by_mut(|a, b| a.ends.0 == b.ends.0).for_each(<[Side]>::sort_unstable);
-    sides
 }
 
 /// Turns triangles so that neighbours run in opposite directions along their common edge, wherever possible.
 ///
 /// Visibility does not depend on the winding of a triangle. But two triangles that agree cancel if both face the receiver, and
 /// their edge can be left out early.
-fn orient(triangles: &mut [[u32; 3]], sides: &[Side]) -> bool {
-    let pairs = || sides.chunk_by(|a, b| a.ends == b.ends).filter(|group| group.len() == 2);
-    if pairs().all(|pair| pair[0].down != pair[1].down) {
+fn orient(triangles: &mut [[u32; 3]], sides: &Sides) -> bool {
+    let agree = |pair: &[Side]| pair.len() != 2 || pair[0].down != pair[1].down;
+    if !sides.any(|group| !agree(group)) {
         return false;
     }
     let mut neighbours = vec![[(NONE, false); 3]; triangles.len()];
-    for pair in pairs() {
-        let same = pair[0].down == pair[1].down;
-        for (one, other) in [(0, 1), (1, 0)] {
-            neighbours[pair[one].triangle as usize][pair[one].corner as usize] = (pair[other].triangle, same);
+    sides.each(|group| {
+        let [one, other] = group else { return };
+        let same = one.down == other.down;
+        for (one, other) in [(one, other), (other, one)] {
+            neighbours[one.triangle as usize][one.corner as usize] = (other.triangle, same);
         }
-    }
+    });
     let mut turned: Vec<Option<bool>> = vec![None; triangles.len()];
     let mut stack = Vec::new();
     for start in 0..triangles.len() {
@@ -215,19 +311,17 @@ fn orient(triangles: &mut [[u32; 3]], sides: &[Side]) -> bool {
     true
 }
 
-/// All edges of a mesh whose equal positions have one number; turns its triangles too.
+/// The sides of a mesh whose equal positions have one number, after its triangles are turned.
+pub(crate) fn oriented(triangles: &mut [[u32; 3]]) -> Sides {
+    let sides = Sides::of(triangles);
+    if orient(triangles, &sides) { Sides::of(triangles) } else { sides }
+}
+
+/// All edges of a mesh.
 ///
 /// If more than two triangles share an edge, or two run the same way, it occurs more than once.
-pub(crate) fn edges(triangles: &mut [[u32; 3]]) -> Vec<Edge> {
-    let mut all = sides(triangles);
-    if orient(triangles, &all) {
-        all = sides(triangles);
-    }
-    let mut edges = Vec::with_capacity(all.len() / 2);
-    for group in all.chunk_by(|a, b| a.ends == b.ends) {
-        pairs(group, |edge| edges.push(edge));
-    }
-    edges
+pub(crate) fn edges(sides: &Sides) -> Vec<Edge> {
+    sides.collect(|group, edges| pairs(group, |edge| edges.push(edge)))
 }
 
 /// Pairs sides that have the same ends; sides that run up come first.
@@ -267,14 +361,13 @@ impl Tag {
 ///
 /// Any choice of forms is closed: each triangle's sides occur exactly if its form is chosen.
 pub(crate) fn tagged_edges(triangles: &[[u32; 3]], fine: u32, patches: &[u16]) -> Vec<(Edge, Tag)> {
-    let mut edges = Vec::new();
     let patch = |side: &Side| patches[side.triangle as usize];
     let half = |side: &Side| Tag::of(patch(side), side.triangle >= fine);
-    for group in sides(triangles).chunk_by(|a, b| a.ends == b.ends) {
+    Sides::of(triangles).collect(|group, edges: &mut Vec<(Edge, Tag)>| {
         // The most frequent kind: inside of one patch and of one of its forms.
         if group.iter().all(|side| half(side) == half(&group[0])) {
             pairs(group, |edge| edges.push((edge, Tag([half(&group[0]), 0]))));
-            continue;
+            return;
         }
         // The sides of two patches, if there are two, and those of others.
         let of = |wanted: u16| -> Vec<Side> { group.iter().filter(|s| patch(s) == wanted).copied().collect() };
@@ -285,7 +378,7 @@ pub(crate) fn tagged_edges(triangles: &[[u32; 3]], fine: u32, patches: &[u16]) -
             for sides in [fine, coarse] {
                 pairs(&sides, |edge| edges.push((edge, Tag([half(&sides[0]), 0]))));
             }
-            continue;
+            return;
         }
         // One triangle for each form, on the same side of the edge.
         let is_one = |sides: &[Side]| {
@@ -303,8 +396,7 @@ pub(crate) fn tagged_edges(triangles: &[[u32; 3]], fine: u32, patches: &[u16]) -
         } else {
             edges.extend(group.iter().map(|side| (Edge::new(side, NONE), Tag([half(side), 0]))));
         }
-    }
-    edges
+    })
 }
 
 #[cfg(test)]
@@ -315,7 +407,7 @@ mod tests {
     #[test]
     fn triangles_are_turned_to_agree() {
         let mut triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 3, 2]];
-        let edges = edges(&mut triangles);
+        let edges = edges(&oriented(&mut triangles));
         assert_eq!(edges.len(), 6);
         assert!(edges.iter().all(|e| e.other().is_some()));
         for edge in edges {
@@ -335,10 +427,35 @@ mod tests {
             let [c, d] = if k + 1 < n { [2 * k + 2, 2 * k + 3] } else { [1, 0] };
             triangles.extend([[a, b, c], [c, b, d]]);
         }
-        let edges = edges(&mut triangles);
+        let edges = edges(&oriented(&mut triangles));
         let sides: usize = edges.iter().map(|e| 1 + usize::from(e.other().is_some())).sum();
         assert_eq!(sides, 3 * triangles.len());
         assert_eq!(edges.iter().filter(|e| e.other().is_none()).count(), 2 * n as usize + 2);
+    }
+
+    /// In the order of their ends, those that run up first, then by triangle.
+    #[test]
+    fn sides_come_in_order() {
+        let mut random = lobe_core::oracle::Random::new(4);
+        let mut corner = |count: u32| (random.uniform() * f64::from(count)) as u32;
+        for count in [3, 50, 40_000] {
+            let triangles: Vec<[u32; 3]> = (0..30_000).map(|_| [corner(count), corner(count), corner(count)]).collect();
+            let mut wanted = Vec::new();
+            for (t, corners) in (0_u32..).zip(&triangles) {
+                for k in 0..3 {
+                    let (a, b) = (corners[k], corners[(k + 1) % 3]);
+                    wanted.push((a.min(b), a.max(b), a > b, t, k as u32));
+                }
+            }
+            wanted.sort_unstable();
+            let numbers = |side: &Side| (side.ends.0, side.ends.1, side.down, side.triangle, side.corner);
+            let sides = Sides::of(&triangles);
+            assert!(sides.collect(|group, all| all.extend(group.iter().map(numbers))) == wanted);
+            let mut groups = wanted.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
+            sides.each(|group| assert_eq!(groups.next().map(<[_]>::len), Some(group.len())));
+            assert!(groups.next().is_none());
+        }
+        assert!(Sides::of(&[]).collect(|group, all| all.push(group.len())).is_empty());
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! A hierarchy of edges, eight children a node, built once and refitted as the edges move.
 
+use crate::halving::{Halves, Halving, unit};
 use core::ops::Range;
 use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::Vec3;
@@ -8,9 +9,6 @@ use rayon::prelude::*;
 
 /// Children of a node, and the most edges of a leaf.
 pub(crate) const WIDE: usize = 8;
-/// The most edges that are sorted for the best split; more edges are put into bins.
-const SORTED: usize = 256;
-const BINS: usize = 32;
 /// Half the sides of an empty box: it is outside every plane.
 const NEVER: f32 = -1e30;
 /// The sine for a child without a cone.
@@ -76,47 +74,38 @@ pub(crate) type Shape = ([Vec3; 2], Vec3, Option<Vec3>, f32);
 impl Tree {
     /// A tree over boxes (low, high), and the order in which its leaves hold them: from `first` on. Bounds are there after
     /// [`fit`](Self::fit). It does not depend on the number of threads.
-    pub(crate) fn new(boxes: &[[Vec3; 2]], first: usize) -> (Self, Vec<u32>) {
-        let mut items: Vec<Item> = boxes.iter().zip(0..).map(|(&bounds, number)| Item { bounds, number }).collect();
+    pub(crate) fn new(boxes: impl IntoIterator<Item = [Vec3; 2]>, first: usize) -> (Self, Vec<u32>) {
+        let halving = Halving::new(boxes);
         let mut tree = Self::default();
-        if !items.is_empty() {
-            tree.add(&mut items, first);
+        if !halving.order.is_empty() {
+            tree.add(&halving.halves, (0..halving.order.len(), halving.root), first);
         }
-        (tree, items.into_iter().map(|item| item.number).collect())
+        (tree, halving.order)
     }
 
-    /// Adds a node for some of the edges, which begin at `first` in the order of all, and the nodes below it.
-    fn add(&mut self, items: &mut [Item], first: usize) -> u32 {
-        let number = self.nodes.len();
-        let is_large = items.len() > PARALLEL;
-        let parts = divided(items);
-        self.nodes.push(Node { len: parts.len() as u8, ..EMPTY });
-        let mut below = Vec::with_capacity(WIDE);
-        let mut rest = &mut items[..];
-        for (k, part) in parts.iter().enumerate() {
-            let (own, after) = core::mem::take(&mut rest).split_at_mut(part.len());
-            rest = after;
-            let place = first + part.start;
-            if own.len() <= WIDE {
-                self.nodes[number].count[k] = own.len() as u8;
-                self.nodes[number].first[k] = place as u32;
-            } else {
-                below.push((k, own, place));
-            }
+    /// Adds a node for a range of the edges and the nodes below it. The range is halved at a leaf, and the half with the largest box in
+    /// turn, until there are eight parts. The order of all begins at `first`.
+    fn add(&mut self, halves: &[Halves], (range, middle): (Range<usize>, u32), first: usize) -> u32 {
+        let unit = unit(range.len());
+        let mut parts = Vec::with_capacity(WIDE);
+        // With half the areas of their boxes.
+        parts.push((range, middle, 0.0_f32));
+        while parts.len() < WIDE {
+            let open = (0..parts.len()).filter(|k| parts[*k].0.len() > unit);
+            let Some(k) = open.max_by(|a, b| parts[*a].2.total_cmp(&parts[*b].2)) else { break };
+            let (part, middle, _) = parts[k].clone();
+            let at = WIDE * middle as usize;
+            let Halves { areas, middles } = halves[middle as usize];
+            parts.splice(k..=k, [(part.start..at, middles[0], areas[0]), (at..part.end, middles[1], areas[1])]);
         }
-        if is_large {
-            let grow = |(k, own, place): (usize, &mut [Item], usize)| {
-                let mut tree = Self::default();
-                tree.add(own, place);
-                (k, tree)
-            };
-            let grown: Vec<(usize, Self)> = below.into_par_iter().map(grow).collect();
-            for (k, tree) in grown {
-                self.nodes[number].first[k] = self.append(tree);
-            }
-        } else {
-            for (k, own, place) in below {
-                self.nodes[number].first[k] = self.add(own, place);
+        let number = self.nodes.len();
+        self.nodes.push(Node { len: parts.len() as u8, ..EMPTY });
+        for (k, (part, middle, _)) in parts.into_iter().enumerate() {
+            if part.len() <= WIDE {
+                self.nodes[number].count[k] = part.len() as u8;
+                self.nodes[number].first[k] = (first + part.start) as u32;
+            } else {
+                self.nodes[number].first[k] = self.add(halves, (part, middle), first);
             }
         }
         number as u32
@@ -155,18 +144,6 @@ impl Tree {
             self.nodes.iter().flat_map(|node| (0..usize::from(node.len)).filter_map(|k| node.edges(k))).collect();
         all.sort_by_key(|leaf| leaf.start);
         all
-    }
-
-    /// Appends the nodes of another tree; the number of its root.
-    fn append(&mut self, other: Self) -> u32 {
-        let base = self.nodes.len() as u32;
-        self.nodes.extend(other.nodes.into_iter().map(|mut node| {
-            for k in 0..usize::from(node.len) {
-                node.first[k] += if node.count[k] == 0 { base } else { 0 };
-            }
-            node
-        }));
-        base
     }
 
     /// Boxes and cones of everything, from the edges of a range of the order.
@@ -345,167 +322,4 @@ fn around(edges: impl Iterator<Item = Shape> + Clone) -> EdgeBounds {
         None => -1.0,
     };
     EdgeBounds { axis, sin: sine(axis, edges.map(cos).fold(1.0, f32::min)), ..bounds }
-}
-
-/// The box of an edge and the edge's number. They move together: boxes that are looked up by number lie anywhere in memory.
-#[derive(Clone, Copy)]
-struct Item {
-    bounds: [Vec3; 2],
-    number: u32,
-}
-
-impl Item {
-    /// Twice the box's middle.
-    fn middle(&self) -> Vec3 {
-        self.bounds[0] + self.bounds[1]
-    }
-
-    /// The place of the middle along an axis, as whole numbers in the order of `f32::total_cmp`; equal ones by their edges.
-    fn key(&self, axis: usize) -> u64 {
-        let bits = self.middle()[axis].to_bits();
-        let ordered = if bits >> 31 == 1 { !bits } else { bits | 1 << 31 };
-        u64::from(ordered) << 32 | u64::from(self.number)
-    }
-}
-
-/// Subtrees of a node with more edges than this are built on all threads.
-const PARALLEL: usize = 1 << 14;
-
-const NO_BOX: [Vec3; 2] = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-
-/// The parts of the edges of a node: the one with the largest box is split until there are eight. Moves the edges.
-fn divided(items: &mut [Item]) -> Vec<Range<usize>> {
-    let count = items.len();
-    let mut parts = Vec::with_capacity(WIDE);
-    // With half the areas of their boxes.
-    parts.push((0..count, 0.0_f32));
-    while parts.len() < WIDE {
-        let open = (0..parts.len()).filter(|k| parts[*k].0.len() > unit(count));
-        let Some(k) = open.max_by(|a, b| parts[*a].1.total_cmp(&parts[*b].1)) else { break };
-        let part = parts[k].0.clone();
-        let middle = part.start + split(&mut items[part.clone()]);
-        let area = |part: &Range<usize>| half_area(items[part.clone()].iter().map(|i| i.bounds).fold(NO_BOX, join));
-        let halves = [part.start..middle, middle..part.end].map(|half| (half.clone(), area(&half)));
-        parts.splice(k..=k, halves);
-    }
-    parts.into_iter().map(|(part, _)| part).collect()
-}
-
-fn join(a: [Vec3; 2], b: [Vec3; 2]) -> [Vec3; 2] {
-    [a[0].min(b[0]), a[1].max(b[1])]
-}
-
-fn half_area([low, high]: [Vec3; 2]) -> f32 {
-    let side = (high - low).max(Vec3::ZERO);
-    side.x * side.y + side.y * side.z + side.z * side.x
-}
-
-/// Parts of this many edges have the right size: if the edges fill more than eight leaves, those of one node.
-fn unit(count: usize) -> usize {
-    if count > WIDE * WIDE { WIDE * WIDE } else { WIDE }
-}
-
-/// Number of leaves that `count` edges fill.
-fn blocks(count: usize) -> f32 {
-    count.div_ceil(WIDE) as f32
-}
-
-/// Divides edges into two parts by the surface area heuristic, counted in leaves (J. Goldsmith, J. Salmon, *Automatic Creation of
-/// Object Hierarchies for Ray Tracing*, 1987). Returns the size of the first part.
-fn split(items: &mut [Item]) -> usize {
-    let spread = items.iter().map(Item::middle).fold(NO_BOX, |a, m| join(a, [m, m]));
-    let size = spread[1] - spread[0];
-    let best = if items.len() <= SORTED { best_of_sorted(items, size) } else { best_of_bins(items, spread[0], size) };
-    let unit = unit(items.len());
-    let count = if best.cost.is_finite() { best.count } else { items.len() / 2 };
-    // Full nodes are fewer.
-    let count = ((count + unit / 2) / unit * unit).clamp(unit, (items.len() - 1) / unit * unit);
-    // Ties by number, so that the tree does not depend on the order that came in.
-    items.select_nth_unstable_by_key(count, |item| item.key(best.axis));
-    count
-}
-
-/// A way to part edges in two: the size of the first part along an axis.
-struct Cut {
-    cost: f32,
-    axis: usize,
-    count: usize,
-}
-
-impl Cut {
-    const NONE: Self = Self { cost: f32::INFINITY, axis: 0, count: 0 };
-
-    fn or(&mut self, cost: f32, axis: usize, count: usize) {
-        if cost < self.cost {
-            *self = Self { cost, axis, count };
-        }
-    }
-}
-
-/// The axes along which middles differ.
-fn wide_axes(size: Vec3) -> impl Iterator<Item = usize> {
-    (0..3).filter(move |axis| size[*axis] > 0.0)
-}
-
-/// The best cut behind any multiple of [`unit`] of at most [`SORTED`] edges.
-fn best_of_sorted(items: &[Item], size: Vec3) -> Cut {
-    let (count, unit) = (items.len(), unit(items.len()));
-    let mut best = Cut::NONE;
-    for axis in wide_axes(size) {
-        let mut keys = [(0_u64, 0_u32); SORTED];
-        let keys = &mut keys[..count];
-        keys.iter_mut().zip(items.iter().zip(0..)).for_each(|(key, (item, place))| *key = (item.key(axis), place));
-        keys.sort_unstable();
-        let bounds = |k: usize| items[keys[k].1 as usize].bounds;
-        let mut after = [0.0; SORTED / WIDE + 1];
-        let mut behind = NO_BOX;
-        for k in (0..count).rev() {
-            behind = join(behind, bounds(k));
-            if k % WIDE == 0 {
-                after[k / WIDE] = half_area(behind) * blocks(count - k);
-            }
-        }
-        let mut before = NO_BOX;
-        for k in 0..count {
-            if k > 0 && k % unit == 0 {
-                best.or(half_area(before) * blocks(k) + after[k / WIDE], axis, k);
-            }
-            before = join(before, bounds(k));
-        }
-    }
-    best
-}
-
-/// The best cut between bins of equal width; one pass over the edges fills those of all axes.
-fn best_of_bins(items: &[Item], low: Vec3, size: Vec3) -> Cut {
-    let scale = Vec3::from_array(size.to_array().map(|size| if size > 0.0 { BINS as f32 / size } else { 0.0 }));
-    let mut bins = [[(NO_BOX, 0); BINS]; 3];
-    for item in items {
-        let places = ((item.middle() - low) * scale).to_array();
-        for (bins, place) in bins.iter_mut().zip(places) {
-            let (bounds, count) = &mut bins[(place as usize).min(BINS - 1)];
-            *bounds = join(*bounds, item.bounds);
-            *count += 1;
-        }
-    }
-    let mut best = Cut::NONE;
-    for axis in wide_axes(size) {
-        let bins = &bins[axis];
-        let mut after = [0.0; BINS];
-        let (mut bounds, mut count) = bins[BINS - 1];
-        for k in (1..BINS).rev() {
-            after[k] = if count > 0 { half_area(bounds) * blocks(count) } else { f32::INFINITY };
-            bounds = join(bounds, bins[k - 1].0);
-            count += bins[k - 1].1;
-        }
-        (bounds, count) = bins[0];
-        for k in 1..BINS {
-            if count > 0 {
-                best.or(half_area(bounds) * blocks(count) + after[k], axis, count);
-            }
-            bounds = join(bounds, bins[k].0);
-            count += bins[k].1;
-        }
-    }
-    best
 }
