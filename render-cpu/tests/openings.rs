@@ -92,3 +92,21 @@ fn rooms_behind_openings_are_lit() {
         }
     }
 }
+
+/// A slit narrower than a sample of the first mask, in front of lights that are long or wide, whose middle it shows to some points.
+#[test]
+fn slits_between_samples_are_found() {
+    let slit = [-0.02, 0.02, -1.3, 0.8];
+    let center = DVec3::new(0.0, 0.5, -4.5);
+    for half in [DVec3::new(6.0, 0.5, 0.0), DVec3::new(6.0, 2.0, 0.0)] {
+        let [u, v] = [Vec3::X * half.x as f32, Vec3::Y * half.y as f32];
+        let light = FlatLight::rectangle(center.as_vec3(), u, v, Vec3::ONE).expect("a rectangle");
+        let is_light = |x: DVec3, v: DVec3| {
+            let met = x + v * ((center.z - x.z) / v.z) - center;
+            v.z < 0.0 && met.x.abs() < half.x && met.y.abs() < half.y
+        };
+        let [mean, p99, dark] = own_errors(slit, light.into(), is_light);
+        println!("slit, {half}: own error {mean:.5}, 99 % {p99:.4}, darkened {dark:.4}");
+        assert!(dark < 0.01 && mean < 0.05, "{half}: {dark} {mean}");
+    }
+}

@@ -95,6 +95,11 @@ impl Edges {
         }
     }
 
+    /// Whether no edge was added across the light.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.sum == Vec2::ZERO && self.whole == [0; 2] && self.fourfold == [0; 2]
+    }
+
     /// Adds the arc of a circle that lies inside the light's disc. `to` is its centre (world space, relative to the disc's; the
     /// part along the axis does not matter), and its radius is in radii of the disc. With α half the arc and φ the direction of the
     /// centre: `∫ ρ (cos 2t, sin 2t) dt = ρ sin 2α (cos 2φ, sin 2φ)` over φ ± α.

@@ -81,6 +81,14 @@ impl Rect {
         Self { low: self.low.max(other.low), high: self.high.min(other.high) }
     }
 
+    /// The rectangle in the coordinates of a [turned](UnitSquare::turned) window.
+    pub(crate) fn turned(self) -> Self {
+        if self == Self::NOTHING {
+            return self;
+        }
+        Self { low: Vec2::new(self.low.y, -self.high.x), high: Vec2::new(self.high.y, -self.low.x) }
+    }
+
     fn quarters(self) -> [Self; 4] {
         let middle = 0.5 * (self.low + self.high);
         [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| Self {

@@ -1,5 +1,5 @@
 use crate::spread::Spread;
-use glam::{UVec2, Vec2, Vec3};
+use glam::{UVec2, Vec2, Vec2Swizzles, Vec3};
 use lobe_core::{Cone, Lobe, Outline, nearest_of, orthonormal_basis};
 
 /// Half-angles above this (85°) count as this one: the square faces one hemisphere.
@@ -216,6 +216,12 @@ impl UnitSquare {
         let room = self.half - half;
         let center = (0.5 * (high + low)).clamp(self.center - room, self.center + room);
         Self { center, half, ..*self }
+    }
+
+    /// The same window with rows along its columns.
+    pub(crate) fn turned(&self) -> Self {
+        let center = Vec2::new(self.center.y, -self.center.x);
+        Self { right: self.up, up: -self.right, center, half: self.half.yx(), ..*self }
     }
 
     /// Half the side of the smallest window.

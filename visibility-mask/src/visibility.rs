@@ -2,7 +2,7 @@ use crate::accuracy::{CROWDED, crowding, depth, evenly, tolerance, zoom_sigmas};
 use crate::contour;
 use crate::counts::Counts;
 use crate::spread::{Spread, along};
-use crate::window_masks::{WindowMasks, image_fractions, microfacet_fractions};
+use crate::window_masks::{Search, WindowMasks, image_fractions, microfacet_fractions};
 use crate::{Blockers, Edges, Fineness, MAX_DEPTH, Mask, MaskLobes, UnitSquare};
 use glam::{UVec2, Vec3};
 use lobe_core::{BrdfLobe, Cone, LightImage, Lobe, Microfacets, Outline, Receiver, Schlick, Sphere, is_lambert};
@@ -243,7 +243,22 @@ impl<B: Blockers> MaskVisibility<B> {
             return;
         }
         let edges = self.blockers.edge_bounds(query, blockers, square);
-        masks.draw_near(edges, [near.coarse, is_thorough], |square, mask| {
+        // An opening across few rows may be narrower than one: it is looked for in rows the other way, too, unless the blockers have no
+        // edges. All windows on an image are turned alike.
+        let is_turned = is_hidden && !is_patch && query.image.is_none() && {
+            let mut across = Edges::new(query.cone);
+            self.blockers.edges(query, blockers, &mut across);
+            !across.is_empty()
+        };
+        let coarse = near.coarse && !is_turned;
+        let search = if is_turned {
+            Search::BothWays
+        } else if is_thorough {
+            Search::Quarters
+        } else {
+            Search::Lit
+        };
+        masks.draw_near(edges, coarse, search, |square, mask| {
             mask.reset_to(square, query.accuracy.depth.clamp(1, MAX_DEPTH), query.at.normal, query.outline);
             if !mask.is_dark() {
                 self.blockers.splat(query, blockers, mask);

@@ -18,6 +18,19 @@ pub(crate) struct WindowMasks {
     /// Where the light of the next window is, if that is wide.
     spread: Option<Spread>,
     near: NearMasks,
+    /// Whether the rows of the masks around the lit part are along the columns of the window.
+    is_turned: bool,
+}
+
+/// Where masks around the lit part are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Search {
+    /// Around what is lit or, of no lit sample, around all edges if these are in a small part of the window.
+    Lit,
+    /// The same, else in the window's quarters.
+    Quarters,
+    /// The same, then with rows across the window's.
+    BothWays,
 }
 
 impl WindowMasks {
@@ -52,6 +65,7 @@ impl WindowMasks {
             }
         }
         self.near.clear();
+        self.is_turned = false;
     }
 
     /// The masks of the next windows are divided about this place where they are wide.
@@ -90,11 +104,12 @@ impl WindowMasks {
 
     /// Lets `draw` block windows around the lit part, in masks with a depth and fineness; each is filled by at least a quarter if
     /// [`NearMasks`] can do so. `edges`, if known, are two corners of a box around all edges. Where no sample is lit, an opening between samples
-    /// is looked for if that is requested (`is_thorough`).
+    /// is looked for as `search` says.
     pub(crate) fn draw_near(
         &mut self,
         edges: Option<[Vec2; 2]>,
-        [coarse, is_thorough]: [bool; 2],
+        coarse: bool,
+        search: Search,
         mut draw: impl FnMut(&UnitSquare, &mut Mask),
     ) {
         let window = Rect::of(&self.window);
@@ -105,11 +120,16 @@ impl WindowMasks {
             .fold(Rect::NOTHING, |around, mask| mask.lit_block().map_or(around, |lit| around.with(rect(mask, &lit))));
         // The lit part may reach beyond all edges, to the light's outline.
         let around = edges.filter(|edges| 2.0 * edges.area() <= window.area()).map_or(lit, |edges| edges.with(lit));
-        if is_thorough || around != Rect::NOTHING {
-            self.near.draw(&self.window, around, |square, mask| {
-                mask.set_coarse(coarse);
-                draw(square, mask);
-            });
+        let mut draw = |square: &UnitSquare, mask: &mut Mask| {
+            mask.set_coarse(coarse);
+            draw(square, mask);
+        };
+        if search != Search::Lit || around != Rect::NOTHING {
+            self.near.draw(&self.window, around, &mut draw);
+        }
+        if search == Search::BothWays && self.near.masks().is_empty() {
+            self.is_turned = true;
+            self.near.draw(&self.window.turned(), around.turned(), draw);
         }
     }
 
@@ -176,8 +196,10 @@ impl WindowMasks {
         let lobe = Lobe { exponent: lobe.exponent.min(self.narrowest()), ..*lobe };
         let whole = self.masks().first().map_or(1.0, Mask::sample_area);
         let is_uneven = self.is_uneven();
+        let near_window = if self.is_turned { self.window.turned() } else { self.window };
         let [total] = self.total(|mask, near| {
-            let sums = sums(mask, &self.window, at, &lobe, counts);
+            let window = if near { &near_window } else { &self.window };
+            let sums = sums(mask, window, at, &lobe, counts);
             [if near || is_uneven { sums * (mask.sample_area() / whole) } else { sums }]
         });
         total.ratio(|| self.share())
@@ -195,7 +217,11 @@ pub(crate) fn microfacet_fractions(
 ) -> [f32; 2] {
     let [whole_counts, near_counts] = counts;
     let skip = near.map(WindowMasks::window);
-    let mut total = whole.total(|mask, _| microfacet_sums(mask, at, facets, skip, whole_counts));
+    let turned = skip.filter(|_| whole.is_turned).map(UnitSquare::turned);
+    let mut total = whole.total(|mask, is_near| {
+        let skip = turned.as_ref().filter(|_| is_near).or(skip);
+        microfacet_sums(mask, at, facets, skip, whole_counts)
+    });
     if let Some(near) = near {
         let sums = near.total(|mask, _| microfacet_sums(mask, at, facets, None, near_counts));
         total = [total[0] + sums[0], total[1] + sums[1]];
