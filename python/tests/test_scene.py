@@ -1,5 +1,7 @@
 """Scenes from arrays, their parts, and what is refused."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -451,3 +453,14 @@ def test_models_and_their_warnings(tmp_path):
     assert len(scene.warnings) == 1 and len(scene.lights) == 3
     assert cl.Renderer(scene).render().max() > 0
     assert "objects" in repr(cl.Scene.load(SCENES / "soft_spheres.toml"))
+
+
+@pytest.mark.parametrize("pixel, message", [(-1.0, "1 pixel is negative: taken as black"), (1e13, "1 pixel is brighter than 1e12")])
+def test_environments_tell_which_pixels_are_no_radiance(pixel, message):
+    sky = np.ones((4, 8, 3), np.float32)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        cl.Environment(sky)
+    sky[1, 2, 0] = pixel
+    with pytest.warns(cl.LobesWarning, match=message):
+        cl.Environment(sky)
