@@ -289,6 +289,8 @@ BAD_VALUES = [
     (lambda: cl.Light.ambient(1).moved(np.full((4, 4), np.nan)), "matrix: expected finite numbers"),
     (lambda: cl.Light.ambient(1).moved(np.ones((4, 4))), r"matrix has the last row \[1.0, 1.0, 1.0, 1.0\]: expected"),
     (lambda: cl.Light.ambient(1).moved(7), "matrix is of type int"),
+    (lambda: cl.Light.point((0, 1, 0), intensity=1).moved(np.diag([2, 2, 2, 1.0])), "matrix scales or mirrors"),
+    (lambda: cl.Light.point((0, 1, 0), intensity=1).moved(np.diag([-1, 1, 1, 1.0])), "matrix scales or mirrors"),
     (lambda: cl.Camera((0, 0, 0), (0, 0, 0)), "camera eye and target are the same point"),
     (lambda: cl.Camera((0, 0, 0), (0, 0, 1), fov=180), "fov is 180: expected a number from 0.001 to 179.9"),
     (lambda: cl.Camera((0, 0, 0), (0, 1, 0)), "camera up is parallel"),
@@ -464,3 +466,13 @@ def test_environments_tell_which_pixels_are_no_radiance(pixel, message):
     sky[1, 2, 0] = pixel
     with pytest.warns(cl.LobesWarning, match=message):
         cl.Environment(sky)
+
+
+def test_meshes_far_from_the_origin_get_a_warning():
+    corners = np.array([[0, 0, 0], [3, 0, 0], [0, 0, 3.0]])
+    triangle = np.array([[0, 2, 1]])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        cl.Scene().add_mesh(corners + 1000, triangle)
+    with pytest.warns(cl.LobesWarning, match=r"1\.000e6 from the origin: single precision rounds them by 1\.2e-1"):
+        cl.Scene().add_mesh(corners + [1e6, 0, 0], triangle)
