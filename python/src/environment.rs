@@ -1,5 +1,6 @@
 use crate::args::{color, direction, picture, type_name};
 use crate::errors::OrRaise;
+use crate::work::warn;
 use cosine_lobes::lighting::{self, EnvironmentMap};
 use cosine_lobes::lobe_core::Sphere;
 use glam::{UVec2, Vec3};
@@ -73,10 +74,22 @@ fn map(radiance: &Bound<'_, PyAny>) -> PyResult<EnvironmentMap> {
     });
     if is_image {
         let (width, height, texels) = picture("radiance", radiance)?;
+        tell_clamped(radiance.py(), &texels)?;
         EnvironmentMap::new(UVec2::new(width as u32, height as u32), texels).or_raise()
     } else {
         Ok(EnvironmentMap::uniform(color("radiance", radiance)?))
     }
+}
+
+/// Warns of pixels that are no radiance, which the map clamps.
+fn tell_clamped(py: Python<'_>, texels: &[Vec3]) -> PyResult<()> {
+    let tell = |is_one: fn(Vec3) -> bool, why: &str| match texels.iter().filter(|texel| is_one(**texel)).count() {
+        0 => Ok(()),
+        1 => warn(py, &format!("radiance: 1 pixel is {why}")),
+        count => warn(py, &format!("radiance: {count} pixels are {why}")),
+    };
+    tell(|texel| texel.min_element() < 0.0, "negative: taken as black")?;
+    tell(|texel| texel.max_element() > EnvironmentMap::BRIGHTEST, "brighter than 1e12: taken as that")
 }
 
 /// An environment, or none.

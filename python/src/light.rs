@@ -3,10 +3,11 @@ use crate::errors::OrRaise;
 use crate::lamp::{Beam, Lamp};
 use crate::values::vector;
 use cosine_lobes::lighting::{self, AmbientLight, FlatLight, SphereLight, SpotLight, SunLight, TubeLight};
-use cosine_lobes::lobe_core::Sphere;
+use cosine_lobes::lobe_core::{Sphere, scales_evenly};
 use cosine_lobes::scene::Scene;
 use cosine_lobes::session::lamp;
 use glam::Vec3;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// A light. Immutable: `moved`, `shifted`, `aimed`, `resized` and `with_radiance` return another one.
@@ -25,7 +26,7 @@ type Given<'a> = Option<Bound<'a, PyAny>>;
 impl Light {
     fn checked(light: impl Into<lighting::Light>) -> PyResult<Self> {
         let light = light.into();
-        light.kind().validate().map_err(|error| pyo3::exceptions::PyValueError::new_err(error.to_string()))?;
+        light.kind().validate().map_err(|error| PyValueError::new_err(error.to_string()))?;
         Scene::check_light(0, &light).or_raise()?;
         Ok(Self(light))
     }
@@ -232,9 +233,13 @@ impl Light {
         vector(self.0.full_radiance())
     }
 
-    /// The light moved by a matrix: a rotation, one scale and a translation.
+    /// The light moved by a matrix: a rotation and a translation. `resized` changes its size.
     fn moved(&self, matrix: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Self::checked(self.0.moved(crate::args::matrix("matrix", matrix)?))
+        let matrix = crate::args::matrix("matrix", matrix)?;
+        if !(scales_evenly(&matrix, 1.0, 1e-4) && matrix.determinant() > 0.0) {
+            return Err(PyValueError::new_err("matrix scales or mirrors: expected a rotation and a translation"));
+        }
+        Self::checked(self.0.moved(matrix))
     }
 
     /// The light shifted.

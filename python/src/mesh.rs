@@ -59,6 +59,7 @@ impl Arrays<'_, '_> {
             mesh.colors = points("colors", colors)?;
             same_count("colors", mesh.colors.len(), count)?;
         }
+        tell_far(py, &mesh)?;
         match mesh.remove_degenerate() {
             0 => {}
             n => warn(py, &format!("{n} triangles without an area are left out"))?,
@@ -68,6 +69,21 @@ impl Arrays<'_, '_> {
         }
         Ok(mesh)
     }
+}
+
+/// Warns of a mesh so far from the origin that single precision moves its corners by more than a part of 4096 of its size.
+fn tell_far(py: Python<'_>, mesh: &Mesh) -> PyResult<()> {
+    const PARTS: f32 = 4096.0;
+    let bounds = mesh.bounds();
+    let (size, far) = (bounds.radius(), bounds.center().abs().max_element());
+    let step = far * f32::EPSILON;
+    if !(step.is_finite() && PARTS * step > size) {
+        return Ok(());
+    }
+    let message = format!(
+        "positions are {far:.3e} from the origin: single precision rounds them by {step:.1e}, and the mesh is {size:.1e} wide; move the scene to the origin"
+    );
+    warn(py, &message)
 }
 
 impl Manner<'_, '_> {

@@ -1,5 +1,7 @@
 """Scenes from arrays, their parts, and what is refused."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -287,6 +289,8 @@ BAD_VALUES = [
     (lambda: cl.Light.ambient(1).moved(np.full((4, 4), np.nan)), "matrix: expected finite numbers"),
     (lambda: cl.Light.ambient(1).moved(np.ones((4, 4))), r"matrix has the last row \[1.0, 1.0, 1.0, 1.0\]: expected"),
     (lambda: cl.Light.ambient(1).moved(7), "matrix is of type int"),
+    (lambda: cl.Light.point((0, 1, 0), intensity=1).moved(np.diag([2, 2, 2, 1.0])), "matrix scales or mirrors"),
+    (lambda: cl.Light.point((0, 1, 0), intensity=1).moved(np.diag([-1, 1, 1, 1.0])), "matrix scales or mirrors"),
     (lambda: cl.Camera((0, 0, 0), (0, 0, 0)), "camera eye and target are the same point"),
     (lambda: cl.Camera((0, 0, 0), (0, 0, 1), fov=180), "fov is 180: expected a number from 0.001 to 179.9"),
     (lambda: cl.Camera((0, 0, 0), (0, 1, 0)), "camera up is parallel"),
@@ -451,3 +455,24 @@ def test_models_and_their_warnings(tmp_path):
     assert len(scene.warnings) == 1 and len(scene.lights) == 3
     assert cl.Renderer(scene).render().max() > 0
     assert "objects" in repr(cl.Scene.load(SCENES / "soft_spheres.toml"))
+
+
+@pytest.mark.parametrize("pixel, message", [(-1.0, "1 pixel is negative: taken as black"), (1e13, "1 pixel is brighter than 1e12")])
+def test_environments_tell_which_pixels_are_no_radiance(pixel, message):
+    sky = np.ones((4, 8, 3), np.float32)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        cl.Environment(sky)
+    sky[1, 2, 0] = pixel
+    with pytest.warns(cl.LobesWarning, match=message):
+        cl.Environment(sky)
+
+
+def test_meshes_far_from_the_origin_get_a_warning():
+    corners = np.array([[0, 0, 0], [3, 0, 0], [0, 0, 3.0]])
+    triangle = np.array([[0, 2, 1]])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        cl.Scene().add_mesh(corners + 1000, triangle)
+    with pytest.warns(cl.LobesWarning, match=r"1\.000e6 from the origin: single precision rounds them by 1\.2e-1"):
+        cl.Scene().add_mesh(corners + [1e6, 0, 0], triangle)

@@ -63,7 +63,7 @@ fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     out
 }
 
-/// What is outside of the room.
+/// The light and the blockers outside of the room.
 struct Outside {
     opening: Opening,
     /// Points of which the light is the hull, for a receiver.

@@ -25,6 +25,8 @@ pub(crate) struct Context {
     pub(crate) clips: Vec<String>,
     /// The origin of the coordinates of the mesh file that was read last.
     pub(crate) origin: DVec3,
+    /// A corner of the mesh file that was read last, if no triangle of it has an area in single precision.
+    pub(crate) collapsed: Option<DVec3>,
     /// Of the images that surfaces were cut along.
     pub(crate) alpha_bounds: Vec<(Texture, Arc<AlphaBounds>)>,
     /// The surfaces of which alpha has left nothing.

@@ -30,13 +30,20 @@ pub(crate) fn near_parts(
     let (lines, skeletons, clips) = (context.warnings.len(), context.skeletons.len(), context.clips.len());
     let mark = context.files.budget.mark();
     context.origin = DVec3::ZERO;
-    let file = file_parts(path, clip, context, endings)?;
-    let bounds = file.parts.iter().fold(Bounds::EMPTY, |b, part| b.union(part.bounds()));
-    context.origin = crate::origin::near(bounds.center(), bounds.radius());
+    context.collapsed = None;
+    let first = file_parts(path, clip, context, endings);
+    context.origin = match (&first, context.collapsed) {
+        (Ok(file), _) => {
+            let bounds = file.parts.iter().fold(Bounds::EMPTY, |b, part| b.union(part.bounds()));
+            crate::origin::near(bounds.center().as_dvec3(), bounds.radius().into())
+        }
+        (Err(_), Some(place)) => place,
+        (Err(_), None) => DVec3::ZERO,
+    };
     if context.origin == DVec3::ZERO {
-        return Ok(file);
+        return first;
     }
-    drop(file);
+    drop(first);
     context.files.budget.back_to(mark);
     context.warnings.truncate(lines);
     context.skeletons.truncate(skeletons);
@@ -105,6 +112,11 @@ pub(crate) fn file_parts(
     }
     if mixed > 0 {
         context.warn(path, format!("{mixed} faces have normals to both sides: their shading changes across them"));
+    }
+    if dropped > 0 && parts.iter().all(Part::is_empty) {
+        // Single precision may not tell corners apart that are far from the origin.
+        let place = parts.iter().find_map(|part| part.mesh.positions.first());
+        context.collapsed = place.filter(|p| p.is_finite()).map(|p| p.as_dvec3());
     }
     parts.retain(|part| !part.is_empty());
     let mut what = counted(dropped, "triangle", "having no area");

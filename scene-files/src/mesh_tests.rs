@@ -1,8 +1,12 @@
 use crate::context::Context;
+use crate::files::Source;
 use crate::{obj, ply};
+use brdf::Lambert;
 use glam::Vec3;
 use scene::{Encoding, Mesh};
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 fn read_obj(text: &str) -> Result<Mesh, String> {
     obj::parse(Path::new("m.obj"), text, &mut Context::default())
@@ -35,6 +39,55 @@ fn a_material_library_that_is_not_used_is_told() {
     let mut context = Context::default();
     obj::parse(Path::new("m.obj"), &format!("mtllib no-such.mtl\nusemtl x\n{CUBE}"), &mut context).unwrap();
     assert!(context.warnings.len() == 1 && context.warnings[0].contains("no-such.mtl does not exist"));
+}
+
+/// The parts and warnings of a cube whose faces use a material, with the bytes of the library that it names.
+fn with_library(name: &str, library: &[u8]) -> (Vec<crate::part::Part>, Vec<String>) {
+    let files = BTreeMap::from([(PathBuf::from("m.mtl"), library.to_vec())]);
+    let mut context = Context { files: Source::new(Arc::new(files)), ..Context::default() };
+    let text = format!("mtllib m.mtl\nusemtl {name}\n{CUBE}");
+    (obj::parse(Path::new("m.obj"), &text, &mut context).unwrap(), context.warnings)
+}
+
+#[test]
+fn materials_that_no_library_has_are_named() {
+    let (_, warnings) = with_library("a", b"newmtl a\nKd 1 0 0\n");
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let (parts, warnings) = with_library("a", b"newmtl A\nKd 1 0 0\n");
+    assert!(parts[0].material.is_none());
+    assert!(warnings.len() == 1 && warnings[0].contains("no library has the material a"), "{warnings:?}");
+    let (_, warnings) = with_library(&format!("x\n{CUBE}usemtl y"), b"newmtl a\n");
+    assert!(warnings.len() == 1 && warnings[0].contains("no library has 2 materials (x, …)"), "{warnings:?}");
+}
+
+/// A byte order mark, UTF-16 in both orders, lines that continue: the same material.
+#[test]
+fn libraries_are_read_as_programs_write_them() {
+    let text = "newmtl a\nKd 0.5 0.25 1\n";
+    let wide = |of: fn(u16) -> [u8; 2]| format!("\u{feff}{text}").encode_utf16().flat_map(of).collect::<Vec<u8>>();
+    let libraries = [
+        text.as_bytes().to_vec(),
+        format!("\u{feff}{text}").into_bytes(),
+        wide(u16::to_le_bytes),
+        wide(u16::to_be_bytes),
+        b"newmtl a\nKd 0.5 \\\n 0.25 \\\r\n 1\n".to_vec(),
+    ];
+    for library in libraries {
+        let (parts, warnings) = with_library("a", &library);
+        let (_, look) = parts[0].material.as_ref().expect("the material");
+        assert!(warnings.is_empty(), "{warnings:?}");
+        assert_eq!(look.material, Lambert { albedo: Vec3::new(0.5, 0.25, 1.0) }.into());
+    }
+    // A backslash at the end of a name is a part of that.
+    let (_, warnings) = with_library("a", b"newmtl a\nmap_Kd C:\\maps\\\nKd 1 0 0\n");
+    assert!(warnings.iter().any(|w| w.contains("maps")), "{warnings:?}");
+}
+
+#[test]
+fn ranges_of_images_that_are_not_read_are_told() {
+    let line = |options: &str| with_library("a", format!("newmtl a\nmap_Kd {options} no.png\n").as_bytes()).1;
+    assert!(line("-mm 0.2 0.5").iter().any(|w| w.contains("not read: -mm")));
+    assert!(line("-mm 0 1").iter().all(|w| !w.contains("-mm")));
 }
 
 #[test]
@@ -162,4 +215,19 @@ fn colours_of_obj_vertices_may_be_bytes() {
     let parts = obj::parse(Path::new("m.obj"), text, &mut context).unwrap();
     assert!((parts[0].mesh.colors[1] - Vec3::new(0.2159, 0.0513, 0.5210)).length() < 1e-3);
     assert!(context.warnings.len() == 1 && context.warnings[0].contains("255"), "{:?}", context.warnings);
+}
+
+#[test]
+fn ply_files_that_are_not_read_say_why() {
+    let vertices = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+    let faces = "element face 1\nproperty list uchar int vertex_indices\n";
+    let strips = "element tristrips 1\nproperty list int int vertex_indices\n";
+    for (header, body, words) in [
+        (format!("{faces}{vertices}"), "3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n", "element vertex before element face"),
+        (format!("{vertices}{strips}"), "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "tristrips"),
+    ] {
+        let text = format!("ply\nformat ascii 1.0\n{header}end_header\n{body}");
+        let message = read_ply(text.as_bytes()).unwrap_err();
+        assert!(message.contains(words), "{message}");
+    }
 }

@@ -11,6 +11,7 @@ use core::f32::consts::FRAC_1_PI;
 use glam::{Affine2, Mat2, Vec2, Vec3};
 use scene::cut_out::CutOut;
 use scene::{Channel, Encoding, SceneError, Surface, Texture, TextureMap, Wrap};
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -22,12 +23,17 @@ use std::path::{Path, PathBuf};
 /// Names of images may have blanks, quotes and backslashes, and letters large or small. `bump` is a height, of white as many texels as `-bm` says, or
 /// a normal map where its colours are normals.
 pub(crate) fn parse(path: &Path, context: &mut Context) -> Result<HashMap<String, Look>, SceneError> {
-    let text = String::from_utf8_lossy(&context.files.read(path)?).into_owned();
+    let text = decoded(&context.files.read(path)?);
     let mut reader = Reader { path, context, textures: HashMap::new(), unread: Vec::new(), inverted: 0 };
     let (mut all, mut entry): (HashMap<String, Look>, Option<Entry>) = (HashMap::new(), None);
     let unified = text.replace("\r\n", "\n").replace('\r', "\n");
-    for (number, line) in unified.split('\n').enumerate() {
-        let content = without_comment(line).trim();
+    let mut lines = unified.split('\n').enumerate();
+    while let Some((number, line)) = lines.next() {
+        let mut line = Cow::Borrowed(line);
+        while let Some(head) = continued(&line) {
+            line = Cow::Owned(format!("{head} {}", lines.next().map_or("", |(_, next)| next)));
+        }
+        let content = without_comment(&line).trim();
         let (word, rest) = content.split_once(char::is_whitespace).unwrap_or((content, ""));
         let (word, rest) = (word, rest.trim());
         if word.eq_ignore_ascii_case("newmtl") {
@@ -51,6 +57,26 @@ pub(crate) fn parse(path: &Path, context: &mut Context) -> Result<HashMap<String
         context.warn(path, format!("not read: {}", unread.join(", ")));
     }
     Ok(all)
+}
+
+/// The text of a library. Names may be in any encoding: bytes that are not UTF-8 are replaced. UTF-16 is known by its mark.
+fn decoded(bytes: &[u8]) -> String {
+    let wide = |rest: &[u8], of: fn([u8; 2]) -> u16| {
+        let units: Vec<u16> = rest.chunks_exact(2).map(|pair| of([pair[0], pair[1]])).collect();
+        String::from_utf16_lossy(&units)
+    };
+    match bytes {
+        [0xff, 0xfe, rest @ ..] => wide(rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => wide(rest, u16::from_be_bytes),
+        [0xef, 0xbb, 0xbf, rest @ ..] => String::from_utf8_lossy(rest).into_owned(),
+        _ => String::from_utf8_lossy(bytes).into_owned(),
+    }
+}
+
+/// The line without its end, if it continues in the next one: a backslash that stands alone. One at the end of a word is a part of a path.
+fn continued(line: &str) -> Option<&str> {
+    let head = line.trim_end().strip_suffix('\\')?;
+    (head.is_empty() || head.ends_with(char::is_whitespace)).then_some(head)
 }
 
 /// The statements about a material so far.
@@ -199,17 +225,22 @@ impl Reader<'_> {
             // Some files mean the opposite by it: `d`, where it stands, is sure.
             "Tr" => entry.transparency = Some(number(word, rest)?),
             "Ka" | "map_Ka" | "Ni" | "sharpness" => {}
-            _ if self.unread.iter().any(|known| known == word) => {}
-            _ => self.unread.push(word.to_owned()),
+            _ => self.tell_unread(word),
         }
         Ok(())
+    }
+
+    fn tell_unread(&mut self, word: &str) {
+        if self.unread.iter().all(|known| known != word) {
+            self.unread.push(word.to_owned());
+        }
     }
 
     /// A colour; none for a spectrum or one in another space.
     fn color(&mut self, word: &str, rest: &str) -> Result<Option<Vec3>, String> {
         let words: Vec<&str> = rest.split_whitespace().collect();
         if words.first() == Some(&"spectral") {
-            self.unread.push(format!("{word} {}", words[0]));
+            self.tell_unread(&format!("{word} {}", words[0]));
             return Ok(None);
         }
         let is_xyz = words.first() == Some(&"xyz");
@@ -265,6 +296,7 @@ impl Reader<'_> {
                 "-o" => offset = Vec2::new(value(1, 0.0), value(2, 0.0)),
                 "-bm" => bump = value(1, 1.0),
                 "-clamp" if taken.get(1) == Some(&"on") => options.wrap = Wrap::Clamp,
+                "-mm" if (value(1, 0.0), value(2, 1.0)) != (0.0, 1.0) => self.tell_unread("-mm"),
                 "-imfchan" => options.source = source(taken.get(1).copied().unwrap_or(""))?,
                 _ => {}
             }

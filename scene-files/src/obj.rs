@@ -1,6 +1,7 @@
 //! Wavefront OBJ: positions, normals, smoothing groups, texture coordinates, colours, polygons by material. Lines and curves are ignored.
 
 use crate::context::{Context, counted};
+use crate::look::Look;
 use crate::mtl::without_comment;
 use crate::obj_libraries::Libraries;
 use crate::obj_lines::{self, Run};
@@ -56,7 +57,11 @@ pub(crate) fn obj_text(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError
 pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Vec<Part>, SceneError> {
     let (mut lists, groups, [short, infinite]) = read(path, text, context)?;
     let Groups { names, lists: mut groups, libraries, .. } = groups;
+    let has_libraries = libraries.are_there();
     let looks = libraries.looks(path, context)?;
+    if has_libraries {
+        tell_unknown(path, &names, &groups, &looks, context);
+    }
     let mut left_out = vec![
         counted(short, "face", "fewer than three corners"),
         counted(infinite, "face", "corners that are NaN, infinite or beyond single precision (3.4e38)"),
@@ -102,6 +107,27 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
         part.name = name;
     }
     Ok(parts)
+}
+
+/// Warns of materials that faces use and no library has.
+fn tell_unknown(
+    path: &Path,
+    names: &[String],
+    groups: &[Vec<Face>],
+    looks: &HashMap<String, Look>,
+    context: &mut Context,
+) {
+    let used = names.iter().zip(groups).filter(|(name, faces)| !name.is_empty() && !faces.is_empty());
+    let unknown: Vec<&str> = used.filter(|(name, _)| !looks.contains_key(*name)).map(|(name, _)| &name[..]).collect();
+    match unknown[..] {
+        [] => {}
+        [name] => context.warn(path, format!("no library has the material {name}: its faces have the default one")),
+        [first, ..] => {
+            let count = unknown.len();
+            context
+                .warn(path, format!("no library has {count} materials ({first}, …): their faces have the default one"));
+        }
+    }
 }
 
 /// All numbers and faces of a file, and how many faces were left out for each of two reasons: too few corners, and infinite ones.

@@ -59,6 +59,11 @@ impl Libraries {
         }
     }
 
+    /// Whether all libraries that the file names exist. False where it names none.
+    pub(crate) fn are_there(&self) -> bool {
+        !self.found.is_empty() && self.missing.is_empty()
+    }
+
     /// The materials of all of them, each read once.
     pub(crate) fn looks(self, path: &Path, context: &mut Context) -> Result<HashMap<String, Look>, SceneError> {
         let mut looks = HashMap::new();

@@ -10,8 +10,7 @@ const FAR: f64 = 32.0;
 
 /// A point near `center` for a thing of that size, or the origin where that is near enough. Of few binary digits, so that the
 /// differences of most numbers to it are exact.
-pub(crate) fn near(center: Vec3, size: f32) -> DVec3 {
-    let (center, size) = (center.as_dvec3(), f64::from(size));
+pub(crate) fn near(center: DVec3, size: f64) -> DVec3 {
     if !(center.is_finite() && size > 0.0 && size.is_finite()) || center.abs().max_element() <= FAR * size {
         return DVec3::ZERO;
     }
@@ -30,13 +29,13 @@ mod tests {
 
     #[test]
     fn only_what_is_far_has_an_origin_of_its_own() {
-        assert_eq!(near(Vec3::new(30.0, -5.0, 2.0), 1.0), DVec3::ZERO);
-        assert_eq!(near(Vec3::new(1e6, 3.0, -2e5), 5.0), DVec3::new(1e6, 0.0, -2e5));
-        for size in [0.0, f32::NAN, f32::INFINITY, -1.0] {
-            assert_eq!(near(Vec3::splat(1e6), size), DVec3::ZERO);
+        assert_eq!(near(DVec3::new(30.0, -5.0, 2.0), 1.0), DVec3::ZERO);
+        assert_eq!(near(DVec3::new(1e6, 3.0, -2e5), 5.0), DVec3::new(1e6, 0.0, -2e5));
+        for size in [0.0, f64::NAN, f64::INFINITY, -1.0] {
+            assert_eq!(near(DVec3::splat(1e6), size), DVec3::ZERO);
         }
-        assert_eq!(near(Vec3::NAN, 1.0), DVec3::ZERO);
-        let tiny = near(Vec3::splat(1.0), 1e-30);
+        assert_eq!(near(DVec3::NAN, 1.0), DVec3::ZERO);
+        let tiny = near(DVec3::splat(1.0), 1e-30);
         assert!(tiny.is_finite() && tiny.distance(DVec3::ONE) < 1e-15);
     }
 }

@@ -190,7 +190,9 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], context: &mut Context) -> Result<
         }
     }
     if mesh.mesh.triangles.is_empty() {
-        return Err(SceneError::file(path, "no triangles"));
+        let has_strips = elements.iter().any(|e| e.name == "tristrips" && e.count > 0);
+        let why = if has_strips { "no triangles: strips (element tristrips) are not read" } else { "no triangles" };
+        return Err(SceneError::file(path, why));
     }
     mesh.parts(path, context).map_err(|message| SceneError::file(path, message))
 }
@@ -244,6 +246,12 @@ fn header(rest: &mut &[u8], line: &mut usize, size: usize) -> Result<Header, Str
     }
     if !has("face", &["vertex_indices", "vertex_index"]) {
         return Err("face has no vertex_indices".to_owned());
+    }
+    let place = |element: &str| elements.iter().position(|e| e.name == element);
+    if let (Some(face), Some(vertex)) = (place("face"), place("vertex"))
+        && face < vertex
+    {
+        return Err("faces before vertices are not read: expected element vertex before element face".to_owned());
     }
     Ok(Header { format, elements, images })
 }

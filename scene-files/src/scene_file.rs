@@ -27,12 +27,25 @@ const WORTH_SAYING: f32 = 0.02;
 /// origin, most of its objects and lights too, is read relative to a point near the first target of its camera.
 pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
     let mark = context.files.budget.mark();
-    let (scene, animation) = parse_from(path, text, DVec3::ZERO, context)?;
+    let (scene, animation) = match parse_from(path, text, DVec3::ZERO, context) {
+        Ok(read) => read,
+        Err(error) => {
+            // Single precision may not tell corners apart that are far from the origin.
+            let place = written_place(path, text).filter(|(p, _)| p.abs().max_element() <= f64::from(MAX_COORDINATE));
+            let origin = place.map_or(DVec3::ZERO, |(place, size)| crate::origin::near(place, size));
+            if origin == DVec3::ZERO {
+                return Err(error);
+            }
+            context.files.budget.back_to(mark);
+            *context = context.anew();
+            return parse_from(path, text, origin, context);
+        }
+    };
     let mut camera = scene.camera;
     if let Some(CameraMover::Keys(keys)) = &animation.camera {
         camera = keys.at(0.0);
     }
-    let origin = crate::origin::near(camera.target, camera.eye.distance(camera.target));
+    let origin = crate::origin::near(camera.target.as_dvec3(), camera.eye.distance(camera.target).into());
     // A camera may be far from all that it sees, and its target be next to it.
     let centers =
         scene.objects.iter().map(|o| o.shape.bounds().center()).chain(scene.lights.iter().filter_map(place_of));
@@ -45,6 +58,31 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<(S
     context.files.budget.back_to(mark);
     *context = context.anew();
     parse_from(path, text, origin, context)
+}
+
+/// A place in the scene in double precision, and the size of what is seen there: the target of the camera and its distance, or without a
+/// camera the place of the first object that has one, and 1.
+fn written_place(path: &Path, text: &str) -> Option<(DVec3, f64)> {
+    let source = Source { path, text };
+    let root = DeTable::parse(text).ok()?;
+    let mut root = Table::new(source, 0, "scene", root.get_ref());
+    if let Some(camera) = root.get("camera") {
+        let mut camera = camera.table().ok()?;
+        let [eye, target] = [camera.get("eye")?.place().ok()?, camera.get("target")?.place().ok()?];
+        return Some((target, eye.distance(target)));
+    }
+    let objects = root.get("objects")?.elements("[[objects]]").ok()?;
+    objects.into_iter().find_map(|object| place_of_object(object.table().ok()?)).map(|place| (place, 1.0))
+}
+
+/// Where a file says that an object is: its translation, else the place of its shape.
+fn place_of_object(mut object: Table<'_>) -> Option<DVec3> {
+    if let Some(translate) = object.get("translate") {
+        return translate.place().ok();
+    }
+    let (key, shape) =
+        ["quad", "box", "sphere", "plane"].into_iter().find_map(|key| object.get(key).map(|shape| (key, shape)))?;
+    shape.table().ok()?.get(if key == "plane" { "point" } else { "center" })?.place().ok()
 }
 
 /// Width and height of `[image]`.

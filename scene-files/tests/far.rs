@@ -289,3 +289,40 @@ fn far_cameras_leave_the_scene_where_it_is() {
     let (scene, animation, _) = scene_files::load_animated(&file).unwrap();
     assert_eq!((animation.origin(), scene.camera.eye.z), (DVec3::ZERO, 1000.0));
 }
+
+/// Where single precision gives all corners of a cube one place, as at 1e7, the cube is still read; so are a scene file that is far, and
+/// one without a camera.
+#[test]
+fn cubes_that_single_precision_collapses_are_read() {
+    let folder = TempDir::new().unwrap();
+    let area = |scene: &Scene| {
+        let of = |o: &scene::Object| match &o.shape {
+            Shape::Mesh(mesh) if o.name != "floor" => mesh.area(),
+            _ => 0.0,
+        };
+        scene.objects.iter().map(of).sum::<f64>()
+    };
+    for far in [1e7, 1e8] {
+        let s = DVec3::new(far, 0.3 * far, -far);
+        for (name, content) in [("m.obj", obj as fn(DVec3) -> String), ("m.ply", ply)] {
+            let file = folder.path().join(name);
+            let read = |s| {
+                fs::write(&file, content(s)).unwrap();
+                area(&scene_files::load_animated(&file).unwrap().0)
+            };
+            let (near, there) = (read(DVec3::ZERO), read(s));
+            assert!((there / near - 1.0).abs() < 1e-6, "{name} at {far}: {there}, not {near}");
+        }
+        let at = |x: f64, y: f64, z: f64| format!("[{}, {}, {}]", s.x + x, s.y + y, s.z + z);
+        let (camera, cube) = (
+            format!("[camera]\neye = {}\ntarget = {}\n", at(1.0, 2.0, 3.0), at(0.0, 0.5, 0.0)),
+            format!("[[objects]]\nbox = {{ center = {}, size = [1, 1, 1] }}\n", at(0.0, 0.5, 0.0)),
+        );
+        for text in [cube.clone(), format!("{camera}{cube}")] {
+            let file = folder.path().join("s.toml");
+            fs::write(&file, &text).unwrap();
+            let (scene, animation, _) = scene_files::load_animated(&file).unwrap();
+            assert!((area(&scene) - 6.0).abs() < 1e-5 && animation.origin().distance(s) < 10.0, "{text}");
+        }
+    }
+}

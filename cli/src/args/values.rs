@@ -47,7 +47,7 @@ pub(super) fn crease(text: &str) -> Result<f32, String> {
 }
 
 pub(super) fn time(text: &str) -> Result<f32, String> {
-    number(text, "of at least 0", |x| x >= 0.0 && x.is_finite())
+    number(text, "of at least 0, finite in single precision", |x| x >= 0.0 && x.is_finite())
 }
 
 pub(super) fn fps(text: &str) -> Result<f32, String> {
