@@ -13,6 +13,8 @@ pub(crate) const FEW: u32 = 3;
 pub(crate) const OF: u32 = 8;
 /// A mask is fine enough if 1/FILLED of its samples is lit.
 pub(crate) const FILLED: u32 = 4;
+/// A window is divided before it has a mask if less than this part of it is lit, as far as segments tell.
+const SPARSE: f32 = 0.1;
 /// Openings between the samples of such a mask matter if less than 1/FAINT is lit.
 const FAINT: u32 = 16;
 /// If less than 1/SLIGHT is lit, masks are drawn again for ordinary penumbrae as well: the light seen through an opening may end at its own
@@ -163,12 +165,14 @@ impl NearMasks {
     ) {
         self.clear();
         self.jobs.clear();
-        let cell = places::sides(window);
-        match Group::new(places, cell.clone(), may_turn) {
-            Some(group) => self.add(group, may_turn, MOST / 2),
-            None => self.jobs.extend(quarters(window).map(|window| Job { window, cell: cell.clone(), grown: 0 })),
-        }
         let smallest = window.smallest();
+        match Group::new(places, places::sides(window), may_turn) {
+            Some(group) => self.add(group, may_turn, MOST / 2),
+            None => self.jobs.extend(quarters(window).map(|quarter| {
+                let cell = places::sides(&quarter.window(window, smallest));
+                Job { window: quarter, cell, grown: 0 }
+            })),
+        }
         let mut left = MOST;
         while let Some(job) = self.next() {
             if self.masks.len() == self.used {
@@ -222,7 +226,7 @@ impl NearMasks {
         let mut groups = vec![group];
         let mut count = 1;
         while let Some(group) = groups.pop() {
-            match if count < room { group.divided(0.1, may_turn) } else { None } {
+            match if count < room { group.divided(SPARSE, may_turn) } else { None } {
                 Some(parts) => {
                     count += 1;
                     groups.extend(parts);

@@ -256,7 +256,7 @@ impl<B: Blockers> MaskVisibility<B> {
             mask.reset_to(square, depth, query.at.normal, query.outline);
             if !mask.is_dark() {
                 self.blockers.splat(query, blockers, mask);
-                if seeks && is_faint(mask) {
+                if seeks && is_found && is_faint(mask) {
                     self.blockers.mark_openings(query, blockers, mask, narrowest);
                 }
             }
