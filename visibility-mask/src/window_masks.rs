@@ -87,7 +87,11 @@ impl WindowMasks {
     /// Lets `mark` mark openings between the samples of each mask. Returns whether it does so for all.
     pub(crate) fn mark(&mut self, mut mark: impl FnMut(&mut Mask) -> bool) -> bool {
         let count = (self.grid[0] * self.grid[1]) as usize;
-        self.masks[..count].iter_mut().fold(true, |all, mask| mark(mask) && all)
+        let mut are_known = true;
+        for mask in &mut self.masks[..count] {
+            are_known &= mark(mask);
+        }
+        are_known
     }
 
     /// Whether openings between samples are marked.
