@@ -63,11 +63,13 @@ fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     out
 }
 
+/// Points of which a light is the hull, as a receiver sees it.
+type Seen = fn(DVec3) -> Vec<DVec3>;
+
 /// The light and the blockers outside of the room.
 struct Outside {
     opening: Opening,
-    /// Points of which the light is the hull, for a receiver.
-    light: fn(DVec3) -> Vec<DVec3>,
+    light: Seen,
     /// Corners of a convex blocker beyond the opening.
     blocker: Vec<DVec3>,
 }
@@ -163,7 +165,7 @@ fn sky_seen(_: DVec3) -> Vec<DVec3> {
 }
 
 /// The lights outside, with their names and how they are seen.
-fn lights() -> [(&'static str, Vec<Light>, fn(DVec3) -> Vec<DVec3>); 4] {
+fn lights() -> [(&'static str, Vec<Light>, Seen); 4] {
     [
         ("square", vec![square(SQUARES[0])], square_seen::<0>),
         ("large square", vec![square(SQUARES[1])], square_seen::<1>),
@@ -212,7 +214,7 @@ fn slits_before_near_lights_are_found() {
         signs.map(|[x, y]| CENTER + HALVES[K] * DVec3::new(x, y, 0.0)).to_vec()
     }
     let opening = [-0.02, 0.02, -1.3, 0.8];
-    for (half, light) in HALVES.into_iter().zip([seen::<0> as fn(DVec3) -> Vec<DVec3>, seen::<1>]) {
+    for (half, light) in HALVES.into_iter().zip([seen::<0> as Seen, seen::<1>]) {
         let [u, v] = [Vec3::X * half.x as f32, Vec3::Y * half.y as f32];
         let emits = FlatLight::rectangle(CENTER.as_vec3(), u, v, Vec3::ONE).expect("a rectangle");
         let outside = Outside { opening, light, blocker: Vec::new() };

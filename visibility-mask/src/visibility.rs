@@ -37,8 +37,8 @@ pub enum LookAgain {
 ///
 /// # Method
 /// The blockers fill a mask of the whole light. If so little of it is lit that few samples measure its size, masks are drawn again in
-/// windows around the lit part, or around all edges as well if these take less than half of the light, so that the error is small
-/// compared with the visible part; [`LookAgain`] says where. A lobe narrower than the light has a mask of its own over the part of the light that it covers,
+/// windows around the lit part and, before wide lights, around openings between samples that the blockers [mark](Blockers::mark_openings), so
+/// that the error is small compared with the visible part; [`LookAgain`] says where. A lobe narrower than the light has a mask of its own over the part of the light that it covers,
 /// since the cells of the whole mask would limit its accuracy. As things move, samples come and go. Below a tolerance of 0.5 % the
 /// window of a narrow lobe is divided into 2 × 2 parts with a mask each, below 0.2 % into 3 × 2 and the whole light into 2 × 2
 /// ([`Fineness`]): with gentle motion 95 % of the pops are then smaller than the tolerance. The visible part of the light for a
