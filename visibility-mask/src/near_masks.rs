@@ -11,6 +11,8 @@ pub(crate) const LEAST: u32 = 40;
 /// or fewer than FEW of OF rows have a lit sample: with few rows the ends of the lit part matter.
 pub(crate) const FEW: u32 = 3;
 pub(crate) const OF: u32 = 8;
+/// The lit part of an opening is narrow if rows have less than 1/NARROW of their samples lit.
+const NARROW: u32 = 16;
 /// A mask is fine enough if 1/FILLED of its samples is lit.
 pub(crate) const FILLED: u32 = 4;
 /// A window is divided before it has a mask if less than this part of it is lit, as far as segments tell.
@@ -39,6 +41,8 @@ pub(crate) struct LitCounts {
     emitting: u32,
     lit_rows: u32,
     rows: u32,
+    /// Samples in a row.
+    width: u32,
 }
 
 impl LitCounts {
@@ -47,12 +51,18 @@ impl LitCounts {
         self.emitting += mask.emitting_count();
         self.lit_rows += (0..mask.side()).map(|j| u32::from(!mask.is_row_dark(j))).sum::<u32>();
         self.rows += mask.side() as u32;
+        self.width = mask.width() as u32;
     }
 
     /// Whether so little is lit that few samples measure its size.
     pub(crate) fn are_few(self) -> bool {
-        let Self { lit, emitting, lit_rows, rows } = self;
+        let Self { lit, emitting, lit_rows, rows, .. } = self;
         LITTLE * lit < emitting && (LEAST * lit < emitting || OF * lit_rows < FEW * rows)
+    }
+
+    /// Whether rows have so few lit samples that these may all be one more, or one less, in a row after another.
+    pub(crate) fn are_narrow(self) -> bool {
+        NARROW * self.lit < self.lit_rows * self.width
     }
 
     /// Whether no sample is lit.

@@ -247,7 +247,8 @@ impl<B: Blockers> MaskVisibility<B> {
         let seeks = is_wide && is_opening;
         let narrowest = NARROWEST_OPENING * square.half.x;
         let are_known = seeks && masks.mark(|mask| self.blockers.mark_openings(query, blockers, mask, narrowest));
-        if !masks.has_openings() && !(counts.are_few() && (is_opening || counts.are_slight())) {
+        let is_narrow = seeks && counts.are_narrow();
+        if !masks.has_openings() && !is_narrow && !(counts.are_few() && (is_opening || counts.are_slight())) {
             return;
         }
         let is_found = masks.has_openings() || !counts.are_none();

@@ -446,10 +446,9 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         // The columns are the rows of a mask that is turned.
         let mut turned = core::mem::take(&mut scratch.turned);
         turned.reset_to(&mask.square().turned(), mask.depth(), query.at.normal, query.outline);
-        let row_above = |x: f32| ((x - raster.bottom) * raster.rows - 0.5).ceil();
         self.open_between(query, scratch, &turned, narrowest, |view, opening| {
-            let [from, to] = opening.ends.map(|at| row_above(view.point(opening.row, at).x));
-            from == to
+            // Rows count all of a lower one, or nothing.
+            opening.width() * raster.rows < view.raster.samples
         });
         scratch.turned = turned;
         let (rows, columns) = scratch.marks.split_at_mut(of_rows);
