@@ -25,7 +25,7 @@ pub enum LookAgain {
     /// Nowhere: the tolerance is a part of the unshadowed radiance.
     Never,
     /// In all parts of a sky, where an opening is seen, whose lit part ends at blockers on two opposite sides, and where less than a tenth of the
-    /// light is seen.
+    /// light is seen; before lights wider than 17° to each side also for openings between samples.
     #[default]
     Openings,
     /// In all dark ends of ordinary penumbrae, and for openings between the samples, so that the tolerance is a part of the receiver's own
