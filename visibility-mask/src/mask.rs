@@ -40,8 +40,7 @@ pub struct Mask {
     halves: [[u32; ROWS]; 2],
     coarse: bool,
     /// Openings between samples.
-    openings: Vec<[Vec2; 2]>,
-    stride: usize,
+    openings: Vec<([Vec2; 2], f32)>,
     /// Half-planes of the next square's plane, outside of which nothing emits.
     cell: Vec<Vec3>,
 }
@@ -81,7 +80,6 @@ impl Default for Mask {
             halves: [[0; ROWS]; 2],
             coarse: false,
             openings: Vec::new(),
-            stride: 1,
             cell: Vec::new(),
         }
     }
@@ -442,21 +440,15 @@ impl Mask {
         self.fine_rows().iter().map(row::count).sum()
     }
 
-    /// Marks an opening between samples, with its ends on a line along the rows or across them, in plane coordinates: the mask shows nothing of it,
-    /// and is drawn again around it. `stride`: openings are looked for on one of so many lines.
-    pub fn mark_opening(&mut self, ends: [Vec2; 2], stride: usize) {
-        self.openings.push(ends);
-        self.stride = stride;
+    /// Marks an opening between samples, with its ends on a line along the rows or across them, in plane coordinates: the mask may show nothing of it,
+    /// and is drawn again around it. `line` is the distance of the lines on which openings are looked for.
+    pub fn mark_opening(&mut self, ends: [Vec2; 2], line: f32) {
+        self.openings.push((ends, line));
     }
 
-    /// The openings that are marked.
-    pub(crate) fn openings(&self) -> &[[Vec2; 2]] {
+    /// The openings that are marked, and the distances of their lines.
+    pub(crate) fn openings(&self) -> &[([Vec2; 2], f32)] {
         &self.openings
-    }
-
-    /// The distance of the lines on which openings are marked, across the columns and across the rows.
-    pub(crate) fn lines(&self) -> Vec2 {
-        self.cell() * self.stride as f32
     }
 
     /// The area of a sample in plane coordinates.

@@ -30,9 +30,6 @@ const MOST: usize = 24;
 const SMALLER: f32 = 0.75;
 /// How often a window may grow.
 const MOST_GROWN: u32 = 3;
-/// The lit part ends between two samples, of which one is dark: a window around it has this much room, in samples and in rows.
-pub(crate) const ROOM_SAMPLES: f32 = 2.0;
-pub(crate) const ROOM_ROWS: f32 = 1.0;
 
 /// Numbers of lit and of emitting samples of masks; numbers of rows with any lit sample, and of all rows.
 #[derive(Clone, Copy, Debug, Default)]

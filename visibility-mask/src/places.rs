@@ -13,7 +13,10 @@ const DIVIDED: f32 = 0.8;
 const CUTS: [f32; 3] = [0.25, 0.5, 0.75];
 /// Lit samples of a row that are no farther apart than 1/NEAR of it are one segment.
 const NEAR: u32 = 16;
-/// So many places show the direction of a shape.
+/// The lit part ends between two samples, of which one is dark: a window around it has this much room, in samples and in rows.
+pub(crate) const ROOM_SAMPLES: f32 = 2.0;
+pub(crate) const ROOM_ROWS: f32 = 1.0;
+/// The number of places that show the direction of a shape.
 const SURE: usize = 3;
 /// The room beside exact segments, in parts of their width.
 const BESIDE: f32 = 0.15;
@@ -56,10 +59,9 @@ pub(crate) fn add(mask: &Mask, window: &UnitSquare, out: &mut Vec<Place>) {
             out.push(Place { ends: [at(start), at(last)], line, is_column: false, room: samples.recip() });
         }
     }
-    for ends in mask.openings() {
+    for (ends, line) in mask.openings() {
         let is_column = ends[0].x == ends[1].x;
-        let line = if is_column { mask.lines().x } else { mask.lines().y };
-        out.push(Place { ends: ends.map(|p| turn.rotate(p)), line, is_column, room: 0.0 });
+        out.push(Place { ends: ends.map(|p| turn.rotate(p)), line: *line, is_column, room: 0.0 });
     }
 }
 
@@ -81,7 +83,7 @@ impl Turned {
                 let p = back.rotate(end);
                 (low, high) = (low.min(p), high.max(p));
             }
-            room = room.max(Vec2::new(2.0 * place.room, place.line));
+            room = room.max(Vec2::new(ROOM_SAMPLES * place.room, ROOM_ROWS * place.line));
         }
         let beside = Vec2::new(BESIDE * (high.x - low.x), 0.0);
         // The direction of a shape that few lines cross is not known.

@@ -7,7 +7,7 @@
 use crate::row::{COARSE, WIDTH};
 use crate::sky::{SkyResolution, buffer, meridians, pole, spread, view};
 use crate::{
-    Fineness, MAX_DEPTH, accuracy, contour, edges, fineness, near_masks, square, visibility, visible_fraction,
+    Fineness, MAX_DEPTH, accuracy, contour, edges, fineness, near_masks, places, square, visibility, visible_fraction,
 };
 use lobe_core::wgsl::{self as lobes, Piece};
 use lobe_core::wgsl_numbers;
@@ -120,7 +120,7 @@ static NEAR: Piece = Piece::new(include_str!("near.wgsl"))
         NEAR_FILLED = near_masks::FILLED as f32,
         NEAR_ENDS = near_masks::ENDS as f32,
         NEAR_SLIGHT = near_masks::SLIGHT as f32,
-        NEAR_ROOM = (near_masks::ROOM_SAMPLES, near_masks::ROOM_ROWS),
+        NEAR_ROOM = (places::ROOM_SAMPLES, places::ROOM_ROWS),
         NEAR_MOST = 8_u32,
     ])
     .needs(&[&MASK, &TOTAL]);

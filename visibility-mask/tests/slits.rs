@@ -56,7 +56,7 @@ impl Blockers for Slit {
             let x = center.x + half.x * ((2 * k + 1) as f32 / mask.side() as f32 - 1.0);
             let ends = [PLACE - HALF, PLACE + HALF].map(|place| Vec2::new(x, (place - right.x * x) / up.x));
             if ends[0].length() < mask.square().disc {
-                mask.mark_opening(ends, 1);
+                mask.mark_opening(ends, mask.cell().x);
             }
         }
         true

@@ -6,9 +6,7 @@ use crate::hull::Fineness;
 use crate::levels::Levels;
 use crate::lists::{Lists, Meshes};
 use crate::near_light::NearLights;
-use crate::openings::{Opening, Openings, stride};
 use crate::penumbra::narrowest;
-
 use crate::project::{Crossing, View, project};
 use crate::select::{Silhouettes, add_edges, silhouettes};
 use crate::topology::normal;
@@ -19,6 +17,10 @@ use lobe_core::{Cone, Outline, Receiver, Sphere};
 use shading::{Coverage, Shaft, VisibilityQuery};
 use visibility_mask::{Blockers, Edges, Mask, facet_coverage};
 
+mod openings;
+
+use openings::Openings;
+
 /// The size of details that a tolerance leaves out: this fraction of it, in radii of the light. A root mean square, measured so
 /// that masks differ by less than a quarter of the tolerance in the mean.
 const DETAIL: f32 = 4.0;
@@ -28,9 +30,6 @@ const ALONG: f64 = 0.999_9;
 
 /// The widest disc, `1 − cos θ`, in front of which edges are summed.
 pub(crate) const WIDEST_DISC: f32 = 0.9;
-
-/// Openings between samples are marked if they are more than 1/HIDDEN of the lit samples.
-const HIDDEN: f32 = 128.0;
 
 /// Traces the rays that outlines leave open: whether a ray meets any triangle.
 ///
@@ -262,6 +261,7 @@ pub struct SilhouetteScratch<H> {
     fewest: Fewest,
     next: Fewest,
     openings: Openings,
+    /// Ends of openings, and a mask for those between rows.
     marks: Vec<[Vec2; 2]>,
     turned: Mask,
     hits: H,
@@ -439,63 +439,8 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         mask: &mut Mask,
         narrowest: f32,
     ) -> bool {
-        let raster = mask.raster();
-        scratch.marks.clear();
-        self.open_between(query, scratch, mask, narrowest, |_, opening| !opening.is_seen(&raster));
-        let of_rows = scratch.marks.len();
-        // The columns are the rows of a mask that is turned.
-        let mut turned = core::mem::take(&mut scratch.turned);
-        turned.reset_to(&mask.square().turned(), mask.depth(), query.at.normal, query.outline);
-        self.open_between(query, scratch, &turned, narrowest, |view, opening| {
-            // Rows count all of a lower one, or nothing.
-            opening.width() * raster.rows < view.raster.samples
-        });
-        scratch.turned = turned;
-        let (rows, columns) = scratch.marks.split_at_mut(of_rows);
-        columns.iter_mut().for_each(|ends| *ends = ends.map(|p| Vec2::new(-p.y, p.x)));
-        let hidden = rows.iter().map(|[from, to]| (to.x - from.x) * raster.samples).sum::<f32>()
-            + columns.iter().map(|[from, to]| (to.y - from.y).abs() * raster.rows).sum::<f32>() * raster.width
-                / mask.side() as f32;
-        let stride = stride(mask.side());
-        if HIDDEN * stride as f32 * hidden > mask.lit_count() as f32 {
-            scratch.marks.iter().for_each(|ends| mask.mark_opening(*ends, stride));
-        }
+        self.mark(query, scratch, mask, narrowest);
         true
-    }
-}
-
-impl<H: AnyHit> SilhouetteBlockers<'_, H> {
-    /// Lists those openings between the outlines in a mask's rows that a test keeps.
-    fn open_between(
-        &self,
-        query: &VisibilityQuery<'_>,
-        scratch: &mut SilhouetteScratch<H::Scratch>,
-        mask: &Mask,
-        narrowest: f32,
-        is_hidden: impl Fn(&View, &Opening) -> bool,
-    ) {
-        let mut view = View::new(*mask.square(), mask.raster(), mask.side(), query);
-        let ball = scratch.project_outlines(query, &mut view);
-        let SilhouetteScratch { crossings, counter, openings, marks, facet, origin, hits, .. } = scratch;
-        let facet = facet.map(|face| mask.square().local(face));
-        let emitting = |row: usize| {
-            let (from, to) = facet.map_or_else(|| mask.emitting(row), |n| mask.emitting_above(n, row));
-            from..to
-        };
-        // Between surfaces that all end, or all begin, there is no opening.
-        if !(crossings.iter().any(|c| c.step < 0) && crossings.iter().any(|c| c.step > 0)) {
-            return;
-        }
-        let starts = counter.start(crossings, view.rows.div_ceil(8));
-        let found = openings.find(&view, crossings, &starts, emitting, narrowest * view.raster.samples);
-        found.retain(|opening| is_hidden(&view, opening));
-        // All have the same number of surfaces.
-        let Some(widest) = found.iter().max_by(|a, b| a.width().total_cmp(&b.width())) else { return };
-        let (direction, plane) = view.ray_at(widest.row, 0.5 * (widest.ends[0] + widest.ends[1]));
-        let distance = ball.map_or(plane, |ball| ball.distance(direction));
-        if !self.hits.is_hit(*origin, direction, distance, hits) {
-            marks.extend(found.iter().map(|opening| opening.ends.map(|at| view.point(opening.row, at))));
-        }
     }
 }
 
@@ -545,14 +490,22 @@ impl<H> SilhouetteScratch<H> {
 }
 
 impl<H: AnyHit> SilhouetteBlockers<'_, H> {
+    /// Whether a ray in a direction meets nothing before the light's plane, or before the light if triangles reach into it.
+    fn is_open(
+        &self,
+        (direction, plane): (Vec3, f32),
+        light: Option<Ball>,
+        origin: Vec3,
+        hits: &mut H::Scratch,
+    ) -> bool {
+        let distance = light.map_or(plane, |light| light.distance(direction));
+        !self.hits.is_hit(origin, direction, distance, hits)
+    }
+
     /// Whether the samples with the fewest surfaces before them are open, by rays. Where their number is doubtful, those that are open are added.
     fn is_any_open(&self, view: &View, ball: Option<Ball>, scratch: &mut SilhouetteScratch<H::Scratch>) -> bool {
         let SilhouetteScratch { origin, is_coarse, counter, fewest, next, hits, .. } = scratch;
-        let mut is_ray_open = |row: usize, sample: usize| {
-            let (direction, plane) = view.ray(row, sample);
-            let distance = ball.map_or(plane, |ball| ball.distance(direction));
-            !self.hits.is_hit(*origin, direction, distance, hits)
-        };
+        let mut is_ray_open = |row: usize, sample: usize| self.is_open(view.ray(row, sample), ball, *origin, hits);
         let mut any = fewest.middle.is_some_and(|(row, sample)| is_ray_open(row, sample));
         if *is_coarse {
             // This ray may meet a detail that simplified forms leave out, so two of three rays decide.

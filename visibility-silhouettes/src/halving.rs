@@ -192,8 +192,8 @@ fn both<T: Send>(are_large: bool, one: impl FnOnce() -> T + Send, other: impl Fn
     if are_large { rayon::join(one, other).into() } else { [one(), other()] }
 }
 
-/// Moves the edges that `is_low` holds for to the front; all keep their order. Returns their number.
-fn part(items: &mut [Item], spare: &mut [Item], is_low: impl Fn(&Item) -> bool) -> usize {
+/// Moves the items that `is_low` holds for to the front; all keep their order. Returns their number.
+fn part<T: Copy>(items: &mut [T], spare: &mut [T], is_low: impl Fn(&T) -> bool) -> usize {
     let (mut low, mut high) = (0, 0);
     for k in 0..items.len() {
         // Both, without a branch that cannot be predicted.
@@ -331,16 +331,7 @@ impl Sorted {
         let mut is_low = [false; SORTED];
         self.orders[cut.axis][begin..begin + count].iter().for_each(|place| is_low[usize::from(*place)] = true);
         for axis in (0..3).filter(|axis| *axis != cut.axis) {
-            let order = &mut self.orders[axis][begin..end];
-            let (mut low, mut high, mut spare) = (0, 0, [0; SORTED]);
-            for k in 0..of {
-                let place = order[k];
-                (order[low], spare[high]) = (place, place);
-                let is_low = usize::from(is_low[usize::from(place)]);
-                low += is_low;
-                high += 1 - is_low;
-            }
-            order[low..].copy_from_slice(&spare[..high]);
+            part(&mut self.orders[axis][begin..end], &mut [0; SORTED], |place| is_low[usize::from(*place)]);
         }
         let (leaf, middle) = (count / WIDE, begin + count);
         let areas = if cut.cost.is_finite() { areas } else { self.areas([begin, middle, end]) };

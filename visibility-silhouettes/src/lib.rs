@@ -71,7 +71,6 @@ mod lists;
 mod look;
 mod mesh;
 mod near_light;
-mod openings;
 mod penumbra;
 mod placed;
 mod project;

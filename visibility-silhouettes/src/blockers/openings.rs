@@ -1,8 +1,14 @@
 //! Openings between the samples of a mask, from the crossings of outlines with its rows.
 
+use super::{AnyHit, SilhouetteBlockers, SilhouetteScratch};
 use crate::project::{Crossing, View};
 use core::ops::Range;
-use visibility_mask::Raster;
+use glam::Vec2;
+use shading::VisibilityQuery;
+use visibility_mask::{Mask, Raster};
+
+/// Openings between samples are marked if they are more than 1/HIDDEN of the lit samples.
+const HIDDEN: f32 = 128.0;
 
 /// An interval of a row with the fewest surfaces before it.
 #[derive(Clone, Copy, Debug)]
@@ -106,5 +112,72 @@ impl Openings {
             }
         }
         found
+    }
+}
+
+impl<H: AnyHit> SilhouetteBlockers<'_, H> {
+    /// Marks openings that are between the samples of a mask's rows, and those that are lower than a row.
+    pub(super) fn mark(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut SilhouetteScratch<H::Scratch>,
+        mask: &mut Mask,
+        narrowest: f32,
+    ) {
+        let raster = mask.raster();
+        scratch.marks.clear();
+        self.open_between(query, scratch, mask, narrowest, |_, opening| !opening.is_seen(&raster));
+        let of_rows = scratch.marks.len();
+        // The columns are the rows of a mask that is turned.
+        let mut turned = core::mem::take(&mut scratch.turned);
+        turned.reset_to(&mask.square().turned(), mask.depth(), query.at.normal, query.outline);
+        self.open_between(query, scratch, &turned, narrowest, |view, opening| {
+            // Rows count all of a lower one, or nothing.
+            opening.width() * raster.rows < view.raster.samples
+        });
+        scratch.turned = turned;
+        let (rows, columns) = scratch.marks.split_at_mut(of_rows);
+        columns.iter_mut().for_each(|ends| *ends = ends.map(|p| Vec2::new(-p.y, p.x)));
+        let hidden = rows.iter().map(|[from, to]| (to.x - from.x) * raster.samples).sum::<f32>()
+            + columns.iter().map(|[from, to]| (to.y - from.y).abs() * raster.rows).sum::<f32>() * raster.width
+                / mask.side() as f32;
+        let stride = stride(mask.side()) as f32;
+        if HIDDEN * stride * hidden > mask.lit_count() as f32 {
+            let lines = stride * mask.cell();
+            rows.iter().for_each(|ends| mask.mark_opening(*ends, lines.y));
+            columns.iter().for_each(|ends| mask.mark_opening(*ends, lines.x));
+        }
+    }
+
+    /// Lists those openings between the outlines in a mask's rows that a test keeps.
+    fn open_between(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut SilhouetteScratch<H::Scratch>,
+        mask: &Mask,
+        narrowest: f32,
+        is_hidden: impl Fn(&View, &Opening) -> bool,
+    ) {
+        let mut view = View::new(*mask.square(), mask.raster(), mask.side(), query);
+        let light = scratch.project_outlines(query, &mut view);
+        let SilhouetteScratch { crossings, counter, openings, marks, facet, origin, hits, .. } = scratch;
+        let facet = facet.map(|face| mask.square().local(face));
+        let emitting = |row: usize| {
+            let (from, to) = facet.map_or_else(|| mask.emitting(row), |n| mask.emitting_above(n, row));
+            from..to
+        };
+        // Between surfaces that all end, or all begin, there is no opening.
+        if !(crossings.iter().any(|c| c.step < 0) && crossings.iter().any(|c| c.step > 0)) {
+            return;
+        }
+        let starts = counter.start(crossings, view.rows.div_ceil(8));
+        let found = openings.find(&view, crossings, &starts, emitting, narrowest * view.raster.samples);
+        found.retain(|opening| is_hidden(&view, opening));
+        // All have the same number of surfaces.
+        let Some(widest) = found.iter().max_by(|a, b| a.width().total_cmp(&b.width())) else { return };
+        let ray = view.ray_at(widest.row, 0.5 * (widest.ends[0] + widest.ends[1]));
+        if self.is_open(ray, light, *origin, hits) {
+            marks.extend(found.iter().map(|opening| opening.ends.map(|at| view.point(opening.row, at))));
+        }
     }
 }
