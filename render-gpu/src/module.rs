@@ -27,6 +27,8 @@ pub(crate) struct Variant {
     pub(crate) paper: bool,
     /// Whether the light is a patch of a sky, which shines on the lobes that the sky's sums leave.
     pub(crate) is_patch: bool,
+    /// Whether masks may be drawn again around a small lit part of the light.
+    pub(crate) looks_again: bool,
 }
 
 /// The texts of the materials.
@@ -328,7 +330,7 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     pieces.extend(&variant.materials.needs);
     pieces.extend(world);
     pieces.extend(variant.own.iter().map(|own| own.splat));
-    let declarations = variant.declarations();
+    let declarations = format!("const LOOKS_AGAIN = {};\n{}", variant.looks_again, variant.declarations());
     let texts = [&variant.materials.wgsl, &header, &hooks, &declarations, &stack].map(String::as_str);
     Text::new("penumbra", &pieces, &texts, &variant.bindings()).of(variant)
 }

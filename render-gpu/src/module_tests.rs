@@ -115,6 +115,7 @@ fn variants() -> impl Iterator<Item = Variant> {
                         stack: (!has_spheres).then_some(64),
                         paper,
                         is_patch: depth == 4 && !paper,
+                        looks_again: depth == 5 && !paper,
                     });
                 }
             }
@@ -255,6 +256,7 @@ fn a_kernel_has_only_what_its_scene_uses() {
         stack: None,
         paper: false,
         is_patch: false,
+        looks_again: true,
     };
     let unshadowed = Variant { own: Vec::new(), ..lambert.clone() };
     let text = classify(&unshadowed).text;

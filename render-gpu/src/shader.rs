@@ -206,7 +206,7 @@ impl GpuShader {
     }
 
     /// Where masks are drawn again around a small lit part of a light, as [`MaskVisibility::look_again`](visibility_mask::MaskVisibility::look_again)
-    /// says, in one window, for lobes that are no narrower than the light. A new shader does so nowhere.
+    /// says, in one window or in up to 16 cells, for lobes that are no narrower than the light. A new shader does so nowhere, and has smaller kernels.
     pub fn set_look_again(&mut self, again: LookAgain) {
         self.look_again = again;
     }
@@ -260,6 +260,7 @@ impl GpuShader {
             stack: self.blockers.stack(),
             paper: self.paper.is_some(),
             is_patch,
+            looks_again: self.paper.is_none() && self.look_again != LookAgain::Never,
         };
         self.blockers.compile_all(&self.gpu)?;
         if let Some(known) = self.kernels.iter().position(|(known, _)| *known == variant) {

@@ -7,7 +7,7 @@ var<private> image_sums: array<vec3f, 2>;
 
 fn masks_of_lobe(at: Receiver, light: Cone, tolerance: f32, lobe: Lobe, is_narrow_finer: bool) -> Masks {
     image_sums = array<vec3f, 2>();
-    let whole = visibility_whole;
+    let whole = places_whole;
     if (is_microfacets(lobe)) {
         let is_finer = is_narrow_finer && light_size(whole) > 2.0 * image_alpha(lobe);
         return masks_of_highlight(image_highlight(whole, at, tolerance, lobe), is_finer);

@@ -10,8 +10,8 @@ fn masks_of_microfacets(at: Receiver, tolerance: f32, lobe: Lobe, is_narrow_fine
     if (is_known_edge(lobe)) {
         return Masks();
     }
-    let square = microfacets_highlight(visibility_whole, at, lobe, tolerance);
-    let is_finer = is_narrow_finer && light_size(visibility_whole) > 2.0 * microfacets_width(lobe);
+    let square = microfacets_highlight(places_whole, at, lobe, tolerance);
+    let is_finer = is_narrow_finer && light_size(places_whole) > 2.0 * microfacets_width(lobe);
     return masks_of_highlight(square, is_finer);
 }
 

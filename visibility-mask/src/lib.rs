@@ -14,8 +14,6 @@
 //! use glam::Vec3;
 //! use lobe_core::*;
 //! use shading::*;
-//! use shading::*;
-//! use shading::*;
 //! use visibility_mask::{Blockers, Mask, MaskVisibility};
 //!
 //! /// Hides everything to the left of the light's middle.

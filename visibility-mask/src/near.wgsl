@@ -1,23 +1,35 @@
-// A mask around the lit part of a light, if that is small: as `NearMasks`, but for one window, which is not divided.
+// Masks around the lit part of a light, if that is small: as `NearMasks`, but one of a window that shrinks or grows until the lit part fills it,
+// or one in each of a few cells.
 
-// Whether there is such a mask.
-var<workgroup> near_is_there: bool;
-// Its window, and the area of its samples over that of the whole light's.
+// Their windows, the lower corner and the upper one in plane coordinates, and their number.
+var<workgroup> near_windows: array<vec4f, PLACES_CELLS>;
+var<workgroup> near_count: u32;
+// The windows that are drawn in cells, 0 for one window.
+var<workgroup> near_cells: u32;
+// The window that is tried.
 var<private> near_square: UnitSquare;
+// The number of the mask that is drawn or read, and the area of its samples over that of the whole light's.
+var<private> near_index: u32;
 var<private> near_scale: f32;
 // Where nothing is lit, the number of the quarter of the light that is looked at next; else 0.
 var<private> near_quarter: u32;
-// Emitting samples of all rows, and bits of columns: with lit samples, and with such that end where the light does.
-var<workgroup> near_emitting: array<vec2u, LANES>;
+// Bits of columns: with lit samples, and with such that end where the light does.
 var<workgroup> near_columns: array<atomic<u32>, 16>;
 // The corners of a box around this thread's lit samples, the lower one negated.
 var<private> near_box: vec4f;
 
 fn near_begin(lane: u32) {
     near_box = vec4f(-1e30);
+    places_clear(lane);
     if (lane == 0u) {
-        near_is_there = false;
+        near_count = 0u;
+        near_cells = 0u;
     }
+}
+
+// Whether openings between the samples of a mask matter: before a wide light, or if all of a light's own radiance does.
+fn near_seeks() -> bool {
+    return frame.look_again > 1u || (frame.look_again > 0u && max(places_whole.half.x, places_whole.half.y) > NEAR_WIDE);
 }
 
 // Adds the lit samples of this thread's row of a mask. Of its sides, left and right, those that are `inner` to the window are no ends.
@@ -39,10 +51,10 @@ fn near_add(lane: u32, mask: Mask, inner: vec2<bool>) -> vec2u {
 }
 
 // Whether so little of the light is lit that few samples measure its size: `counts` has its lit and its emitting samples, and its rows with
-// lit ones; there are `rows` in all. Where none is lit, an opening between samples may be looked for.
+// lit ones; there are `rows` in all. Where none is lit, an opening between samples may be marked, or looked for.
 fn near_is_little(counts: vec4f, rows: u32) -> bool {
     if (counts.x == 0.0) {
-        return frame.look_again > 1u && counts.y > 0.0;
+        return counts.y > 0.0 && (frame.look_again > 1u || atomicLoad(&places_count) > 0u);
     }
     let is_few = NEAR_LEAST * counts.x < counts.y || NEAR_OF * counts.z < NEAR_FEW * f32(rows);
     return frame.look_again > 0u && NEAR_LITTLE * counts.x < counts.y && is_few;
@@ -53,12 +65,12 @@ fn near_is_little(counts: vec4f, rows: u32) -> bool {
 fn near_is_opening(counts: vec4f, columns: vec2f) -> bool {
     let is_opening = NEAR_ENDS * counts.w < counts.z || NEAR_ENDS * columns.y < columns.x;
     let is_slight = NEAR_SLIGHT * counts.x < counts.y;
-    return is_opening || is_slight || frame.look_again > 1u || outline_has_sides();
+    return is_opening || is_slight || frame.look_again > 1u || outline_has_sides() || counts.x == 0.0;
 }
 
 // Of the mask that was drawn last the columns with lit samples, and those of them that end where the light does. Requires uniform control flow.
 fn near_columns_of(lane: u32) -> vec2f {
-    near_emitting[lane] = emitting;
+    places_emitting[lane] = emitting;
     if (lane < 16u) {
         atomicStore(&near_columns[lane], 0u);
     }
@@ -67,7 +79,7 @@ fn near_columns_of(lane: u32) -> vec2f {
         near_gather(0u, lit);
         for (var k = 0u; k < 2u; k++) {
             let is_last = lane == select(0u, SIDE - 1u, k > 0u);
-            let beside = near_emitting[select(lane + 2u * k - 1u, lane, is_last)];
+            let beside = places_emitting[select(lane + 2u * k - 1u, lane, is_last)];
             var ends = lit;
             if (!is_last && beside.x < beside.y) {
                 // Rows are shifted by up to half a sample.
@@ -91,16 +103,77 @@ fn near_gather(first: u32, row: Row) {
     }
 }
 
-// The first window: around all lit samples, or where none is lit a quarter of the light. Requires uniform control flow.
-fn near_first(lane: u32, whole: UnitSquare) {
+// The first windows: around all that is lit, in cells if these are much smaller together, or where nothing is lit a quarter of the light.
+// `is_one`: whether the light has one mask, whose samples are those of the thread's row. Requires uniform control flow.
+fn near_first(lane: u32, whole: UnitSquare, is_one: bool) {
     let box = largest(lane, near_box);
     near_box = vec4f(-1e30);
     near_quarter = 0u;
-    if (box.z < -1e29) {
+    if (is_one) {
+        near_add_places(lane);
+    }
+    workgroupBarrier();
+    if (lane == 0u) {
+        near_divide(whole, box, is_one);
+    }
+    let count = workgroupUniformLoad(&near_count);
+    if (lane == 0u) {
+        // One window's mask may not stay.
+        near_count = near_cells;
+    }
+    if (count == 0u) {
         near_square = square_part(whole, 0u, vec2u(2u));
         near_quarter = 1u;
     } else {
-        near_square = square_within(whole, -box.xy, box.zw);
+        let window = near_windows[0];
+        near_square = square_within(whole, window.xy, window.zw);
+    }
+}
+
+// Adds the lit samples of this thread's row to the places, in pieces.
+fn near_add_places(lane: u32) {
+    let half = places_whole.half;
+    let sample = 2.0 * half / vec2f(f32(row_width), f32(SIDE));
+    let origin = places_whole.center - half;
+    let piece = row_width / (2u * PLACES_SIDE);
+    for (var first = 0u; first < row_width; first += piece) {
+        let samples = row_without(row_without(lit, row_span(0u, first)), row_span(first + piece, row_width));
+        if (!row_is_none(samples)) {
+            let ends = row_bounds(samples);
+            places_add(
+                origin + (vec2f(f32(ends.x), f32(lane)) - NEAR_ROOM) * sample,
+                origin + (vec2f(f32(ends.y), f32(lane + 1u)) + NEAR_ROOM) * sample
+            );
+        }
+    }
+}
+
+// Writes the windows: none if nothing is lit or marked. `box`: around the lit samples. By one thread.
+fn near_divide(whole: UnitSquare, box: vec4f, may_divide: bool) {
+    var low = select(-box.xy, vec2f(1e30), box.z < -1e29);
+    var high = select(box.zw, vec2f(-1e30), box.z < -1e29);
+    var sum = 0.0;
+    var count = 0u;
+    // No constant, or compilers would copy the loop's body for each cell.
+    let cells = select(0u, PLACES_CELLS, atomicLoad(&places_count) > 0u);
+    for (var cell = 0u; cell < cells; cell++) {
+        if (places_has(cell)) {
+            let window = places_box(cell);
+            near_windows[count] = window;
+            let size = window.zw - window.xy;
+            sum += size.x * size.y;
+            low = min(low, window.xy);
+            high = max(high, window.zw);
+            count += 1u;
+        }
+    }
+    let all = min(high, whole.center + whole.half) - max(low, whole.center - whole.half);
+    if (may_divide && count > 1u && sum < NEAR_SMALLER * all.x * all.y) {
+        near_cells = count;
+        near_count = count;
+    } else if (all.x > 0.0 && all.y > 0.0) {
+        near_windows[0] = vec4f(low, high);
+        near_count = 1u;
     }
 }
 
@@ -137,12 +210,21 @@ fn near_stays(lane: u32, whole: UnitSquare, count: f32) -> bool {
     return false;
 }
 
-// The mask that was drawn last, with the window `square`, counts beside those of the whole light, whose window is divided so.
-fn near_keep(lane: u32, square: UnitSquare, grid: vec2u) {
+// The mask `near_index` of the window `square` counts beside those of the whole light, whose window is divided so.
+fn near_scale_of(square: UnitSquare, grid: vec2u) -> f32 {
+    let whole = places_whole.half;
+    return square.half.x * square.half.y * f32(grid.x * grid.y) / (whole.x * whole.y);
+}
+
+fn near_window(whole: UnitSquare, index: u32) -> UnitSquare {
+    let window = near_windows[index];
+    return square_within(whole, window.xy, window.zw);
+}
+
+// The window that was tried is that of the mask.
+fn near_keep(lane: u32, square: UnitSquare) {
     if (lane == 0u) {
-        near_is_there = true;
+        near_count = 1u;
+        near_windows[0] = vec4f(square.center - square.half, square.center + square.half);
     }
-    near_square = square;
-    let whole = visibility_whole.half;
-    near_scale = square.half.x * square.half.y * f32(grid.x * grid.y) / (whole.x * whole.y);
 }

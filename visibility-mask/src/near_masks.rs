@@ -18,7 +18,7 @@ pub(crate) const FILLED: u32 = 4;
 /// A window is divided before it has a mask if less than this part of it is lit, as far as segments tell.
 const SPARSE: f32 = 0.1;
 /// Openings between the samples of such a mask matter if less than 1/FAINT is lit.
-const FAINT: u32 = 16;
+pub(crate) const FAINT: u32 = 16;
 /// If less than 1/SLIGHT is lit, masks are drawn again for ordinary penumbrae as well: the light seen through an opening may end at its own
 /// outline.
 pub(crate) const SLIGHT: u32 = 10;
@@ -27,7 +27,7 @@ pub(crate) const ENDS: u32 = 4;
 /// The most masks for a window.
 const MOST: usize = 24;
 /// A mask is replaced by others if these are together smaller than this part of it.
-const SMALLER: f32 = 0.75;
+pub(crate) const SMALLER: f32 = 0.75;
 /// How often a window may grow.
 const MOST_GROWN: u32 = 3;
 

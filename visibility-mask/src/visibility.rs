@@ -17,7 +17,7 @@ pub(crate) const STEEP: f32 = 1.0;
 pub(crate) const WIDE: f32 = 0.6;
 
 /// The width of an opening that is looked for, in windows' half sides: a thousandth of a sample of 64.
-const NARROWEST_OPENING: f32 = 1.0 / 32768.0;
+pub(crate) const NARROWEST_OPENING: f32 = 1.0 / 32768.0;
 
 /// Where masks are drawn again around the lit part of a light that is so small that few samples measure its size.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

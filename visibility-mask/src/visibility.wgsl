@@ -45,11 +45,9 @@ struct Masks {
     turn: Cone,
 }
 
-// The window of the whole light.
-var<private> visibility_whole: UnitSquare;
 // Lit samples and emitting samples of all its masks.
 var<private> visibility_areas: vec2f;
-// `is_own`, `is_broad` and `is_turned` of the first thread, and whether there is a mask around the lit part that counts.
+// `is_own`, `is_broad` and `is_turned` of the first thread, and the number of masks around the lit part that count.
 var<workgroup> visibility_plan: vec4u;
 
 // All masks are drawn here, in one place: drivers compile a function again for each call of it, and blockers are most of a kernel.
@@ -72,46 +70,53 @@ fn visible_fraction(
         masks = masks_of_lobe(at, light, tolerance, lobe, forms.z > 0u);
     }
     if (lane == 0u) {
-        let has_near = !is_whole && masks.is_broad && near_is_there;
-        visibility_plan = vec4u(u32(masks.is_own), u32(masks.is_broad), u32(masks.is_turned), u32(has_near));
+        let near = select(0u, near_count, LOOKS_AGAIN && !is_whole && masks.is_broad);
+        visibility_plan = vec4u(u32(masks.is_own), u32(masks.is_broad), u32(masks.is_turned), near);
     }
     let plan = workgroupUniformLoad(&visibility_plan);
     if (plan.z > 0u) {
         masks.window = light_window(light, visibility_across(lane, tile, at, light, masks.turn), at.normal);
     }
     if (is_whole) {
-        visibility_whole = masks.window;
+        places_whole = masks.window;
     } else if (masks.is_part) {
         masks.window = masks_window(masks.window, at, tolerance, lobe);
     }
     var counts_of_whole = vec4u(0u);
-    if (is_whole) {
+    if (LOOKS_AGAIN && is_whole) {
         near_begin(lane);
     }
     let own_grid = select(counts.zw, counts.xy, is_whole);
     let own = plan.x * own_grid.x * own_grid.y;
     let count = own + plan.y * counts.x * counts.y;
-    // Masks of windows around the lit part: one that is stored, or those that are tried.
-    var more = plan.w;
+    // Masks of windows around the lit part: those that are stored, or those that are tried.
+    var more = select(0u, plan.w, LOOKS_AGAIN);
+    var cells = 0u;
     for (var k = 0u; k < count + more; k++) {
-        let is_near = k >= count;
+        let is_near = LOOKS_AGAIN && k >= count;
         let is_own = k < own;
         let part = select(k - own, k, is_own);
         let grid = select(counts.xy, own_grid, is_own);
-        var window = visibility_whole;
+        var window = places_whole;
         if (is_own) {
             window = masks.window;
         }
         row_refine((is_own && !is_whole) || forms.y > 0u);
         var square = near_square;
+        near_index = 0u;
         if (!is_near) {
             square = square_part(window, part, grid);
+        } else if (cells + plan.w > 0u) {
+            near_index = k - count;
+            square = near_window(places_whole, near_index);
         }
+        near_scale = near_scale_of(square, counts.xy);
         let mask = mask_of(square);
         if (is_own || is_whole || forms.w > 0u) {
             row_bands = forms.x;
             row_first = SIDE * (part / grid.x % forms.x);
             _ = mask_reset(square, lane, at.normal);
+            places_seek = LOOKS_AGAIN && is_whole && !is_near && forms.w == 0u && near_seeks();
             blockers_splat(lane, tile, at, light, mask);
             row_bands = 1u;
             row_first = 0u;
@@ -123,29 +128,33 @@ fn visible_fraction(
             let samples = vec2u(row_count(lit), emitting.y - min(emitting.x, emitting.y));
             let column = part % grid.x;
             let ends = near_add(lane, mask, vec2(column > 0u, column + 1u < grid.x));
-            if (decide(lane, is_near)) {
+            if (LOOKS_AGAIN && decide(lane, is_near)) {
                 let lit_samples = total(lane, vec4f(f32(samples.x), 0.0, 0.0, 0.0)).x;
-                stays = decide(lane, near_stays(lane, visibility_whole, lit_samples) || more == NEAR_MOST);
+                let fits = near_stays(lane, places_whole, lit_samples);
+                stays = decide(lane, cells > 0u || fits || more == NEAR_MOST);
                 more += u32(!stays);
                 // An opening that is not found again is as large as the whole light's masks show.
-                stays = stays && lit_samples > 0.0;
+                stays = stays && (cells > 0u || lit_samples > 0.0);
+                if (stays && cells == 0u) {
+                    near_keep(lane, square);
+                }
                 if (stays) {
-                    near_keep(lane, square, counts.xy);
-                    visibility_areas.x = lit_samples * near_scale;
+                    visibility_areas.x = select(visibility_areas.x, 0.0, near_index == 0u) + lit_samples * near_scale;
                 }
             } else {
                 counts_of_whole += vec4u(samples, ends);
                 if (decide(lane, k + 1u == count)) {
                     let all = total(lane, vec4f(counts_of_whole));
                     visibility_areas = all.xy;
-                    if (decide(lane, forms.w == 0u && near_is_little(all, SIDE * count))) {
+                    if (LOOKS_AGAIN && decide(lane, forms.w == 0u && near_is_little(all, SIDE * count))) {
                         var columns = vec2f(0.0);
                         if (decide(lane, count == 1u)) {
                             columns = near_columns_of(lane);
                         }
                         if (decide(lane, near_is_opening(all, columns))) {
-                            near_first(lane, visibility_whole);
-                            more = 1u;
+                            near_first(lane, places_whole, count == 1u);
+                            cells = workgroupUniformLoad(&near_cells);
+                            more = max(cells, 1u);
                         }
                     }
                 }

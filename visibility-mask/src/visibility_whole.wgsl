@@ -21,7 +21,9 @@ fn masks_use(
 ) {
     let sums = fraction_sums(lane, mask, window, at, lobe);
     if (is_near) {
-        broad_sums = vec4f(sums.x * near_scale, broad_sums.y, sums.z * near_scale, broad_sums.w);
+        let before = select(broad_sums.xz, vec2f(0.0), near_index == 0u);
+        let lit = before + sums.xz * near_scale;
+        broad_sums = vec4f(lit.x, broad_sums.y, lit.y, broad_sums.w);
     } else {
         broad_sums = select(broad_sums + sums, sums, part == 0u);
     }

@@ -13,7 +13,7 @@ fn is_microfacets(lobe: Lobe) -> bool { return HAS_MICROFACETS && lobe.kind >= L
 // The masks of a lobe of cosines, which replace those of the whole light.
 fn masks_of_cosines(at: Receiver, light: Cone, tolerance: f32, lobe: Lobe, is_narrow_finer: bool) -> Masks {
     var masks: Masks;
-    let whole = visibility_whole;
+    let whole = places_whole;
     let peak = square_peak(whole, lobe, at.normal);
     masks.window = whole;
     let square = square_around(whole, peak, zoom_sigmas(tolerance));
@@ -35,7 +35,7 @@ fn masks_of_cosines(at: Receiver, light: Cone, tolerance: f32, lobe: Lobe, is_na
 fn masks_of_highlight(square: UnitSquare, is_finer: bool) -> Masks {
     var masks: Masks;
     masks.window = square;
-    let is_part = any(square.half < visibility_whole.half);
+    let is_part = any(square.half < places_whole.half);
     masks.is_broad = !(is_finer && !is_part);
     masks.is_own = is_part || !masks.is_broad;
     masks.low = select(vec2f(1e30), square.center - square.half, is_part);
@@ -47,14 +47,14 @@ fn masks_window(window: UnitSquare, at: Receiver, tolerance: f32, lobe: Lobe) ->
     return square_zoomed(window, lobe, at.normal, zoom_sigmas(tolerance));
 }
 
-// The same in the mask around the lit part.
-var<private> near_lit: Row;
+// The same in the masks around the lit part.
+var<private> near_lit: array<Row, PLACES_CELLS>;
 
-// Reads the samples of a stored mask. If there is one around the lit part, its lit samples count instead.
+// Reads the samples of a stored mask. If there are some around the lit part, their lit samples count instead.
 fn masks_load(part: u32, is_near: bool, has_near: bool) {
     if (is_near) {
         emitting = vec2u(0u, row_width);
-        lit = near_lit;
+        lit = near_lit[near_index];
         return;
     }
     emitting = broad_emitting[part];
@@ -71,7 +71,7 @@ fn masks_use(
     if (!is_whole) {
         masks_add(lane, mask, window, masks, is_own, is_near, at, lobe);
     } else if (is_near) {
-        near_lit = lit;
+        near_lit[near_index] = lit;
     } else if (part < BROAD_COUNT) {
         broad_emitting[part] = emitting;
         broad_lit[part] = lit;

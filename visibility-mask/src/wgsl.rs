@@ -110,7 +110,15 @@ pub fn sky_header(samples: SkyResolution, most_lobes: u32) -> Option<String> {
 pub static TOTAL: Piece = Piece::new(include_str!("total.wgsl"));
 /// The visible fraction of a lobe through masks. Needs one of [`LAMBERT`] and [`LOBES`].
 pub static FRACTION: Piece = Piece::new(include_str!("fraction.wgsl")).needs(&[&MASK, &TOTAL]);
-/// A mask around a small lit part of a light, which is tried up to so many times.
+/// Boxes around the lit parts of a light, also around those between the samples of a mask, which blockers mark.
+pub static PLACES: Piece = Piece::new(include_str!("near_places.wgsl"))
+    .numbers(wgsl_numbers![
+        PLACES_NARROWEST = 0.5 * visibility::NARROWEST_OPENING,
+        PLACES_FAINT = near_masks::FAINT as f32,
+        PLACES_STEPS = 16_777_216.0_f32,
+    ])
+    .needs(&[&SQUARE]);
+/// Masks around a small lit part of a light: one, which is tried up to so many times, or one in each of a few cells.
 static NEAR: Piece = Piece::new(include_str!("near.wgsl"))
     .numbers(wgsl_numbers![
         NEAR_LITTLE = near_masks::LITTLE as f32,
@@ -122,8 +130,10 @@ static NEAR: Piece = Piece::new(include_str!("near.wgsl"))
         NEAR_SLIGHT = near_masks::SLIGHT as f32,
         NEAR_ROOM = (places::ROOM_SAMPLES, places::ROOM_ROWS),
         NEAR_MOST = 8_u32,
+        NEAR_SMALLER = near_masks::SMALLER,
+        NEAR_WIDE = contour::WIDE,
     ])
-    .needs(&[&MASK, &TOTAL]);
+    .needs(&[&MASK, &TOTAL, &PLACES]);
 /// Masks of blockers. Needs `blockers_edges` and `blockers_splat`, and what [`FRACTION`] needs.
 pub static VISIBILITY: Piece = Piece::new(include_str!("visibility.wgsl"))
     .numbers(wgsl_numbers![CROWDED = accuracy::CROWDED, COARSE = fineness::COARSE, FINEST = Accuracy::FINEST,])

@@ -27,6 +27,8 @@ var<workgroup> silhouettes_starts: array<atomic<i32>, LANES + 1u>;
 var<workgroup> silhouettes_least: atomic<i32>;
 var<workgroup> silhouettes_best: atomic<u32>;
 var<workgroup> silhouettes_open: u32;
+// Whether a flat light's plane cuts triangles in front of the mask.
+var<workgroup> silhouettes_cut: atomic<u32>;
 
 // The window that is drawn, as `View`.
 struct SilhouetteView {
@@ -46,6 +48,20 @@ var<private> silhouettes_window: Cone;
 var<private> silhouettes_light: Cone;
 // Whether edges are summed; otherwise they are drawn.
 var<private> silhouettes_adds: bool;
+
+// The stages of a mask: its samples, then the openings between samples, which are looked for and marked.
+const SILHOUETTES_SAMPLES = 0u;
+const SILHOUETTES_OPENINGS = 1u;
+const SILHOUETTES_MARKS = 2u;
+var<workgroup> silhouettes_stage: u32;
+// Openings are looked for between no more edges than these.
+const SILHOUETTES_LINES = 128u;
+// The lines of edges on the mask, if openings are wanted: the place at row line 0 and its growth from row to row, in samples, then the row at
+// sample 0 and its growth from sample to sample.
+var<workgroup> silhouettes_lines: array<vec4f, SILHOUETTES_LINES>;
+// From which row, up to which, and with what growth of the number of surfaces an edge is crossed from left to right. The same for samples and from
+// below.
+var<workgroup> silhouettes_crossed: array<array<vec3f, 2>, SILHOUETTES_LINES>;
 
 fn silhouettes_view_of(mask: Mask, eye: SilhouetteEye) -> SilhouetteView {
     let square = mask.square;
@@ -149,9 +165,12 @@ fn silhouettes_use(lane: u32, eye: SilhouetteEye, count: u32) {
         let b = silhouettes_from(eye.x, ends.y);
         if (silhouettes_adds) {
             silhouettes_add(eye, a, b);
-        } else {
-            silhouettes_draw(a, b, i32(entry % 8u) - 2);
+            continue;
         }
+        if (LOOKS_AGAIN && places_seek && k < SILHOUETTES_LINES) {
+            silhouettes_crossed[k] = array<vec3f, 2>();
+        }
+        silhouettes_draw(k, a, b, i32(entry % 8u) - 2);
     }
 }
 
@@ -220,8 +239,8 @@ fn silhouettes_clip(depth: f32, start: vec3f, end: vec3f) -> vec3f {
     return vec3f(start.xy + (end.xy - start.xy) * ((depth - start.z) / (end.z - start.z)), depth);
 }
 
-// Counts an edge's crossings with the rows, and its ends between them.
-fn silhouettes_draw(world_a: vec3f, world_b: vec3f, step: i32) {
+// Counts the crossings of edge `k` of the list with the rows, and its ends between them.
+fn silhouettes_draw(k: u32, world_a: vec3f, world_b: vec3f, step: i32) {
     let view = silhouettes_view;
     var a = square_local(view.square, world_a);
     var b = square_local(view.square, world_b);
@@ -232,10 +251,10 @@ fn silhouettes_draw(world_a: vec3f, world_b: vec3f, step: i32) {
     }
     // The line through both ends, from a × (b − a): clipped ends would be too far outside for it.
     let line = cross(a, b - a);
-    for (var k = 0u; k < 2u; k++) {
-        let cut = select(is_near, is_far, vec2<bool>(k == 1u));
+    for (var side = 0u; side < 2u; side++) {
+        let cut = select(is_near, is_far, vec2<bool>(side == 1u));
         if (any(cut)) {
-            let depth = select(view.near, view.far, k == 1u);
+            let depth = select(view.near, view.far, side == 1u);
             let old = a;
             if (cut.x) {
                 a = silhouettes_clip(depth, b, a);
@@ -245,7 +264,7 @@ fn silhouettes_draw(world_a: vec3f, world_b: vec3f, step: i32) {
             }
         }
     }
-    silhouettes_count(a, b, line, step);
+    silhouettes_count(k, a, b, line, step);
 }
 
 // Draws the outlines in which a flat light's plane cuts triangles: from the point at which a triangle goes behind it to the one at
@@ -273,13 +292,15 @@ fn silhouettes_draw_clipped(lane: u32, eye: SilhouetteEye) {
         }
         let side = any_hit_side(corners[0], corners[1], corners[2], eye.x);
         if (start.z > 0.0 && end.z > 0.0 && side != 0.0) {
-            silhouettes_count(start, end, cross(start, end - start), select(-1, 1, side > 0.0));
+            atomicStore(&silhouettes_cut, 1u);
+            silhouettes_count(SILHOUETTES_LINES, start, end, cross(start, end - start), select(-1, 1, side > 0.0));
         }
     }
 }
 
-// Counts an edge between two points of the square's frame, in front of the light; `line` is the normal of the plane through them.
-fn silhouettes_count(a: vec3f, b: vec3f, line: vec3f, step: i32) {
+// Counts an edge between two points of the square's frame, in front of the light; `line` is the normal of the plane through them, `number` that
+// of the edge in the list.
+fn silhouettes_count(number: u32, a: vec3f, b: vec3f, line: vec3f, step: i32) {
     let view = silhouettes_view;
     let raster = view.raster;
     // Computed once for a vertex: the same for all its edges, whichever end it is.
@@ -296,8 +317,7 @@ fn silhouettes_count(a: vec3f, b: vec3f, line: vec3f, step: i32) {
     let low = min(x[0], x[1]);
     let high = max(x[0], x[1]);
     let is_left = vec2<bool>(x[0] < middle[0], x[1] < middle[1]);
-    if (max(row[0], row[1]) == 0.0 || min(row[0], row[1]) == f32(SIDE) || low > f32(row_width) + 1.0 || high < -1.0
-        || (row[0] == row[1] && is_left.x == is_left.y)) {
+    if (max(row[0], row[1]) == 0.0 || min(row[0], row[1]) == f32(SIDE) || low > f32(row_width) + 1.0 || high < -1.0) {
         return;
     }
     var slope = 0.0;
@@ -312,6 +332,19 @@ fn silhouettes_count(a: vec3f, b: vec3f, line: vec3f, step: i32) {
     let first = u32(select(row[1], row[0], is_up));
     let last = u32(select(row[0], row[1], is_up));
     let grows = select(-step, step, is_up);
+    if (LOOKS_AGAIN && places_seek && number < SILHOUETTES_LINES && view.first == 0u) {
+        let rise = select(0.0, -line.x / line.y, line.y != 0.0);
+        let height = select(0.0, -line.z / line.y, line.y != 0.0) + rise * raster.left;
+        let bottom = (height - raster.bottom) * raster.rows - 0.5;
+        silhouettes_lines[number] = vec4f(start, slope, bottom, rise * (raster.rows / raster.samples));
+        let goes_right = x[0] < x[1];
+        silhouettes_crossed[number] = array<vec3f, 2>(
+            vec3f(f32(first), f32(last), f32(grows)), vec3f(low, high, f32(select(step, -step, goes_right)))
+        );
+    }
+    if (row[0] == row[1] && is_left.x == is_left.y) {
+        return;
+    }
     if (view.first == 0u) {
         if (select(is_left.y, is_left.x, is_up)) {
             atomicAdd(&silhouettes_starts[first], -grows);
@@ -411,11 +444,104 @@ fn silhouettes_middle(bits: array<u32, SILHOUETTES_BITS>) -> u32 {
     return best.y + (max(best.x, 1u) - 1u) / 2u;
 }
 
-// Whether a sample sees the light.
-fn silhouettes_sees(eye: SilhouetteEye, row: u32, sample: u32) -> bool {
+// Where edge `k` is crossed by a row at its middle (`axis` 0), as a place in samples, or by a column at a place, as a row; and the growth of the
+// number of surfaces, 0 if it is not crossed.
+fn silhouettes_cross(k: u32, axis: u32, at: f32) -> vec2f {
+    let line = silhouettes_lines[k];
+    let crossed = silhouettes_crossed[k][axis];
+    let place = line.xz + line.yw * at;
+    return vec2f(select(place.x, place.y, axis == 1u), select(0.0, crossed.z, at >= crossed.x && at < crossed.y));
+}
+
+// The intervals between samples of a row or a column that have the fewest surfaces, for the thread's row and its column. Marks those with the number
+// `least`, or returns the widest of those with the fewest: the number, width as a part of the mask, and the middle in samples and rows.
+fn silhouettes_openings(lane: u32, span: vec2u, marks: bool, least: i32) -> SilhouetteOpening {
     let raster = silhouettes_view.raster;
-    let x = raster.left + (f32(sample) + 0.5 + row_phase(row)) / raster.samples;
-    let y = raster.bottom + (f32(row) + 0.5) / raster.rows;
+    let count = min(atomicLoad(&silhouettes_found), SILHOUETTES_LINES);
+    let size = vec2f(f32(row_width), f32(SIDE));
+    let phase = row_phase(lane);
+    var best = SilhouetteOpening(0x7fffffff, 0.0, vec2f(0.0));
+    if (lane >= SIDE) {
+        return best;
+    }
+    var base = 0;
+    for (var j = 0u; j <= lane; j++) {
+        base += atomicLoad(&silhouettes_starts[j]);
+    }
+    var at = f32(lane);
+    var ends = vec2f(span) + phase;
+    // 2, which compilers do not know: they would copy the loop's body.
+    let axes = 1u + silhouettes_known;
+    for (var axis = 0u; axis < axes; axis++) {
+        if (axis == 1u) {
+            // Along the column from the middle of the lowest row on.
+            at = (f32(lane) + 0.5) * (size.x / size.y);
+            ends = vec2f(0.0, size.y - 1.0);
+            base = atomicLoad(&silhouettes_starts[0]);
+            for (var k = 0u; k < count; k++) {
+                let crossing = silhouettes_cross(k, 0u, 0.0);
+                base += select(0, i32(crossing.y), crossing.x <= at);
+            }
+        }
+        let narrowest = PLACES_NARROWEST * select(size.x, size.y, axis == 1u);
+        // From each edge behind which there are fewer surfaces to the next edge, and from the beginning.
+        for (var i = 0u; i <= count && ends.x < ends.y; i++) {
+            var begin = ends.x;
+            if (i < count) {
+                let crossing = silhouettes_cross(i, axis, at);
+                begin = crossing.x;
+                if (!(crossing.y < 0.0 && begin > ends.x && begin < ends.y)) {
+                    continue;
+                }
+            }
+            var number = base;
+            var end = ends.y;
+            for (var k = 0u; k < count; k++) {
+                let crossing = silhouettes_cross(k, axis, at);
+                if (crossing.y != 0.0) {
+                    let is_before = crossing.x <= begin;
+                    number += select(0, i32(crossing.y), is_before && (axis == 0u || crossing.x > 0.0));
+                    end = select(min(end, crossing.x), end, is_before);
+                }
+            }
+            let width = end - begin;
+            let middle = 0.5 * (begin + end);
+            let emits = places_emitting[min(u32(max(middle, 0.0) + 0.5), SIDE - 1u)];
+            if (!(width > narrowest) || (axis == 1u && !(at >= f32(emits.x) && at < f32(emits.y)))) {
+                continue;
+            }
+            if (marks) {
+                let is_hidden = select(row_index(begin - phase) >= row_index(end - phase), width < 1.0, axis == 1u);
+                if (number == least && is_hidden) {
+                    let half = select(vec2f(0.5 * width, 1.0), vec2f(size.x / size.y, 0.5 * width), axis == 1u);
+                    let center = select(vec2f(middle, at), vec2f(at, middle), axis == 1u);
+                    let scale = vec2f(raster.samples, raster.rows);
+                    let origin = vec2f(raster.left, raster.bottom + 0.5 / raster.rows);
+                    places_add(origin + (center - half) / scale, origin + (center + half) / scale);
+                }
+                continue;
+            }
+            let part = width / select(size.x, size.y, axis == 1u);
+            if (number < best.number || (number == best.number && part > best.part)) {
+                best = SilhouetteOpening(number, part, select(vec2f(middle, at), vec2f(at, middle), axis == 1u));
+            }
+        }
+    }
+    return best;
+}
+
+struct SilhouetteOpening {
+    number: i32,
+    part: f32,
+    // In samples without a shift, and in rows from the middle of the lowest one.
+    middle: vec2f,
+}
+
+// Whether a place of the mask sees the light; in samples without a shift, and in rows from the middle of the lowest one.
+fn silhouettes_sees(eye: SilhouetteEye, at: vec2f) -> bool {
+    let raster = silhouettes_view.raster;
+    let x = raster.left + at.x / raster.samples;
+    let y = raster.bottom + (at.y + 0.5) / raster.rows;
     let along = sqrt(1.0 + x * x + y * y);
     let far = silhouettes_view.far;
     return !any_hit(eye.x, square_world(silhouettes_view.square, vec3f(x, y, 1.0)) / along, select(far * along, far, far > 1e37));
@@ -450,16 +576,22 @@ fn silhouettes_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Co
     return edges;
 }
 
-// Blocks the hidden samples. Requires uniform control flow.
+// Blocks the hidden samples, and marks openings between them where these are wanted and little is lit. Requires uniform control flow.
 fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
     let eye = silhouettes_eye(at, light);
+    var span = emitting;
     if (silhouettes_facet(at, light) == PARTIAL) {
-        mask_block_below(mask, lane, at.face);
+        span = mask_block_below(mask, lane, at.face);
     }
     silhouettes_adds = false;
     silhouettes_view = silhouettes_view_of(mask, eye);
     var keep: array<u32, SILHOUETTES_BITS>;
     var above = -0x7fffffff;
+    var least = above;
+    if (lane == 0u) {
+        silhouettes_stage = SILHOUETTES_SAMPLES;
+        atomicStore(&silhouettes_cut, 0u);
+    }
     loop {
         if (lane == 0u) {
             atomicStore(&silhouettes_least, 0x7fffffff);
@@ -467,37 +599,87 @@ fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask
             silhouettes_width = row_width;
         }
         let width = workgroupUniformLoad(&silhouettes_width);
-        var fewest = silhouettes_scan(lane, eye, width, above);
+        let stage = workgroupUniformLoad(&silhouettes_stage);
+        var fewest: SilhouetteFewest;
+        var own = 0u;
+        var place: vec2f;
+        if (!LOOKS_AGAIN || stage == SILHOUETTES_SAMPLES) {
+            fewest = silhouettes_scan(lane, eye, width, above);
+        } else {
+            let opening = silhouettes_openings(lane, span, stage == SILHOUETTES_MARKS, least);
+            fewest.least = opening.number;
+            place = opening.middle;
+            own = u32(opening.part * 0x1p20f);
+        }
+        if (LOOKS_AGAIN && stage == SILHOUETTES_MARKS) {
+            break;
+        }
         atomicMin(&silhouettes_least, fewest.least);
         workgroupBarrier();
-        let least = atomicLoad(&silhouettes_least);
-        var own = 0u;
-        for (var w = 0u; w < SILHOUETTES_BITS; w++) {
-            fewest.bits[w] = select(0u, fewest.bits[w], fewest.least == least);
-            own += countOneBits(fewest.bits[w]);
+        least = atomicLoad(&silhouettes_least);
+        if (!LOOKS_AGAIN || stage == SILHOUETTES_SAMPLES) {
+            for (var w = 0u; w < SILHOUETTES_BITS; w++) {
+                fewest.bits[w] = select(0u, fewest.bits[w], fewest.least == least);
+                own += countOneBits(fewest.bits[w]);
+            }
+            place = vec2f(f32(silhouettes_middle(fewest.bits)) + 0.5 + row_phase(lane), f32(lane));
+        } else if (fewest.least != least) {
+            own = 0u;
         }
         atomicMax(&silhouettes_best, 256u * own + (255u - lane));
         let sums = total(lane, vec4f(f32(own), f32(fewest.rest), 0.0, 0.0));
-        if (sums.x == 0.0) {
-            break;
-        }
-        // One ray decides whether the fewest surfaces are none.
-        if (lane == 255u - atomicLoad(&silhouettes_best) % 256u) {
-            silhouettes_open = select(0u, 1u, silhouettes_sees(eye, lane, silhouettes_middle(fewest.bits)));
-        }
-        if (workgroupUniformLoad(&silhouettes_open) != 0u) {
-            for (var w = 0u; w < SILHOUETTES_BITS; w++) {
-                keep[w] |= fewest.bits[w];
+        var is_done = sums.x == 0.0;
+        if (decide(lane, !is_done)) {
+            // One ray decides whether the fewest surfaces are none.
+            if (lane == 255u - atomicLoad(&silhouettes_best) % 256u) {
+                silhouettes_open = select(0u, 1u, silhouettes_sees(eye, place));
             }
+            let is_open = workgroupUniformLoad(&silhouettes_open) != 0u;
+            if (LOOKS_AGAIN && stage == SILHOUETTES_OPENINGS) {
+                if (lane == 0u) {
+                    silhouettes_stage = SILHOUETTES_MARKS;
+                }
+                if (is_open) {
+                    continue;
+                }
+                break;
+            }
+            if (is_open) {
+                for (var w = 0u; w < SILHOUETTES_BITS; w++) {
+                    keep[w] |= fewest.bits[w];
+                }
+            }
+            // The order of two edges that coincide to the last digit may be wrong, and a few samples between them then have too small a
+            // number.
+            is_done = u32(sums.x) >= u32(sums.y) / SILHOUETTES_FEW;
+            above = least;
         }
-        // The order of two edges that coincide to the last digit may be wrong, and a few samples between them then have too small a
-        // number.
-        if (u32(sums.x) >= u32(sums.y) / SILHOUETTES_FEW) {
+        if (decide(lane, !is_done)) {
+            continue;
+        }
+        // Then the openings, once.
+        if (!LOOKS_AGAIN || !decide(lane, stage == SILHOUETTES_SAMPLES && places_seek && silhouettes_are_listed())) {
             break;
         }
-        above = least;
+        var seen = 0u;
+        for (var w = 0u; w < SILHOUETTES_BITS; w++) {
+            seen += countOneBits(keep[w]);
+        }
+        places_emitting[lane] = span;
+        if (!decide(lane, PLACES_FAINT * total(lane, vec4f(f32(seen), 0.0, 0.0, 0.0)).x < f32(width * SIDE))) {
+            break;
+        }
+        if (lane == 0u) {
+            silhouettes_stage = SILHOUETTES_OPENINGS;
+        }
     }
     for (var w = 0u; 32u * w < row_width; w++) {
         mask_block_set(w, ~keep[w]);
     }
+}
+
+// Whether the list has all edges that may bound an opening.
+fn silhouettes_are_listed() -> bool {
+    let is_whole = silhouettes_known != 0u && atomicLoad(&silhouettes_found) <= SILHOUETTES_LINES;
+    return is_whole && atomicLoad(&silhouettes_cut) == 0u;
 }

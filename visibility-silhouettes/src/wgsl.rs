@@ -4,7 +4,7 @@
 use crate::{beside, blockers, count, gpu, hull, project, select};
 use lobe_core::wgsl::{GEOMETRY, Piece};
 use lobe_core::wgsl_numbers;
-use visibility_mask::wgsl::{EDGES, FACET, MASK, SKY_BUFFER, TOTAL};
+use visibility_mask::wgsl::{EDGES, FACET, MASK, PLACES, SKY_BUFFER, TOTAL};
 
 /// Corners, and sides of triangles.
 static SIDES: Piece = Piece::new(include_str!("silhouettes_sides.wgsl"))
@@ -36,7 +36,7 @@ pub(crate) static SPLAT: Piece = Piece::new(include_str!("silhouettes_splat.wgsl
         SILHOUETTES_WIDEST = blockers::WIDEST_DISC,
         SILHOUETTES_FEW = count::FEW,
     ])
-    .needs(&[&SILHOUETTES, &WALK, &MASK, &EDGES, &TOTAL]);
+    .needs(&[&SILHOUETTES, &WALK, &MASK, &PLACES, &EDGES, &TOTAL]);
 
 /// `silhouettes_sky`, `silhouettes_sky_hides` and `silhouettes_sky_has_facet`.
 pub(crate) static SKY: Piece = Piece::new(include_str!("silhouettes_sky.wgsl"))

@@ -13,17 +13,21 @@ use render_gpu::Gpu;
 use scene::{Frame, Scene, Shade};
 use shading::Accuracy;
 use std::sync::Arc;
-use test_scenes::{Opening, room};
+use test_scenes::{Opening, room, with_door};
 use visibility_mask::{LookAgain, MaskVisibility};
 use visibility_silhouettes::SilhouetteBlockers;
 
 const WINDOW: Opening = [-0.6, 0.6, -0.2, 0.8];
 const SMALL: Opening = [-0.2, 0.2, 0.1, 0.5];
+const SLIT: Opening = [-0.3, -0.28, -1.2, 0.8];
+/// Of a door that is ajar.
+const DOOR: Opening = [-0.45, 0.45, -1.5, 0.5];
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![
         trial("a_room_behind_a_window", gpu, |gpu| diffuse(gpu, WINDOW, [0.01, 0.05], 0.03)),
         trial("a_room_behind_a_small_window", gpu, |gpu| diffuse(gpu, SMALL, [0.011, 0.06], 0.1)),
+        trial("rooms_behind_a_slit_and_a_door", gpu, between_samples),
         trial("glossy_walls_behind_a_window", gpu, glossy),
         trial("an_image_behind_a_window", gpu, image),
     ]
@@ -74,6 +78,12 @@ fn diffuse(gpu: &Gpu, opening: Opening, most: [f32; 2], alone: f32) {
     let [with, without] = own_errors(gpu, &scene, LookAgain::Everywhere);
     println!("sphere: {without:?} by one mask, {with:?}");
     assert!(with[0] <= 0.5 * without[0], "sphere: {with:?} {without:?}");
+}
+
+/// Openings that few samples of a mask meet, or none.
+fn between_samples(gpu: &Gpu) {
+    check(gpu, "slit", &room(SLIT, square().into()), [0.02, 0.15], 0.3);
+    check(gpu, "door", &with_door(room(DOOR, square().into()), DOOR), [0.05, 0.6], 0.3);
 }
 
 /// Masks of the whole light are stored for several lobes.
