@@ -53,6 +53,36 @@ pub struct Baked {
     pub subdivision: Option<Subdivision>,
 }
 
+impl Baked {
+    /// The files of all maps, each with the end of its name, as of [`beside`]: OpenEXR, and PNG as well for those of all lights.
+    ///
+    /// # Errors
+    /// [`BakeError::Image`].
+    pub fn map_files(&self) -> Result<Vec<(String, Vec<u8>)>, BakeError> {
+        let mut all = Vec::new();
+        for map in &self.maps {
+            all.push((format!("{}.exr", map.name), map.exr()?));
+            if !map.is_single {
+                all.push((format!("{}.png", map.name), map.linear_png()?));
+            }
+        }
+        Ok(all)
+    }
+}
+
+/// The name of a file beside the baked one.
+///
+/// ```
+/// let map = bake::beside("rooms/baked.glb".as_ref(), "lightmap0.exr");
+/// assert_eq!(map, std::path::Path::new("rooms/baked.lightmap0.exr"));
+/// ```
+#[must_use]
+pub fn beside(baked: &Path, ending: &str) -> PathBuf {
+    let mut name = baked.file_stem().unwrap_or_default().to_owned();
+    name.push(format!(".{ending}"));
+    baked.with_file_name(name)
+}
+
 /// The form of a loaded file: a glTF, or a scene of which a new glTF is made.
 #[derive(Clone, Debug, PartialEq)]
 enum Kind {

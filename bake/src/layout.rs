@@ -25,7 +25,7 @@ const MANY: usize = 50_000;
 const BEYOND: f32 = 1e-4;
 
 /// How many times a texel may be covered, for rounding.
-const ONCE: f64 = 1.01;
+pub(crate) const ONCE: f64 = 1.01;
 
 /// The surfaces on their pages.
 #[derive(Clone, Debug, Default)]

@@ -48,33 +48,48 @@ impl Texels<'_> {
         steps: &mut dyn Steps,
         heard: &mut dyn FnMut(f32) -> ControlFlow<()>,
     ) -> Result<Vec<Page>, BakeError> {
-        let rows = |size: &[u32; 2]| f64::from(size[1]) * f64::from(size[0]);
-        let all: f64 = self.layout.pages.iter().map(rows).sum();
-        let mut done = 0.0;
+        let texels = |size: &[u32; 2]| f64::from(size[1]) * f64::from(size[0]);
+        let all: f64 = self.layout.pages.iter().map(texels).sum();
+        let mut before = 0.0;
         let mut pages = Vec::new();
-        for (number, &size) in self.layout.pages.iter().enumerate() {
-            let mut page = Page::new(size, 1 + self.light.groups().len());
-            let cells = u64::from(self.samples * self.samples) * u64::from(size[0]);
-            let band = (BAND / cells).clamp(1, u64::from(size[1])) as u32;
-            for start in (0..size[1]).step_by(band as usize) {
-                let rows = [start, (start + band).min(size[1])];
-                let values = step(steps, || {
-                    self.band(renderer, &mut page, number, rows)?;
-                    Ok(page.rows(rows))
-                })?;
-                page.set_rows(rows, &values);
-                done += f64::from(rows[1] - rows[0]) * f64::from(size[0]);
-                if heard((done / all) as f32).is_break() {
-                    return Err(RenderError::Cancelled.into());
-                }
-            }
-            page.dilate(self.padding);
-            let surfaces = self.layout.targets.iter().filter(|target| target.page == number);
-            seams::close(&mut page, surfaces.map(|target| (&self.file.parts[target.part], target)));
+        for (number, size) in self.layout.pages.iter().enumerate() {
+            let own = texels(size);
+            let mut page =
+                self.page(renderer, steps, number, &mut |done| heard(((before + own * f64::from(done)) / all) as f32))?;
             page.fill();
             pages.push(page);
+            before += own;
         }
         Ok(pages)
+    }
+
+    /// A page whose texels have values as far as `padding` from a surface. `heard` hears the fraction that is done.
+    pub(crate) fn page(
+        &self,
+        renderer: &mut Renderer,
+        steps: &mut dyn Steps,
+        number: usize,
+        heard: &mut dyn FnMut(f32) -> ControlFlow<()>,
+    ) -> Result<Page, BakeError> {
+        let size = self.layout.pages[number];
+        let mut page = Page::new(size, 1 + self.light.groups().len());
+        let cells = u64::from(self.samples * self.samples) * u64::from(size[0]);
+        let band = (BAND / cells).clamp(1, u64::from(size[1])) as u32;
+        for start in (0..size[1]).step_by(band as usize) {
+            let rows = [start, (start + band).min(size[1])];
+            let values = step(steps, || {
+                self.band(renderer, &mut page, number, rows)?;
+                Ok(page.rows(rows))
+            })?;
+            page.set_rows(rows, &values);
+            if heard(rows[1] as f32 / size[1] as f32).is_break() {
+                return Err(RenderError::Cancelled.into());
+            }
+        }
+        page.dilate(self.padding);
+        let surfaces = self.layout.targets.iter().filter(|target| target.page == number);
+        seams::close(&mut page, surfaces.map(|target| (&self.file.parts[target.part], target)));
+        Ok(page)
     }
 
     /// The points of a band of rows, texel by texel.
