@@ -3,6 +3,7 @@ use crate::glb::Document;
 use crate::images::{Curve, Map};
 use crate::layout::{Layout, about_pieces, layout};
 use crate::light::Irradiance;
+use crate::look::Relief;
 use crate::materials::Light;
 use crate::page::{MOST_BYTES, Page, bytes};
 use crate::steps::{Steps, step};
@@ -382,7 +383,10 @@ impl Baker {
         listener: &mut Listener<'_>,
         steps: &mut dyn Steps,
     ) -> Result<Baked, BakeError> {
+        let scene = self.renderer.scene();
+        let reliefs = layout.targets.iter().map(|target| Relief::new(scene, self.part(target.part))).collect();
         let texels = Texels {
+            reliefs,
             file: &self.file,
             layout,
             light,

@@ -86,7 +86,8 @@ impl MeshMap {
         let part = GltfPart { object: self.object, geometry: self.mesh.clone(), ..GltfPart::default() };
         let file = GltfDocument { parts: vec![part], ..GltfDocument::default() };
         let (samples, padding) = (self.samples, self.padding);
-        let texels = Texels { file: &file, layout: &layout, light: &light, is_radiance: false, samples, padding };
+        let (file, layout, reliefs) = (&file, &layout, Vec::new());
+        let texels = Texels { file, layout, light: &light, is_radiance: false, samples, padding, reliefs };
         let page = texels.page(renderer, &mut (), 0, &mut |done| listener(Stage::Light, done))?;
         let covered = page.states.iter().map(|state| *state == State::Surface).collect();
         let mut layers = page.layers.into_iter();

@@ -141,10 +141,10 @@ impl Fit {
 
 /// Moves the texels at seams as little as it takes for both sides to show the same (M. Iwanicki, *Lighting Technology of The Last of Us*,
 /// SIGGRAPH 2013): least squares of the differences at points along the seams, and of the changes. Texels that no surface covers change
-/// ten times as easily.
+/// ten times as easily. Where the first layer `is_sum` of the others, it stays so: no light of one lamp may fall below 0, where that of all may.
 ///
 /// Cost: some 10 µs a texel at a seam.
-pub(crate) fn close<'a>(page: &mut Page, surfaces: impl Iterator<Item = (&'a GltfPart, &'a Target)>) {
+pub(crate) fn close<'a>(page: &mut Page, surfaces: impl Iterator<Item = (&'a GltfPart, &'a Target)>, is_sum: bool) {
     let mut differences = Vec::new();
     for (part, target) in surfaces {
         seams(part, target).iter().for_each(|seam| rows(page.size, seam, &mut differences));
@@ -162,6 +162,11 @@ pub(crate) fn close<'a>(page: &mut Page, surfaces: impl Iterator<Item = (&'a Glt
         let values: Vec<DVec3> = texels.iter().map(|texel| layer[*texel as usize].as_dvec3()).collect();
         for (texel, value) in texels.iter().zip(fit.solve(&values)) {
             layer[*texel as usize] = value.as_vec3().max(Vec3::ZERO);
+        }
+    }
+    if is_sum && let Some((sum, lights)) = page.layers.split_first_mut() {
+        for texel in &texels {
+            sum[*texel as usize] = lights.iter().map(|layer| layer[*texel as usize]).sum();
         }
     }
     for texel in texels {

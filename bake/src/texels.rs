@@ -4,7 +4,7 @@ use crate::BakeError;
 use crate::coverage::Grid;
 use crate::layout::Layout;
 use crate::light::Irradiance;
-use crate::look::{Look, texel_sides};
+use crate::look::{Look, Relief, texel_sides};
 use crate::mixing::{self, Spot};
 use crate::page::{Page, State, THIN};
 use crate::seams;
@@ -12,7 +12,7 @@ use crate::steps::{Steps, step};
 use crate::target::Face;
 use core::f32::consts::FRAC_1_PI;
 use core::ops::ControlFlow;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Mat2, Vec3};
 use lobe_core::Receiver;
 use renderer::{RenderError, Renderer};
 use scene_files::GltfDocument;
@@ -38,6 +38,8 @@ pub(crate) struct Texels<'a> {
     pub(crate) is_radiance: bool,
     pub(crate) samples: u32,
     pub(crate) padding: u32,
+    /// The normal maps of the layout's surfaces, as far as they have any; may be left empty.
+    pub(crate) reliefs: Vec<Option<Relief>>,
 }
 
 impl Texels<'_> {
@@ -88,7 +90,9 @@ impl Texels<'_> {
         }
         page.dilate(self.padding);
         let surfaces = self.layout.targets.iter().filter(|target| target.page == number);
-        seams::close(&mut page, surfaces.map(|target| (&self.file.parts[target.part], target)));
+        // Radiance is more than the sum of its lights' irradiance.
+        let is_sum = !self.is_radiance && page.layers.len() > 1;
+        seams::close(&mut page, surfaces.map(|target| (&self.file.parts[target.part], target)), is_sum);
         Ok(page)
     }
 
@@ -123,9 +127,23 @@ impl Texels<'_> {
         Face::new(part, point.triangle as usize).expect("points are on triangles with an area")
     }
 
+    /// The receiver at a point, with the normal of its map.
+    fn receiver(&self, size: [u32; 2], point: &Point) -> Receiver {
+        let face = self.face(point);
+        let flat = face.receiver(point.at);
+        let Some(Some(relief)) = self.reliefs.get(point.target as usize) else { return flat };
+        Receiver { normal: relief.normal(&face, point.at, self.sides(size, point), &flat), ..flat }
+    }
+
+    /// The sides of a texel's cell, in the weights of the second and third corner of a point's triangle.
+    fn sides(&self, size: [u32; 2], point: &Point) -> Mat2 {
+        let corners = self.layout.targets[point.target as usize].corners(point.triangle as usize);
+        texel_sides(corners, size) * (1.0 / self.samples as f32)
+    }
+
     fn band(&self, renderer: &mut Renderer, page: &mut Page, number: usize, rows: [u32; 2]) -> Result<(), BakeError> {
         let points = self.points(number, Grid { size: page.size, rows, cells: self.samples });
-        let receivers: Vec<Receiver> = points.iter().map(|point| self.face(point).receiver(point.at)).collect();
+        let receivers: Vec<Receiver> = points.iter().map(|point| self.receiver(page.size, point)).collect();
         let mut values = self.light.of(renderer, &receivers)?;
         let spot = |(at, point): (Receiver, &Point)| {
             let part = self.layout.targets[point.target as usize].part;
@@ -171,8 +189,7 @@ impl Texels<'_> {
             .map(|target| Look::new(renderer.scene(), &self.file.parts[target.part]))
             .collect();
         for (point, value) in points.iter().zip(values) {
-            let corners = self.layout.targets[point.target as usize].corners(point.triangle as usize);
-            let texel = texel_sides(corners, size) * (1.0 / self.samples as f32);
+            let texel = self.sides(size, point);
             let [albedo, emission] = looks[point.target as usize].at(&self.face(point), point.at, texel);
             *value = albedo * *value * FRAC_1_PI + emission;
         }

@@ -246,4 +246,13 @@ fn seams_agree() {
     let (mean, most) = crate::support::seams(&baked);
     println!("seams: {:.2} % in the mean, {:.2} % at most", 100.0 * mean, 100.0 * most);
     assert!(mean < 0.01, "{mean}");
+    // Of several lights, of which each ends at some seam, both the whole and the sum.
+    file.light(json!({"type": "point", "intensity": 4.0, "color": [0.1, 0.3, 1.0]}), Vec3::new(-1.5, -1.2, 0.8));
+    let baked = bake(&file, BakeSettings { page: 256, per_light: true, ..MAPS });
+    let (mean, _) = crate::support::seams(&baked);
+    assert!(mean < 0.01, "{mean}");
+    let [all, one, other] = [0, 1, 2].map(|k| &baked.maps[k].values);
+    for (place, ((all, one), other)) in all.iter().zip(one).zip(other).enumerate() {
+        assert!((*all - *one - *other).length() <= 1e-5 * all.length(), "{place}: {all} {one} {other}");
+    }
 }
