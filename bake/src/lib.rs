@@ -51,6 +51,7 @@ mod page;
 mod pieces;
 mod round;
 mod rows;
+mod scattered;
 mod seams;
 mod settings;
 mod stamp;

@@ -60,8 +60,7 @@ impl Relief {
         let mesh = &part.geometry;
         let uvs = mesh.uv_sets.get(normal.0.uv_set)?;
         let matrix = normal.0.transform.matrix2;
-        let tangents =
-            if mesh.normals.is_empty() { Vec::new() } else { vertex_tangents(mesh, uvs, matrix) };
+        let tangents = if mesh.normals.is_empty() { Vec::new() } else { vertex_tangents(mesh, uvs, matrix) };
         Some(Self { surface: Surface { normal: Some(normal), ..Surface::default() }, tangents })
     }
 
