@@ -129,11 +129,11 @@ impl<'a> Charts<'a> {
         let mut known: HashMap<(u32, usize), u32> = HashMap::new();
         for (number, (chart, place)) in self.charts.iter().zip(places).enumerate() {
             for (triangle, corners) in chart.triangles.iter().zip(&chart.corners) {
-                for k in 0..3 {
+                for (k, corner) in corners.iter().enumerate() {
                     let origin = self.mesh.triangles[*triangle as usize][k];
                     let vertex = *known.entry((origin, number)).or_insert_with(|| {
                         all.origins.push(origin);
-                        all.coordinates.push(((*place + corners[k] * density) / page).as_vec2());
+                        all.coordinates.push(((*place + *corner * density) / page).as_vec2());
                         all.origins.len() as u32 - 1
                     });
                     all.triangles[*triangle as usize][k] = vertex;

@@ -78,7 +78,6 @@ fn report(baked: &Baked, files: &[PathBuf]) -> Value {
 #[pyfunction]
 #[pyo3(signature = (path, output, *, form = "emission", page = 1024, density = None, padding = 2, samples = 2, unwrap = false, both_sides = false, per_light = false, subdivide = None, vertices = 1_000_000, tolerance = 0.005, time = 0.0, clip = None, normals = "file", crease = 180.0, terminator = "exact", emission = "lights", studio = "soft", progress = None))]
 #[expect(clippy::too_many_arguments, reason = "each is a keyword")]
-#[expect(clippy::fn_params_excessive_bools, reason = "each is a keyword")]
 pub(crate) fn bake<'py>(
     py: Python<'py>,
     path: PathBuf,
