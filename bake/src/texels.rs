@@ -15,7 +15,7 @@ use core::ops::ControlFlow;
 use glam::{DVec3, Mat2, Vec3};
 use lobe_core::Receiver;
 use renderer::{RenderError, Renderer};
-use scene_files::GltfDocument;
+use scene_files::{GltfDocument, GltfPart};
 
 /// Points of a band of rows, about.
 const BAND: u64 = 1 << 19;
@@ -92,7 +92,11 @@ impl Texels<'_> {
         let surfaces = self.layout.targets.iter().filter(|target| target.page == number);
         // Radiance is more than the sum of its lights' irradiance.
         let is_sum = !self.is_radiance && page.layers.len() > 1;
-        seams::close(&mut page, surfaces.map(|target| (&self.file.parts[target.part], target)), is_sum);
+        let surfaces: Vec<_> = surfaces.map(|target| (&self.file.parts[target.part], target)).collect();
+        let scene = renderer.scene();
+        let material = |part: &GltfPart| part.object.map(|object| scene.objects[object].material);
+        let are_alike = |a: &GltfPart, b: &GltfPart| !self.is_radiance || material(a) == material(b);
+        seams::close(&mut page, &surfaces, &are_alike, is_sum);
         Ok(page)
     }
 

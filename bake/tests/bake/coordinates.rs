@@ -234,6 +234,50 @@ fn charts_without_an_area_have_light() {
     }
 }
 
+/// Two surfaces that meet within a plane show the same light along their edge; in radiance they keep their colours.
+#[test]
+fn surfaces_meet_alike() {
+    let mut file = lit();
+    let charts = [[0.0, 0.45], [0.55, 0.97]].map(|[low, high]| Some([Vec2::splat(low), Vec2::splat(high)]));
+    file.quad("left", [Vec3::NEG_X, Vec3::X, Vec3::NEG_Z], charts[0]);
+    let right = file.quad("right", [Vec3::X, Vec3::X, Vec3::NEG_Z], charts[1]);
+    file.json["nodes"][0]["translation"] = json!([0.1, 0.3, 0.2]);
+    let edge = |values: &[Vec3]| -> (f32, f32) {
+        let map = |u: f32, v: f32| {
+            let at = Vec2::new(u, v) * 48.0 - 0.5;
+            let (low, part) = (at.floor(), at - at.floor());
+            let texel = |x: f32, y: f32| values[(low.y + y) as usize * 48 + (low.x + x) as usize].x;
+            let row = |y: f32| texel(0.0, y) * (1.0 - part.x) + texel(1.0, y) * part.x;
+            row(0.0) * (1.0 - part.y) + row(1.0) * part.y
+        };
+        let s = |k: u32| (k as f32 + 1.0) / 22.0;
+        let pairs: Vec<[f32; 2]> = (0..21).map(|k| [map(0.45, 0.45 * s(k)), map(0.55, 0.55 + 0.42 * s(k))]).collect();
+        let light = pairs.iter().map(|[a, _]| a).sum::<f32>();
+        (pairs.iter().map(|[a, b]| (a - b).abs()).sum::<f32>() / light, light / 21.0)
+    };
+    let settings = BakeSettings { page: 48, ..MAPS };
+    let (difference, _) = edge(&bake(&file, settings).maps[0].values);
+    assert!(difference < 0.01, "{difference}");
+    // A black surface beside a white one.
+    file.json["materials"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({"pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}}));
+    let mesh = file.json["nodes"][right]["mesh"].as_u64().unwrap() as usize;
+    file.json["meshes"][mesh]["primitives"][0]["material"] = json!(1);
+    let (text, binary) = chunks(&bake(&file, BakeSettings { form: Form::Emission, ..settings }).glb);
+    let json: Value = serde_json::from_str(&text).unwrap();
+    let view = &json["bufferViews"][json["images"][0]["bufferView"].as_u64().unwrap() as usize];
+    let start = view["byteOffset"].as_u64().unwrap() as usize;
+    let png = &binary[start..start + view["byteLength"].as_u64().unwrap() as usize];
+    let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+    let mut bytes = vec![0; 3 * 48 * 48];
+    reader.next_frame(&mut bytes).unwrap();
+    let values: Vec<Vec3> = bytes.chunks_exact(3).map(|c| Vec3::splat(f32::from(c[0]) / 255.0)).collect();
+    let (difference, light) = edge(&values);
+    assert!(difference > 0.95 && light > 0.3, "{difference} {light}");
+}
+
 /// Along the seams of charts both sides show the same light, within 1 % in the mean.
 #[test]
 fn seams_agree() {
