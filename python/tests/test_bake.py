@@ -137,6 +137,22 @@ def test_texels_are_of_the_mesh_alone_and_faults_are_counted():
     assert made["beyond"] == 4 and made["overlaps"] == 1024
 
 
+def test_a_callback_that_raises_stops_a_map():
+    renderer = lit(cl.Light.point((0, 1, 0), intensity=1, radius=0.1))
+    positions, triangles = quad((0, 0, 0), (1, 0, 0), (0, 0, -1))
+    heard = []
+
+    def stop(stage, done):
+        heard.append((stage, done))
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        renderer.bake(positions, triangles, UNIT, (2048, 2048), progress=stop)
+    assert len(heard) == 1 and heard[0][0] == "light" and heard[0][1] < 1
+    # It works on.
+    assert renderer.bake(positions, triangles, UNIT, (8, 8))["irradiance"].max() > 0
+
+
 def test_both_sides_of_a_seam_are_alike():
     renderer = lit(cl.Light.point((0, 0.5, 0), intensity=1, radius=1e-3))
     positions, _ = quad((0, 0, 0), (1, 0, 0), (0, 0, -1))
