@@ -72,6 +72,36 @@ fn report(baked: &Baked, files: &[PathBuf]) -> Value {
     })
 }
 
+/// Bakes the light of a moment; the files of its maps.
+#[expect(clippy::type_complexity, reason = "files by the ends of their names")]
+fn light(
+    py: Python<'_>,
+    baker: &mut Baker,
+    time: f32,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(Baked, Vec<(String, Vec<u8>)>)> {
+    let end = baker.renderer().animation().duration();
+    if !(0.0..=end).contains(&time) {
+        return Err(PyValueError::new_err(format!("time is {time}: expected seconds from 0 to {end}")));
+    }
+    let made = run(py, progress, |cancel, reporter| {
+        baker.set_cancel(cancel.clone());
+        baker.seek(time)?;
+        let baked = baker.bake(&mut |stage, done| {
+            reporter.progress(if stage == Stage::Light { "light" } else { "coordinates" }, done);
+            ControlFlow::Continue(())
+        })?;
+        let maps = baked.map_files()?;
+        Ok::<_, BakeError>((baked, maps))
+    });
+    let (baked, maps) = made?.or_raise()?;
+    if baked.subdivision.is_some_and(|made| made.is_cut) {
+        let count = baked.vertices;
+        warn(py, &format!("subdivision ended at {count} vertices before light was near enough everywhere"))?;
+    }
+    Ok((baked, maps))
+}
+
 /// Bakes the light of a file into a glTF file, as `lobes bake` does, and returns its report: the same files to the byte, and what `--json`
 /// prints of them. `form` is "emission", "lightmap" or "vertex-colors"; the others are the options of the command, and those of
 /// `Scene.load`. Nothing is kept of a bake that is stopped.
@@ -122,25 +152,7 @@ pub(crate) fn bake<'py>(
     let file = create(&path, &output)?;
     let mut baker = run(py, None, |_, _| Baker::open(&path, &options, settings, render))?.or_raise()?;
     baker.notes().iter().try_for_each(|line| warn(py, line))?;
-    let end = baker.renderer().animation().duration();
-    if !(0.0..=end).contains(&time) {
-        return Err(PyValueError::new_err(format!("time is {time}: expected seconds from 0 to {end}")));
-    }
-    let made = run(py, progress, |cancel, reporter| {
-        baker.set_cancel(cancel.clone());
-        baker.seek(time)?;
-        let baked = baker.bake(&mut |stage, done| {
-            reporter.progress(if stage == Stage::Light { "light" } else { "coordinates" }, done);
-            ControlFlow::Continue(())
-        })?;
-        let maps = baked.map_files()?;
-        Ok::<_, BakeError>((baked, maps))
-    });
-    let (baked, maps) = made?.or_raise()?;
-    if baked.subdivision.is_some_and(|made| made.is_cut) {
-        let count = baked.vertices;
-        warn(py, &format!("subdivision ended at {count} vertices before light was near enough everywhere"))?;
-    }
+    let (baked, maps) = light(py, &mut baker, time, progress)?;
     let files = py.detach(|| write_all(file, &output, &baked, &maps))?;
     values::fields(py, Ok(report(&baked, &files)))
 }
