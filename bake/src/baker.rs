@@ -3,6 +3,7 @@ use crate::glb::Document;
 use crate::images::{Curve, Map};
 use crate::layout::{Layout, about_pieces, layout};
 use crate::light::Irradiance;
+use crate::look::Relief;
 use crate::materials::Light;
 use crate::page::{MOST_BYTES, Page, bytes};
 use crate::steps::{Steps, step};
@@ -51,6 +52,36 @@ pub struct Baked {
     pub scale: f32,
     /// Of triangles that were divided: how near their light is.
     pub subdivision: Option<Subdivision>,
+}
+
+impl Baked {
+    /// The files of all maps, each with the end of its name, as of [`beside`]: OpenEXR, and PNG as well for those of all lights.
+    ///
+    /// # Errors
+    /// [`BakeError::Image`].
+    pub fn map_files(&self) -> Result<Vec<(String, Vec<u8>)>, BakeError> {
+        let mut all = Vec::new();
+        for map in &self.maps {
+            all.push((format!("{}.exr", map.name), map.exr()?));
+            if !map.is_single {
+                all.push((format!("{}.png", map.name), map.linear_png()?));
+            }
+        }
+        Ok(all)
+    }
+}
+
+/// The name of a file beside the baked one.
+///
+/// ```
+/// let map = bake::beside("rooms/baked.glb".as_ref(), "lightmap0.exr");
+/// assert_eq!(map, std::path::Path::new("rooms/baked.lightmap0.exr"));
+/// ```
+#[must_use]
+pub fn beside(baked: &Path, ending: &str) -> PathBuf {
+    let mut name = baked.file_stem().unwrap_or_default().to_owned();
+    name.push(format!(".{ending}"));
+    baked.with_file_name(name)
 }
 
 /// The form of a loaded file: a glTF, or a scene of which a new glTF is made.
@@ -352,7 +383,10 @@ impl Baker {
         listener: &mut Listener<'_>,
         steps: &mut dyn Steps,
     ) -> Result<Baked, BakeError> {
+        let scene = self.renderer.scene();
+        let reliefs = layout.targets.iter().map(|target| Relief::new(scene, self.part(target.part))).collect();
         let texels = Texels {
+            reliefs,
             file: &self.file,
             layout,
             light,

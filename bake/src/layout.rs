@@ -2,6 +2,7 @@
 
 use crate::coverage::Grid;
 use crate::pieces;
+use crate::scattered::{Charts, Sheet, Unfolded, is_scattered};
 use crate::target::Target;
 use crate::{BakeError, BakeSettings};
 use core::ops::ControlFlow;
@@ -25,7 +26,7 @@ const MANY: usize = 50_000;
 const BEYOND: f32 = 1e-4;
 
 /// How many times a texel may be covered, for rounding.
-const ONCE: f64 = 1.01;
+pub(crate) const ONCE: f64 = 1.01;
 
 /// The surfaces on their pages.
 #[derive(Clone, Debug, Default)]
@@ -60,6 +61,14 @@ pub(crate) fn layout(
         all.targets.push(Target { part, page, set: SECOND, coordinates, triangles, origins: None });
     }
     all.pages = vec![[settings.page; 2]; pages.pages.len()];
+    let (scattered, bare): (Vec<usize>, Vec<usize>) =
+        bare.into_iter().partition(|part| is_scattered(&file.parts[*part].geometry));
+    if !scattered.is_empty() {
+        add_scattered(&mut all, file, &scattered, settings, heard).map_err(|fault_or_stop| match fault_or_stop {
+            Some(message) => fault(message),
+            None => RenderError::Cancelled.into(),
+        })?;
+    }
     if !bare.is_empty() {
         let atlas = unwrap(path, file, &bare, settings, heard)?;
         add_atlas(&mut all, file, &bare, &atlas).map_err(fault)?;
@@ -70,8 +79,9 @@ pub(crate) fn layout(
 
 /// A line about coordinates that take long to make, if they do.
 pub(crate) fn about_pieces(file: &GltfDocument, parts: &[usize], settings: &BakeSettings) -> Option<String> {
-    let bare = parts.iter().filter(|part| !has_own(file, **part, settings));
-    let pieces: usize = bare.map(|part| pieces::count(&file.parts[*part].geometry)).sum();
+    let bare = parts.iter().filter(|part| !has_own(file, **part, settings)).map(|part| &file.parts[*part].geometry);
+    // Those of few triangles each lie in rows.
+    let pieces: usize = bare.filter(|mesh| !is_scattered(mesh)).map(pieces::count).sum();
     (pieces >= MANY).then(|| {
         format!(
             "coordinates for {pieces} separate pieces are to be made: this takes minutes; colours of vertices need none"
@@ -143,6 +153,62 @@ impl OwnPages {
         }
         Ok(texels)
     }
+}
+
+/// Adds surfaces of many small pieces: on one page, or with a density on as many as it takes, each surface on one of them. The fault is none
+/// where the work was stopped.
+fn add_scattered(
+    all: &mut Layout,
+    file: &GltfDocument,
+    parts: &[usize],
+    settings: &BakeSettings,
+    heard: &Heard<'_>,
+) -> Result<(), Option<String>> {
+    let mut charts = Vec::new();
+    for (done, part) in parts.iter().enumerate() {
+        charts.push(Charts::new(&file.parts[*part].geometry));
+        let done = 0.5 * (done + 1) as f32 / parts.len() as f32;
+        if heard(done).is_break() {
+            return Err(None);
+        }
+    }
+    let page = (settings.page, settings.padding);
+    let goes_on = |done: f32| heard(0.5 + 0.5 * done).is_continue();
+    let sheet =
+        |range: core::ops::Range<usize>| Sheet::new(&charts[range], settings.density.map(f64::from), page, &goes_on);
+    let mut start = 0;
+    while start < parts.len() {
+        // As many surfaces as fit: all of them at first, then one after the other.
+        let mut end = parts.len();
+        let mut made = sheet(start..end);
+        if made.is_none() {
+            end = start;
+            while let Some(more) = (end < parts.len()).then(|| sheet(start..end + 1)).flatten() {
+                (made, end) = (Some(more), end + 1);
+                if settings.density.is_none() {
+                    break;
+                }
+            }
+        }
+        if heard(1.0).is_break() {
+            return Err(None);
+        }
+        let Some(made) = made else {
+            let (name, side) = (&file.parts[parts[start]].name, settings.page);
+            return Err(Some(format!(
+                "mesh \"{name}\": its charts do not fit one page of {side}: a larger page, a lower density or less padding fits, and colours of vertices need none"
+            )));
+        };
+        for (part, unfolded) in parts[start..end].iter().zip(made.unfolded(&charts[start..end])) {
+            let Unfolded { coordinates, origins, triangles } = unfolded;
+            let set = file.parts[*part].geometry.uv_sets.len().max(SECOND);
+            let page = all.pages.len();
+            all.targets.push(Target { part: *part, page, set, coordinates, triangles, origins: Some(origins) });
+        }
+        all.pages.push(made.size);
+        start = end;
+    }
+    Ok(())
 }
 
 /// Coordinates for surfaces that share none of their texels.

@@ -4,6 +4,7 @@
 //!   byte.
 //! - [`BakeSettings`] say how: as emission that any viewer shows, as light maps of engines (MOZ_lightmap), or as colours of vertices
 //!   ([`Form`]).
+//! - [`MeshMap`]: the light of one mesh on coordinates of its own, by a renderer of the program's.
 //! - [`Map`]: the light of a page as OpenEXR or PNG, of all lights or of each one.
 //!
 //! # Texels
@@ -44,11 +45,13 @@ mod layout;
 mod light;
 mod look;
 mod materials;
+mod mesh_map;
 mod mixing;
 mod page;
 mod pieces;
 mod round;
 mod rows;
+mod scattered;
 mod seams;
 mod settings;
 mod stamp;
@@ -59,9 +62,10 @@ mod texels;
 mod vertices;
 mod write;
 
-pub use crate::baker::{Baked, Baker, Listener, Stage};
+pub use crate::baker::{Baked, Baker, Listener, Stage, beside};
 pub use crate::error::BakeError;
 pub use crate::images::Map;
+pub use crate::mesh_map::{MeshLight, MeshMap};
 pub use crate::settings::{BakeSettings, Form};
 pub use crate::stamp::{glb_binary, glb_stamp, stamped_glb};
 pub use crate::steps::Steps;

@@ -1,9 +1,11 @@
-//! The colour of diffuse reflection, and a surface's own light.
+//! The colour of diffuse reflection, a surface's own light, and its normal map.
 
 use crate::target::Face;
 use brdf::Material;
 use core::f32::consts::PI;
 use glam::{Mat2, Vec2, Vec3};
+use lobe_core::Receiver;
+use ray_tracing::{mapped_normal, vertex_tangents};
 use scene::{Scene, Surface, TexturePlace};
 use scene_files::GltfPart;
 
@@ -28,14 +30,45 @@ impl<'a> Look<'a> {
     pub(crate) fn at(&self, face: &Face<'_>, at: [f64; 2], texel: Mat2) -> [Vec3; 2] {
         let albedo = self.albedo * face.color(at);
         let Some(surface) = self.surface else { return [albedo * (1.0 - self.metallic), Vec3::ZERO] };
-        let place = |set: usize| {
-            let sides = face.uv_sides(set);
-            let footprint = [texel.x_axis, texel.y_axis].map(|side| sides[0] * side.x + sides[1] * side.y);
-            TexturePlace { uv: face.uv(set, at), footprint }
-        };
+        let place = |set: usize| place(face, at, texel, set);
         let factors = surface.factors(&place);
         let emission = if surface.emits() { surface.emission(&place) } else { Vec3::ZERO };
         [albedo * factors.color * (1.0 - self.metallic * factors.metallic), emission]
+    }
+}
+
+/// The place of a set of coordinates at which textures are looked up, with the sides of the texel.
+fn place(face: &Face<'_>, at: [f64; 2], texel: Mat2, set: usize) -> TexturePlace {
+    let sides = face.uv_sides(set);
+    let footprint = [texel.x_axis, texel.y_axis].map(|side| sides[0] * side.x + sides[1] * side.y);
+    TexturePlace { uv: face.uv(set, at), footprint }
+}
+
+/// The normal map of a part.
+pub(crate) struct Relief {
+    /// With its normal map alone.
+    surface: Surface,
+    /// Of the vertices; none where normals are flat.
+    tangents: Vec<Vec3>,
+}
+
+impl Relief {
+    /// That of a part; none where it has no such map.
+    pub(crate) fn new(scene: &Scene, part: &GltfPart) -> Option<Self> {
+        let material = scene.objects.get(part.object?)?.material;
+        let normal = scene.surface(material)?.normal.clone()?;
+        let mesh = &part.geometry;
+        let uvs = mesh.uv_sets.get(normal.0.uv_set)?;
+        let matrix = normal.0.transform.matrix2;
+        let tangents = if mesh.normals.is_empty() { Vec::new() } else { vertex_tangents(mesh, uvs, matrix) };
+        Some(Self { surface: Surface { normal: Some(normal), ..Surface::default() }, tangents })
+    }
+
+    /// The normal of a receiver at a place of a triangle, as the mean of the map over a texel.
+    pub(crate) fn normal(&self, face: &Face<'_>, at: [f64; 2], texel: Mat2, receiver: &Receiver) -> Vec3 {
+        let local = self.surface.normal(&|set| place(face, at, texel, set));
+        let (Some(local), Some((map, _))) = (local, &self.surface.normal) else { return receiver.normal };
+        mapped_normal(receiver, face.uv_gradients(map.uv_set), map, face.mix(&self.tangents, at), local)
     }
 }
 

@@ -82,19 +82,25 @@ impl Page {
     /// edge what is on it.
     pub(crate) fn dilate(&mut self, rings: u32) {
         let has_value = |state: State| matches!(state, State::Surface | State::Around);
+        let mut bare: Vec<usize> = (0..self.states.len()).filter(|at| !has_value(self.states[*at])).collect();
         for _ in 0..rings {
             let mut ring = Vec::new();
-            for at in (0..self.states.len()).filter(|at| !has_value(self.states[*at])) {
+            for at in bare {
                 let beside: Vec<usize> = self.around(at).filter(|k| has_value(self.states[*k])).collect();
                 if !beside.is_empty() {
                     let mean = |layer: &Vec<Vec3>| beside.iter().map(|k| layer[*k]).sum::<Vec3>() / beside.len() as f32;
                     ring.push((at, self.layers.iter().map(mean).collect::<Vec<Vec3>>()));
                 }
             }
+            // The next ring lies beside this one.
+            bare = ring.iter().flat_map(|(at, _)| self.around(*at)).collect();
+            bare.sort_unstable();
+            bare.dedup();
             for (at, values) in ring {
                 self.states[at] = State::Around;
                 self.layers.iter_mut().zip(values).for_each(|(layer, value)| layer[at] = value);
             }
+            bare.retain(|at| !has_value(self.states[*at]));
         }
         let alone = self.states.iter_mut().filter(|state| **state == State::Thin);
         alone.for_each(|state| *state = State::Surface);

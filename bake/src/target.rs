@@ -148,6 +148,26 @@ impl<'a> Face<'a> {
         [b - a, c - a]
     }
 
+    /// The gradients of u and v of a set over the triangle.
+    pub(crate) fn uv_gradients(&self, set: usize) -> [Vec3; 2] {
+        let [a, b, c] = self.corners.map(|i| self.mesh.positions[i as usize].as_dvec3());
+        let (e1, e2) = (b - a, c - a);
+        let n = e1.cross(e2);
+        let inverse = 1.0 / n.length_squared();
+        if !inverse.is_finite() {
+            return [Vec3::ZERO; 2];
+        }
+        // Of the weights of the second and the third corner.
+        let [g1, g2] = [e2.cross(n) * inverse, n.cross(e1) * inverse].map(|g| g.as_vec3());
+        let [s1, s2] = self.uv_sides(set);
+        [g1 * s1.x + g2 * s2.x, g1 * s1.y + g2 * s2.y]
+    }
+
+    /// The value of the vertices at a place; none where they have none.
+    pub(crate) fn mix(&self, of: &[Vec3], at: [f64; 2]) -> Option<Vec3> {
+        (!of.is_empty()).then(|| self.mean(of, at).as_vec3())
+    }
+
     /// The angles at the corners, in radians.
     pub(crate) fn angles(&self) -> [f64; 3] {
         angles(self.corners.map(|i| self.mesh.positions[i as usize].as_dvec3()))

@@ -4,7 +4,7 @@ use crate::BakeError;
 use crate::coverage::Grid;
 use crate::layout::Layout;
 use crate::light::Irradiance;
-use crate::look::{Look, texel_sides};
+use crate::look::{Look, Relief, texel_sides};
 use crate::mixing::{self, Spot};
 use crate::page::{Page, State, THIN};
 use crate::seams;
@@ -12,10 +12,10 @@ use crate::steps::{Steps, step};
 use crate::target::Face;
 use core::f32::consts::FRAC_1_PI;
 use core::ops::ControlFlow;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Mat2, Vec3};
 use lobe_core::Receiver;
 use renderer::{RenderError, Renderer};
-use scene_files::GltfDocument;
+use scene_files::{GltfDocument, GltfPart};
 
 /// Points of a band of rows, about.
 const BAND: u64 = 1 << 19;
@@ -38,6 +38,8 @@ pub(crate) struct Texels<'a> {
     pub(crate) is_radiance: bool,
     pub(crate) samples: u32,
     pub(crate) padding: u32,
+    /// The normal maps of the layout's surfaces, as far as they have any; may be left empty.
+    pub(crate) reliefs: Vec<Option<Relief>>,
 }
 
 impl Texels<'_> {
@@ -48,33 +50,54 @@ impl Texels<'_> {
         steps: &mut dyn Steps,
         heard: &mut dyn FnMut(f32) -> ControlFlow<()>,
     ) -> Result<Vec<Page>, BakeError> {
-        let rows = |size: &[u32; 2]| f64::from(size[1]) * f64::from(size[0]);
-        let all: f64 = self.layout.pages.iter().map(rows).sum();
-        let mut done = 0.0;
+        let texels = |size: &[u32; 2]| f64::from(size[1]) * f64::from(size[0]);
+        let all: f64 = self.layout.pages.iter().map(texels).sum();
+        let mut before = 0.0;
         let mut pages = Vec::new();
-        for (number, &size) in self.layout.pages.iter().enumerate() {
-            let mut page = Page::new(size, 1 + self.light.groups().len());
-            let cells = u64::from(self.samples * self.samples) * u64::from(size[0]);
-            let band = (BAND / cells).clamp(1, u64::from(size[1])) as u32;
-            for start in (0..size[1]).step_by(band as usize) {
-                let rows = [start, (start + band).min(size[1])];
-                let values = step(steps, || {
-                    self.band(renderer, &mut page, number, rows)?;
-                    Ok(page.rows(rows))
-                })?;
-                page.set_rows(rows, &values);
-                done += f64::from(rows[1] - rows[0]) * f64::from(size[0]);
-                if heard((done / all) as f32).is_break() {
-                    return Err(RenderError::Cancelled.into());
-                }
-            }
-            page.dilate(self.padding);
-            let surfaces = self.layout.targets.iter().filter(|target| target.page == number);
-            seams::close(&mut page, surfaces.map(|target| (&self.file.parts[target.part], target)));
+        for (number, size) in self.layout.pages.iter().enumerate() {
+            let own = texels(size);
+            let mut page =
+                self.page(renderer, steps, number, &mut |done| heard(((before + own * f64::from(done)) / all) as f32))?;
             page.fill();
             pages.push(page);
+            before += own;
         }
         Ok(pages)
+    }
+
+    /// A page whose texels have values as far as `padding` from a surface. `heard` hears the fraction that is done.
+    pub(crate) fn page(
+        &self,
+        renderer: &mut Renderer,
+        steps: &mut dyn Steps,
+        number: usize,
+        heard: &mut dyn FnMut(f32) -> ControlFlow<()>,
+    ) -> Result<Page, BakeError> {
+        let size = self.layout.pages[number];
+        let mut page = Page::new(size, 1 + self.light.groups().len());
+        let cells = u64::from(self.samples * self.samples) * u64::from(size[0]);
+        let band = (BAND / cells).clamp(1, u64::from(size[1])) as u32;
+        for start in (0..size[1]).step_by(band as usize) {
+            let rows = [start, (start + band).min(size[1])];
+            let values = step(steps, || {
+                self.band(renderer, &mut page, number, rows)?;
+                Ok(page.rows(rows))
+            })?;
+            page.set_rows(rows, &values);
+            if heard(rows[1] as f32 / size[1] as f32).is_break() {
+                return Err(RenderError::Cancelled.into());
+            }
+        }
+        page.dilate(self.padding);
+        let surfaces = self.layout.targets.iter().filter(|target| target.page == number);
+        // Radiance is more than the sum of its lights' irradiance.
+        let is_sum = !self.is_radiance && page.layers.len() > 1;
+        let surfaces: Vec<_> = surfaces.map(|target| (&self.file.parts[target.part], target)).collect();
+        let scene = renderer.scene();
+        let material = |part: &GltfPart| part.object.map(|object| scene.objects[object].material);
+        let are_alike = |a: &GltfPart, b: &GltfPart| !self.is_radiance || material(a) == material(b);
+        seams::close(&mut page, &surfaces, &are_alike, is_sum);
+        Ok(page)
     }
 
     /// The points of a band of rows, texel by texel.
@@ -108,9 +131,23 @@ impl Texels<'_> {
         Face::new(part, point.triangle as usize).expect("points are on triangles with an area")
     }
 
+    /// The receiver at a point, with the normal of its map.
+    fn receiver(&self, size: [u32; 2], point: &Point) -> Receiver {
+        let face = self.face(point);
+        let flat = face.receiver(point.at);
+        let Some(Some(relief)) = self.reliefs.get(point.target as usize) else { return flat };
+        Receiver { normal: relief.normal(&face, point.at, self.sides(size, point), &flat), ..flat }
+    }
+
+    /// The sides of a texel's cell, in the weights of the second and third corner of a point's triangle.
+    fn sides(&self, size: [u32; 2], point: &Point) -> Mat2 {
+        let corners = self.layout.targets[point.target as usize].corners(point.triangle as usize);
+        texel_sides(corners, size) * (1.0 / self.samples as f32)
+    }
+
     fn band(&self, renderer: &mut Renderer, page: &mut Page, number: usize, rows: [u32; 2]) -> Result<(), BakeError> {
         let points = self.points(number, Grid { size: page.size, rows, cells: self.samples });
-        let receivers: Vec<Receiver> = points.iter().map(|point| self.face(point).receiver(point.at)).collect();
+        let receivers: Vec<Receiver> = points.iter().map(|point| self.receiver(page.size, point)).collect();
         let mut values = self.light.of(renderer, &receivers)?;
         let spot = |(at, point): (Receiver, &Point)| {
             let part = self.layout.targets[point.target as usize].part;
@@ -156,8 +193,7 @@ impl Texels<'_> {
             .map(|target| Look::new(renderer.scene(), &self.file.parts[target.part]))
             .collect();
         for (point, value) in points.iter().zip(values) {
-            let corners = self.layout.targets[point.target as usize].corners(point.triangle as usize);
-            let texel = texel_sides(corners, size) * (1.0 / self.samples as f32);
+            let texel = self.sides(size, point);
             let [albedo, emission] = looks[point.target as usize].at(&self.face(point), point.at, texel);
             *value = albedo * *value * FRAC_1_PI + emission;
         }

@@ -1,136 +1,111 @@
 """Baking: the direct light of diffuse surfaces, into the image texture that is active in an object's material."""
 
+import warnings
+
 import bpy
 import numpy as np
 
-from . import camera, meshes
+from . import camera, materials, meshes
 from .export import Exporter
 from .live import Live
 from .notes import Notes, Refused
 
-#: Points that are lit at once.
-BATCH = 1 << 18
 
-
-class Texels:
-    """The texels of an image whose centres lie on triangles: where they are, and how often they are covered."""
-
-    def __init__(self, width, height):
-        self.size = (width, height)
-        self.triangle = np.full((height, width), -1, dtype=np.int64)
-        self.weights = np.zeros((height, width, 3))
-        self.twice = self.outside = 0
-
-    def add(self, number, corners):
-        """Rasterises a triangle of texture coordinates (3 × 2), v upward; rows are from below."""
-        width, height = self.size
-        p = corners * (width, height) - 0.5
-        low, high = np.ceil(p.min(axis=0) - 1e-9).astype(int), np.floor(p.max(axis=0) + 1e-9).astype(int)
-        if (low < 0).any() or high[0] >= width or high[1] >= height:
-            self.outside += 1
-            low, high = np.maximum(low, 0), np.minimum(high, (width - 1, height - 1))
-        (a, b, c), twice = p, np.cross(p[1] - p[0], p[2] - p[0])
-        if twice == 0 or (high < low).any():
-            return
-        y, x = np.mgrid[low[1] : high[1] + 1, low[0] : high[0] + 1]
-        edge = lambda q, r: ((r[0] - q[0]) * (y - q[1]) - (r[1] - q[1]) * (x - q[0])) / twice
-        weights = np.stack([edge(b, c), edge(c, a), edge(a, b)], axis=-1)
-        inside = (weights >= -1e-9).all(axis=-1)
-        part = np.s_[low[1] : high[1] + 1, low[0] : high[0] + 1]
-        # On the edge between two triangles is no overlap.
-        self.twice += int((inside & (self.triangle[part] >= 0) & (weights > 1e-6).all(axis=-1) & (self.weights[part] > 1e-6).all(axis=-1)).sum())
-        self.triangle[part] = np.where(inside, number, self.triangle[part])
-        self.weights[part] = np.where(inside[..., None], weights, self.weights[part])
-
-
-def surface(mesh, matrix, layer):
-    """Positions, normals and texture coordinates of the corners of all triangles in the world, `(n, 3, …)`."""
+def surface(mesh, matrix, layer, wanted):
+    """Positions, normals and texture coordinates of the corners of triangles in the world, `(n, 3, …)`: of those whose material slot is wanted."""
     mesh.calc_loop_triangles()
     loops = meshes._read(mesh.loop_triangles, "loops", np.int32, 3)
+    slots = np.zeros(len(loops), dtype=np.int32)
+    if len(mesh.materials) > 1:
+        slots = np.minimum(meshes._read(mesh.loop_triangles, "material_index", np.int32, 1), len(mesh.materials) - 1)
+    loops = loops[np.isin(slots, wanted)]
+    if np.linalg.det(matrix[:3, :3]) < 0:
+        # Mirrored triangles go round the other way.
+        loops = loops[:, ::-1]
     vertices = meshes._read(mesh.loops, "vertex_index", np.int32, 1)[loops]
     positions = meshes._read(mesh.vertices, "co", np.float32, 3)[vertices] @ matrix[:3, :3].T + matrix[:3, 3]
     normals = meshes._read(mesh.corner_normals, "vector", np.float32, 3)[loops] @ np.linalg.inv(matrix[:3, :3])
-    return positions, normals, meshes._read(layer.uv, "vector", np.float32, 2)[loops].astype(np.float64)
+    return positions, normals, meshes._read(layer.uv, "vector", np.float32, 2)[loops]
 
 
-def target(object):
-    """The image of the active image texture in an object's material."""
-    for slot in object.material_slots:
+def targets(object, notes):
+    """The images of the active image textures of an object's materials, each with the material slots that are baked to it."""
+    found, bare = {}, []
+    for number, slot in enumerate(object.material_slots):
         tree = slot.material and slot.material.node_tree
         node = tree and tree.nodes.active
         if node is not None and node.bl_idname == "ShaderNodeTexImage" and node.image is not None:
-            return node.image
-    raise Refused(f"\"{object.name}\" has no image to bake to: add an Image Texture node with an image, and make it active")
+            found.setdefault(node.image.name, (node.image, []))[1].append(number)
+        else:
+            bare.append(slot.material.name if slot.material else f"slot {number}")
+    if not found:
+        raise Refused(f"\"{object.name}\" has no image to bake to: add an Image Texture node with an image, and make it active")
+    for name in bare:
+        notes.add(object.name, f"faces of \"{name}\" are not baked: it has no active Image Texture node with an image")
+    return list(found.values())
 
 
-def bake(depsgraph, object, image, *, margin=16, settings=None, notes=None):
-    """Lights the texels of an image: the radiance that a white diffuse surface would have, `(height, width, 3)`, the lower row first; and which
-    texels lie on the object. Texels outside repeat the nearest ones up to `margin` away."""
-    import cosine_lobes as cl
-
-    notes = notes if notes is not None else Notes()
+def _corners(depsgraph, object, slots):
+    """The arrays of an object's corners that are baked to one image."""
     evaluated = object.evaluated_get(depsgraph)
     mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
     try:
         layer = mesh.uv_layers.active if mesh is not None else None
         if layer is None:
             raise Refused(f"\"{object.name}\" has no texture coordinates: unwrap it first")
-        positions, normals, uvs = surface(mesh, np.array(object.matrix_world, dtype=np.float64), layer)
+        return surface(mesh, np.array(object.matrix_world, dtype=np.float64), layer, slots)
     finally:
         evaluated.to_mesh_clear()
-    texels = Texels(*image.size)
-    for number, corners in enumerate(uvs):
-        texels.add(number, corners)
-    if texels.twice:
-        notes.add(object.name, f"{texels.twice} texels are covered more than once: its texture coordinates overlap")
-    if texels.outside:
-        notes.add(object.name, f"{texels.outside} triangles reach beyond the image and are cut there")
-    covered = texels.triangle >= 0
-    if not covered.any():
-        raise Refused(f"\"{object.name}\" covers no texel of \"{image.name}\"")
+
+
+def bake(depsgraph, surfaces, image, *, margin=16, samples=2, settings=None, notes=None, progress=None):
+    """Lights the texels of an image: the radiance that a white diffuse surface would have, `(height, width, 3)`, the lower row first; and which
+    texels lie on a surface. `surfaces` are objects with the material slots that show the image. Texels outside repeat the edge up to `margin`
+    away."""
+    import cosine_lobes as cl
+
+    notes = notes if notes is not None else Notes()
+    each = [_corners(depsgraph, object, slots) for object, slots in surfaces]
+    positions, normals, uvs = (np.concatenate(arrays).reshape(-1, arrays[0].shape[2]) for arrays in zip(*each))
+    names = ", ".join(object.name for object, _ in surfaces)
+    if not len(positions):
+        raise Refused(f"\"{names}\" has no face for \"{image.name}\"")
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.where(lengths > 0, normals, np.float32([0, 0, 1]))
     exporter = Exporter(bpy.data.images)
     live = Live(cl, exporter)
     # Baking looks from nowhere: any view will do.
     view = camera.View((0, 0, 0), (0, 0, -1), (0, 1, 0), "perspective", 40.0, (8, 8), (0, 0, 8, 8))
     live.show(exporter.snapshot(depsgraph), view, settings or {})
     notes.extend(live.notes)
-    light = _lit(live, positions, normals, texels, covered)
-    return _dilated(light, covered, margin), covered
+    with warnings.catch_warnings():
+        # Faces without an area are nothing to bake.
+        warnings.simplefilter("ignore", cl.LobesWarning)
+        made = live.renderer.bake(
+            positions.astype(np.float32),
+            np.arange(len(positions), dtype=np.uint32).reshape(-1, 3),
+            np.stack([uvs[:, 0], 1 - uvs[:, 1]], axis=1).astype(np.float32),
+            tuple(image.size),
+            normals=normals.astype(np.float32),
+            samples=samples,
+            padding=margin,
+            progress=progress,
+        )
+    if made["overlaps"]:
+        notes.add(names, f"{made['overlaps']} texels are covered more than once: texture coordinates overlap, and show a mean")
+    if made["beyond"]:
+        notes.add(names, f"{made['beyond']} triangles reach beyond the image and are cut there")
+    covered = made["covered"][::-1]
+    if not covered.any():
+        raise Refused(f"\"{names}\" covers no texel of \"{image.name}\"")
+    return made["irradiance"][::-1] / np.float32(np.pi), covered
 
 
-def _lit(live, positions, normals, texels, covered):
-    triangles, weights = texels.triangle[covered], texels.weights[covered][..., None]
-    points = (positions[triangles] * weights).sum(axis=1)
-    shading = (normals[triangles] * weights).sum(axis=1)
-    shading /= np.maximum(np.linalg.norm(shading, axis=1, keepdims=True), 1e-12)
-    flat = np.cross(positions[:, 1] - positions[:, 0], positions[:, 2] - positions[:, 0])[triangles]
-    # Mirrored objects turn their triangles over.
-    flat *= np.sign((flat * shading).sum(axis=1, keepdims=True)) + 1e-30
-    flat /= np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-30)
-    light = np.zeros((*covered.shape, 3), dtype=np.float32)
-    lit = [
-        live.renderer.shade(points[i : i + BATCH], shading[i : i + BATCH], faces=flat[i : i + BATCH])
-        for i in range(0, len(points), BATCH)
-    ]
-    light[covered] = np.concatenate(lit)
-    return light
-
-
-def _dilated(light, covered, margin):
-    """Fills texels beside the covered ones with the mean of their known neighbours, ring by ring."""
-    light, known = light.copy(), covered.copy()
-    for _ in range(margin):
-        if known.all():
-            break
-        padded, count = np.pad(light * known[..., None], ((1, 1), (1, 1), (0, 0))), np.pad(known.astype(np.float32), 1)
-        shifts = [(y, x) for y in (0, 1, 2) for x in (0, 1, 2) if (y, x) != (1, 1)]
-        height, width = known.shape
-        total = sum(padded[y : y + height, x : x + width] for y, x in shifts)
-        number = sum(count[y : y + height, x : x + width] for y, x in shifts)
-        ring = ~known & (number > 0)
-        light[ring] = total[ring] / number[ring][:, None]
-        known |= ring
-    return light
+def _note_reliefs(object, notes):
+    for slot in object.material_slots:
+        look = slot.material and materials.read(slot.material, Notes())
+        if look and look.normal_image:
+            notes.add(object.name, f"the normal map of \"{slot.material.name}\" is not in its light")
 
 
 def _chosen(context):
@@ -146,6 +121,9 @@ class OBJECT_OT_cosine_lobes_bake(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     margin: bpy.props.IntProperty(name="Margin", description="Texels around the edges", default=16, min=0, max=256)
+    samples: bpy.props.IntProperty(
+        name="Samples", description="Points along the side of a texel, which is the mean over their square", default=2, min=1, max=8
+    )
 
     @classmethod
     def poll(cls, context):
@@ -159,14 +137,25 @@ class OBJECT_OT_cosine_lobes_bake(bpy.types.Operator):
         notes = Notes()
         depsgraph = context.evaluated_depsgraph_get()
         settings = engine_settings(context.scene, is_viewport=False)
+        window = context.window_manager
+        window.progress_begin(0, 1)
         try:
+            # Objects that show one image are baked to it together.
+            images = {}
             for object in _chosen(context):
-                image = target(object)
-                light, _ = bake(depsgraph, object, image, margin=self.margin, settings=settings, notes=notes)
+                _note_reliefs(object, notes)
+                for image, slots in targets(object, notes):
+                    images.setdefault(image.name, (image, []))[1].append((object, slots))
+            for number, (image, surfaces) in enumerate(images.values()):
+                tell = lambda stage, done: window.progress_update((number + done) / len(images))
+                options = {"margin": self.margin, "samples": self.samples, "settings": settings}
+                light, _ = bake(depsgraph, surfaces, image, **options, notes=notes, progress=tell)
                 write(image, light)
         except (Refused, ValueError, cl.LobesError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        finally:
+            window.progress_end()
         for line in notes.lines:
             self.report({"WARNING"}, line)
         return {"FINISHED"}

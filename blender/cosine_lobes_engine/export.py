@@ -77,7 +77,7 @@ class Exporter:
         """The scene of an evaluated depsgraph. `viewport` is a 3D viewport whose local view and hidden objects count."""
         notes = Notes()
         if touched.everything or touched.images:
-            self._pictures = {k: v for k, v in self._pictures.items() if not (touched.everything or k[1] in touched.images)}
+            self._pictures = {k: v for k, v in self._pictures.items() if not (touched.everything or k[2] & touched.images)}
         snapshot = Snapshot(notes=notes, image_of=self._image_of(notes), touched_images=touched.images)
         self._numbers, self._seen, self._read_now = {}, set(), set()
         for instance in depsgraph.object_instances:
@@ -93,7 +93,7 @@ class Exporter:
         read = materials.image_of(self._images, notes)
 
         def image_of(kind, picture):
-            key = (kind, picture.image, picture.channel)
+            key = (kind, picture, picture.images)
             if key not in self._pictures:
                 self._pictures[key] = read(kind, picture)
             return self._pictures[key]
@@ -104,7 +104,7 @@ class Exporter:
         """The picture of a sky; none without one."""
         if sky.image is None:
             return None
-        key = ("sky", sky.image, None)
+        key = ("sky", sky.image, frozenset((sky.image,)))
         if key not in self._pictures:
             self._pictures[key] = world.texels(self._images[sky.image], notes)
         return self._pictures[key]
@@ -176,7 +176,7 @@ class Exporter:
         # Modifiers make one mesh of their own for each object.
         key = (object.name_full, data, wanted)
         self._seen.add(key)
-        cut_by_touched = any(look.alpha_image and look.alpha_image.image in touched.images for look in looks)
+        cut_by_touched = any(look.alpha_image and look.alpha_image.images & touched.images for look in looks)
         is_touched = touched.everything or cut_by_touched or not touched.meshes.isdisjoint((object.name_full, data))
         if key in self._parts and (not is_touched or key in self._read_now):
             return self._parts[key]

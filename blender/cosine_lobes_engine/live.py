@@ -132,7 +132,7 @@ class Live:
     def _edit_looks(self, snapshot):
         """New materials, and changed images of old ones. Materials that nothing uses stay until the renderer is built again."""
         for look in snapshot.looks:
-            is_touched = any(picture.image in snapshot.touched_images for picture in look.pictures)
+            is_touched = any(picture.images & snapshot.touched_images for picture in look.pictures)
             if look not in self._looks:
                 self._looks[look] = self._renderer.add_material(self._material(snapshot, look))
             elif is_touched:

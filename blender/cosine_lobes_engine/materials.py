@@ -5,7 +5,7 @@ from typing import Optional
 
 import numpy as np
 
-from . import images
+from . import images, mixes
 
 #: Inputs of Principled that have an effect which is not supported, and the values at which they have none.
 _IGNORED = {
@@ -24,12 +24,18 @@ _THROUGH = {"NodeReroute"}
 @dataclass(frozen=True)
 class Picture:
     """An image as a node shows it: its name, the channel (None for all), the name of the coordinates ("" for the active ones) and, row by row, the matrix
-    (2 × 3) from these to the image's."""
+    (2 × 3) from these to the image's. With a `mix` it is what nodes make of this image and of others that lie alike."""
 
     image: str
     channel: Optional[int] = None
     layer: str = ""
     place: tuple = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+    mix: Optional[tuple] = None
+
+    @property
+    def images(self):
+        """The names of all of its images."""
+        return mixes.names(self.mix) if self.mix else frozenset((self.image,))
 
 
 @dataclass(frozen=True)
@@ -108,6 +114,9 @@ class _Reader:
             return float(socket.default_value)
         if source.node.bl_idname == "ShaderNodeValue":
             return float(source.default_value)
+        value, picture = self.mixed(source, "grey") or (None, None)
+        if value is not None and picture is None:
+            return value[0]
         self.note(f"\"{name}\" comes from {_called(source.node)}, which is not read: {socket.default_value:g} stands")
         return float(socket.default_value)
 
@@ -123,6 +132,9 @@ class _Reader:
         picture = self.picture(source)
         if picture and picture.channel is None:
             return (1.0, 1.0, 1.0), picture
+        mixed = self.mixed(source, "color")
+        if mixed:
+            return mixed
         self.note(f"\"{name}\" comes from {_called(source.node)}, which is not read: its own colour stands")
         return value, None
 
@@ -131,7 +143,24 @@ class _Reader:
         socket = node.inputs[name]
         source = self.source(socket)
         picture = source and self.picture(source)
+        if source and not picture:
+            picture = (self.mixed(source, "grey") or (None, None))[1]
         return (1.0, picture) if picture else (self.number(node, name), None)
+
+    def mixed(self, source, kind):
+        """What nodes mix of constants and images that lie alike, as a "color" or a "grey" number: a value, or white and a picture; None where a node
+        is not read."""
+        reader = mixes.Reader(self.source, self.picture)
+        try:
+            mix = (kind, (), reader.output(source))
+        except mixes.Unread:
+            return None
+        if not reader.pictures:
+            return tuple(float(x) for x in mixes.evaluate(mix, None).ravel()), None
+        first = reader.pictures[0]
+        if any((other.layer, other.place) != (first.layer, first.place) for other in reader.pictures):
+            return None
+        return (1.0, 1.0, 1.0), replace(first, channel=None, mix=mix)
 
     def picture(self, source):
         """The image behind a socket; None where it is something else."""
@@ -359,12 +388,22 @@ def made(cl, look, image_of):
     return material.with_images(**given, normal_scale=look.normal_strength) if given else material
 
 
+def _mixed(bpy_images, kind, picture, notes):
+    """The texels of a mix: of colours, or of numbers."""
+    values = mixes.evaluate(picture.mix, lambda name, channel: mixes.linear(bpy_images[name], channel))
+    if values.max() > 1 or values.min() < 0:
+        notes.add(picture.image, "mixed values beyond 0 and 1 are cut")
+    return images._bytes(images._encode(values)) if kind == "color" else images._bytes(values[..., 0])
+
+
 def image_of(bpy_images, notes):
     """A reader of images, each once."""
     known = {}
 
     def read_image(kind, picture):
-        key = (kind, picture.image, picture.channel)
+        key = (kind, picture)
+        if key not in known and picture.mix:
+            known[key] = _mixed(bpy_images, kind, picture, notes)
         if key not in known:
             image = bpy_images[picture.image]
             values = {

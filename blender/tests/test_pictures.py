@@ -1,5 +1,7 @@
 """F12: regions, percentages, transparent films, passes, light groups; and what is left out is said."""
 
+import math
+
 import bpy
 import numpy as np
 import pytest
@@ -78,6 +80,16 @@ def test_depth_and_normals():
     along = np.dot(np.array(pick.position) - view.eye, view.forward)
     assert passes["Depth"][44, 32, 0] == pytest.approx(along, rel=1e-3) and passes["Depth"][0, 0, 0] == 1e10
     assert passes["Normal"][44, 32] == pytest.approx([0, 0, 1], abs=1e-5)
+
+
+def test_custom_normals():
+    """A floor whose custom normals lean by 0.6 is as bright as their cosine says, under a sun from above."""
+    stage.reset()
+    floor = stage.plane(4, stage.material("grey"))
+    floor.data.normals_split_custom_set_from_vertices([(0.6, 0, 0.8)] * 4)
+    stage.lamp("SUN", (0, 0, 5), energy=math.pi)
+    stage.camera((0, 0, 5), (0, 0, 0))
+    assert stage.render()[36, 48, 0] == pytest.approx(0.8 * 0.8, rel=2e-3)
 
 
 def notes():

@@ -7,7 +7,7 @@ use crate::files;
 use crate::fingerprint::Fingerprint;
 use crate::journal::Journal;
 use crate::moment::{self, Moment};
-use bake::{Baked, Baker, Map, Stage, glb_binary, glb_stamp, stamped_glb};
+use bake::{Baked, Baker, Map, Stage, beside, glb_binary, glb_stamp, stamped_glb};
 use cosine_lobes::{ImageFileError, Output, sweep_unfinished};
 use serde_json::{Value, json};
 use std::io::Write;
@@ -54,7 +54,7 @@ fn bake_file(args: &BakeArgs) -> Result<(), Failure> {
         baker.seek(moment.time)?;
         let mut journal = Journal::open(&output, stamp.origin(moment.time), args.console.quiet);
         let (mut baked, seconds) = bake_moment(args, &mut baker, &mut journal)?;
-        let maps = maps(&baked)?;
+        let maps = baked.map_files()?;
         if is_sequence {
             let line = stamp.line(moment.time, &baked.glb, &maps);
             baked.glb = stamped_glb(&baked.glb, &line).unwrap_or(baked.glb);
@@ -93,25 +93,6 @@ fn bake_moment(args: &BakeArgs, baker: &mut Baker, journal: &mut Journal) -> Res
 fn write(output: Output, bytes: &[u8]) -> Result<(), Failure> {
     let path = output.path().to_owned();
     Ok(output.finish(|file| file.write_all(bytes).map_err(|source| ImageFileError::Io { path, source }))?)
-}
-
-/// The name of a file beside the output: `baked.glb` gives `baked.lightmap0.exr`.
-fn beside(output: &Path, ending: &str) -> PathBuf {
-    let mut name = output.file_stem().unwrap_or_default().to_owned();
-    name.push(format!(".{ending}"));
-    output.with_file_name(name)
-}
-
-/// The files of all maps by the ends of their names: each as OpenEXR, those of all lights as PNG as well.
-fn maps(baked: &Baked) -> Result<Vec<(String, Vec<u8>)>, Failure> {
-    let mut all = Vec::new();
-    for map in &baked.maps {
-        all.push((format!("{}.exr", map.name), map.exr()?));
-        if !map.is_single {
-            all.push((format!("{}.png", map.name), map.linear_png()?));
-        }
-    }
-    Ok(all)
 }
 
 /// Writes maps beside the output. Returns their paths.

@@ -26,6 +26,7 @@ __all__ = [
     "SceneError",
     "Settings",
     "SphereSet",
+    "bake",
     "compare",
     "cut_out",
     "exposed",
@@ -46,6 +47,9 @@ _Triple = tuple[float, float, float]
 _Window = tuple[int, int, int, int]
 _Progress = Callable[[str, float], object]
 _Terminator = Literal["exact", "smooth"]
+_Normals = Literal["file", "face", "smooth"]
+_Emission = Literal["lights", "seen"]
+_Studio = Literal["soft", "key"]
 _Visibility = Literal["spheres", "shadow-map", "silhouettes", "rays", "none"]
 _SceneVisibility = Literal["scene", "spheres", "shadow-map", "silhouettes", "rays", "none"]
 _Layer = Literal["unshadowed", "lights", "normal", "depth", "object", "counts"]
@@ -326,7 +330,17 @@ class Scene:
         cls, *, size: Optional[tuple[int, int]] = None, camera: Optional[Camera] = None, background: Optional[_Color] = None
     ) -> Scene: ...
     @staticmethod
-    def load(path: _Path, *, clip: Optional[str] = None, size: Optional[tuple[int, int]] = None) -> Scene: ...
+    def load(
+        path: _Path,
+        *,
+        clip: Optional[str] = None,
+        size: Optional[tuple[int, int]] = None,
+        normals: _Normals = "file",
+        crease: float = 180.0,
+        terminator: _Terminator = "exact",
+        emission: _Emission = "lights",
+        studio: _Studio = "soft",
+    ) -> Scene: ...
     @staticmethod
     def builtin(*, size: Optional[tuple[int, int]] = None) -> Scene: ...
     @staticmethod
@@ -540,6 +554,20 @@ class Renderer:
         material: Optional[Union[Material, MaterialHandle, int]] = None,
         objects: Optional[Union[ObjectHandle, int, str, NDArray[np.int32], NDArray[np.int64]]] = None,
     ) -> dict[str, _Image]: ...
+    def bake(
+        self,
+        positions: _Floats,
+        triangles: _Integers,
+        uvs: _Floats,
+        size: tuple[int, int],
+        *,
+        normals: Optional[_Floats] = None,
+        samples: int = 2,
+        padding: int = 2,
+        per_light: bool = False,
+        object: Optional[_ObjectKey] = None,
+        progress: Optional[_Progress] = None,
+    ) -> dict[str, Any]: ...
     def coverage(self, *, window: Optional[_Window] = None) -> NDArray[np.float32]: ...
     def exposure(self) -> float: ...
     def pick(self, x: int, y: int) -> Optional[Pick]: ...
@@ -663,6 +691,30 @@ class SphereSet:
     def quality(self) -> dict[str, float]: ...
     def __len__(self) -> int: ...
 
+def bake(
+    path: _Path,
+    output: _Path,
+    *,
+    form: Literal["emission", "lightmap", "vertex-colors"] = "emission",
+    page: int = 1024,
+    density: Optional[float] = None,
+    padding: int = 2,
+    samples: int = 2,
+    unwrap: bool = False,
+    both_sides: bool = False,
+    per_light: bool = False,
+    subdivide: Optional[float] = None,
+    vertices: int = 1000000,
+    tolerance: float = 0.005,
+    time: float = 0.0,
+    clip: Optional[str] = None,
+    normals: _Normals = "file",
+    crease: float = 180.0,
+    terminator: _Terminator = "exact",
+    emission: _Emission = "lights",
+    studio: _Studio = "soft",
+    progress: Optional[_Progress] = None,
+) -> dict[str, Any]: ...
 def compare(
     test: _Floats, reference: _Floats, *, unshadowed: Optional[_Floats] = None, exposure: float = 0.0
 ) -> dict[str, Any]: ...

@@ -45,6 +45,19 @@ impl Fault for renderer::RenderError {
     }
 }
 
+impl Fault for bake::BakeError {
+    fn exception(self) -> PyErr {
+        use bake::BakeError as Error;
+        match self {
+            Error::Scene(error) => error.exception(),
+            Error::Render(error) => error.exception(),
+            Error::File { .. } => SceneError::new_err(self.to_string()),
+            Error::Setting { .. } => PyValueError::new_err(self.to_string()),
+            error => LobesError::new_err(error.to_string()),
+        }
+    }
+}
+
 /// Those that say all in their message.
 macro_rules! faults {
     ($($error:ty => $exception:ident),* $(,)?) => {

@@ -6,6 +6,7 @@
 #![cfg(not(test))]
 
 mod args;
+mod baking;
 mod camera;
 mod edits;
 mod environment;
@@ -14,8 +15,10 @@ mod handles;
 mod images;
 mod lamp;
 mod light;
+mod load;
 mod material;
 mod mesh;
+mod mesh_map;
 mod pictures;
 mod points;
 mod principled;
@@ -31,6 +34,8 @@ mod work;
 /// The classes and functions of the package.
 #[pyo3::pymodule(name = "_native")]
 mod native {
+    #[pymodule_export]
+    use crate::baking::bake;
     #[pymodule_export]
     use crate::camera::Camera;
     #[pymodule_export]

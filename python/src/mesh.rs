@@ -91,14 +91,7 @@ impl Manner<'_, '_> {
     pub(crate) fn mesh(self, mesh: Mesh, material: usize, number: usize) -> PyResult<Object> {
         let proxy = self.spheres.map_or(Ok(Proxy::Count(SPHERES)), proxy)?;
         let (name, visible, strategy) = (self.name(number), self.visible, strategy(self.visibility)?);
-        let terminator = match self.terminator {
-            None | Some("exact") => Terminator::Exact,
-            Some("smooth") => Terminator::Smooth,
-            Some(other) => {
-                let message = format!("terminator is \"{other}\": expected one of exact, smooth");
-                return Err(PyValueError::new_err(message));
-            }
-        };
+        let terminator = self.terminator.map_or(Ok(Terminator::Exact), crate::load::terminator)?;
         Ok(Object { visible, strategy, terminator, ..Object::mesh(name, mesh, material, proxy) })
     }
 

@@ -3,6 +3,7 @@ use crate::camera::Camera;
 use crate::environment::{self, Environment};
 use crate::errors::OrRaise;
 use crate::light::Light;
+use crate::load::Choices;
 use crate::material::Material;
 use crate::mesh::{Arrays, Manner, sphere_rows};
 use crate::values::vector;
@@ -112,13 +113,26 @@ impl Scene {
 
     /// Loads a scene file (.toml) or a model (.glb, .gltf, .obj, .ply), as the command does: a model gets a floor, a light and, where it
     /// has none, a camera.
+    ///
+    /// `normals` of models are those of the "file", of each "face", or "smooth" ones across edges of at most `crease` degrees. `terminator`,
+    /// "exact" or "smooth", is where light ends on smooth meshes. Objects that emit have an `emission` that "lights" the others, or is "seen" alone. The
+    /// `studio` lights a model without lights, "soft" or by its "key" alone.
     #[staticmethod]
-    #[pyo3(signature = (path, *, clip = None, size = None))]
-    fn load(py: Python<'_>, path: PathBuf, clip: Option<&str>, size: Option<(u32, u32)>) -> PyResult<Self> {
-        let read = || match clip {
-            None => scene::load_animated(&path),
-            Some(clip) => scene::load_clip(&path, clip),
-        };
+    #[pyo3(signature = (path, *, clip = None, size = None, normals = "file", crease = 180.0, terminator = "exact", emission = "lights", studio = "soft"))]
+    #[expect(clippy::too_many_arguments, reason = "each is a keyword")]
+    fn load(
+        py: Python<'_>,
+        path: PathBuf,
+        clip: Option<String>,
+        size: Option<(u32, u32)>,
+        normals: &str,
+        crease: f64,
+        terminator: &str,
+        emission: &str,
+        studio: &str,
+    ) -> PyResult<Self> {
+        let options = Choices { clip, normals, crease, terminator, emission, studio }.options()?;
+        let read = || scene::load_with(&path, &options);
         let (scene, animation, warnings) = py.detach(read).or_raise()?;
         warnings.iter().try_for_each(|text| warn(py, text))?;
         let mut scene = Self::of(scene, animation, warnings);

@@ -44,12 +44,12 @@ pub(crate) struct Settings {
 }
 
 /// The folder of kept sphere sets and tables, the command's: `cosine-lobes` in the user's cache folder.
-fn cache_folder() -> Option<PathBuf> {
+pub(crate) fn cache_folder() -> Option<PathBuf> {
     Some(dirs::cache_dir()?.join("cosine-lobes"))
 }
 
 /// The value that a name stands for.
-fn named<T: Copy>(what: &str, name: &str, all: &[(&str, T)]) -> PyResult<T> {
+pub(crate) fn named<T: Copy>(what: &str, name: &str, all: &[(&str, T)]) -> PyResult<T> {
     let found = all.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
     found.ok_or_else(|| {
         let names: Vec<&str> = all.iter().map(|(name, _)| *name).collect();

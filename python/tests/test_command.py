@@ -55,6 +55,78 @@ def test_layers_are_those_of_the_command(lobes, tmp_path):
     assert set(renderer.layers(["depth", "object"])) == {"beauty", "depth", "object"}
 
 
+MODEL = """
+v 1 0 0
+v -1 0 0
+v 0 1 0
+v 0 -1 0
+v 0 0 1
+v 0 0 -1
+s off
+f 1 3 5
+f 3 2 5
+f 2 4 5
+f 4 1 5
+f 3 1 6
+f 2 3 6
+f 4 2 6
+f 1 4 6
+"""
+LOADS = [
+    {"normals": "smooth"},
+    {"normals": "smooth", "crease": 60.0},
+    {"normals": "smooth", "terminator": "smooth"},
+    {"normals": "face", "studio": "key"},
+]
+
+
+def test_models_are_loaded_as_the_command_loads_them(lobes, tmp_path):
+    model, file = tmp_path / "model.obj", tmp_path / "picture.exr"
+    model.write_text(MODEL)
+    pictures = []
+    for options in LOADS:
+        words = [word for name, value in options.items() for word in (f"--{name}", value)]
+        lobes("render", model, "--size", "32x24", "-o", file, "--quiet", *words)
+        pictures.append(cl.Renderer(cl.Scene.load(model, size=(32, 24), **options)).render())
+        assert np.array_equal(pictures[-1], cl.read_exr(file)), options
+    # Each of them has a say.
+    assert all(not np.array_equal(a, b) for i, a in enumerate(pictures) for b in pictures[:i])
+
+
+def test_emission_is_seen_alone_or_lights_others(lobes, tmp_path):
+    path, file = tmp_path / "lamp.toml", tmp_path / "picture.exr"
+    path.write_text(
+        "[camera]\neye = [0, 2, 5]\ntarget = [0, 0, 0]\n[materials.lamp]\nmodel = \"lambert\"\nalbedo = 0\nemission = 9\n"
+        "[[lights]]\nkind = \"sphere\"\ncenter = [3, 3, 3]\nradius = 0.2\nradiance = 9\n"
+        "[[objects]]\nquad = { center = [0, 0, 0], u = [3, 0, 0], v = [0, 0, -3] }\n"
+        "[[objects]]\nquad = { center = [0, 1, 0], u = [0.5, 0, 0], v = [0, 0, 0.5] }\nmaterial = \"lamp\"\n"
+    )
+    means = []
+    for emission in ("lights", "seen"):
+        lobes("render", path, "--size", "32x24", "-o", file, "--quiet", "--emission", emission)
+        picture = cl.Renderer(cl.Scene.load(path, size=(32, 24), emission=emission)).render()
+        assert np.array_equal(picture, cl.read_exr(file))
+        means.append(picture.mean())
+    assert means[0] > 1.1 * means[1]
+
+
+@pytest.mark.parametrize(
+    "options, fault",
+    [
+        ({"normals": "flat"}, "normals is \"flat\": expected one of file, face, smooth"),
+        ({"crease": 0}, "crease is 0: expected degrees above 0, at most 180"),
+        ({"crease": 181}, "crease is 181: expected a number from 0 to 180"),
+        ({"terminator": "soft"}, "terminator is \"soft\": expected one of exact, smooth"),
+        ({"emission": "glows"}, "emission is \"glows\": expected one of lights, seen"),
+        ({"studio": "dark"}, "studio is \"dark\": expected one of soft, key"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_wrong_choices_of_loading_are_refused_by_name(options, fault):
+    with pytest.raises(ValueError, match=fault):
+        cl.Scene.load(FILES[0], **options)
+
+
 def test_the_built_in_scene_and_its_exposure(lobes, tmp_path):
     file, png = tmp_path / "picture.exr", tmp_path / "own.png"
     lobes("render", "--size", "48x27", "-o", file, "-o", tmp_path / "picture.png", "--quiet")

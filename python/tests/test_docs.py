@@ -15,13 +15,14 @@ EXAMPLES = ROOT / "python" / "examples"
 
 def test_the_code_of_the_document_runs(monkeypatch, tmp_path):
     blocks = re.findall(r"```python\n(.*?)```", DOCUMENT.read_text(), re.DOTALL)
-    assert len(blocks) == 4
+    assert len(blocks) == 5
     text = "\n".join(blocks)
     for whole, less in [
         ('load("scenes/soft_spheres.toml")', f'load({str(ROOT / "scenes" / "soft_spheres.toml")!r}, size=(32, 18))'),
         ("size=(640, 360)", "size=(32, 18)"),
         ("size=(320, 180)", "size=(16, 9)"),
         ("range(100)", "range(3)"),
+        ('bake("room.glb", "baked.glb"', f'bake({str(ROOT / "bake" / "tests" / "room.toml")!r}, "baked.glb", page=256, samples=1'),
     ]:
         assert whole in text
         text = text.replace(whole, less)
@@ -29,6 +30,8 @@ def test_the_code_of_the_document_runs(monkeypatch, tmp_path):
     names: dict = {}
     exec(compile(text, str(DOCUMENT), "exec"), names)  # noqa: S102
     assert names["irradiance"].shape == (50, 3) and (names["irradiance"] > 0).all()
+    assert names["light"].shape == (256, 256, 3) and names["light"].max() > 0
+    assert names["report"]["texels"] > 100 and (tmp_path / "baked.lightmap0.png").exists()
     assert names["renderer"].size == (16, 9) and (tmp_path / "picture.png").stat().st_size > 100
 
 

@@ -4,6 +4,7 @@
 //!   queries that save rays: the [`Primitive`]s between points and a light ([`World::in_shaft`]), whether any ray of a
 //!   [`Region`] meets something. A [`Hierarchy`] is kept and refitted as things move.
 //! - [`GBuffer`]: the visible points of a picture, found by packets of camera rays.
+//! - [`mapped_normal`]: the normal of a point by a normal map.
 //! - [`SphereHierarchy`]: the same for spheres that carry data.
 //!
 //! ```
@@ -24,5 +25,5 @@ mod world;
 
 pub use crate::gbuffer::{GBuffer, PixelSamples, TILE};
 pub use crate::sphere_hierarchy::SphereHierarchy;
-pub use crate::world::{Hierarchy, Primitive, Region, TriangleList, Update, World};
+pub use crate::world::{Hierarchy, Primitive, Region, TriangleList, Update, World, mapped_normal, vertex_tangents};
 pub use glam;

@@ -16,6 +16,7 @@ mod triangle_list;
 mod triangle_packet;
 
 pub(crate) use self::appearance::varied;
+pub use self::appearance::{mapped_normal, vertex_tangents};
 pub(crate) use self::build::build;
 pub(crate) use self::camera_rays::{Bundle, Rays, SIDE};
 pub use self::hierarchy::{Hierarchy, Update};

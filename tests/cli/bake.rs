@@ -139,8 +139,8 @@ fn scenes_and_models_become_files() {
     let parts = ["", ".light0", ".sky"].map(|end| format!("sky.lightmap0{end}.exr"));
     let [all, lamp, sky] = parts.map(|name| read_exr(&folder.join(name)).unwrap());
     for ((all, lamp), sky) in all.pixels().iter().zip(lamp.pixels()).zip(sky.pixels()) {
-        // Closing the seams of the sphere lets no light of one lamp fall below 0, where that of all may be less.
-        assert!((*all - *lamp - *sky).length() <= 1e-2 * all.length(), "{all} {lamp} {sky}");
+        // At the seams of the sphere, too; half floats have eleven digits.
+        assert!((*all - *lamp - *sky).length() <= 1.5e-3 * all.length(), "{all} {lamp} {sky}");
     }
     // Open floor sees the whole sky: π times its radiance.
     let most = sky.pixels().iter().map(|p| p.x).fold(0.0, f32::max);

@@ -111,19 +111,33 @@ fn made_coordinates_keep_the_surface() {
     assert!((texels / 64.0 - 1.0).abs() < 0.02, "{texels} texels a square unit");
 }
 
-/// Many separate pieces are named before the work begins, and more than a page holds are refused at once.
+/// A file of many pieces, fans of some triangles each.
+fn chaff(count: u32, triangles: u32) -> File {
+    let mut file = lit();
+    add_chaff(&mut file, count, triangles);
+    file
+}
+
+fn add_chaff(file: &mut File, count: u32, triangles: u32) {
+    let corner = |k: u32| {
+        let (piece, corner) = (k / (triangles + 2), k % (triangles + 2));
+        let (i, j) = ((piece % 105) as f32, (piece / 105) as f32);
+        let turn = (corner.saturating_sub(1)) as f32 / triangles as f32;
+        let arm = if corner == 0 { Vec3::ZERO } else { Vec3::new(turn.cos(), 0.1 * turn, -turn.sin()) };
+        Vec3::new(i, 0.0, -j) + 0.5 * arm
+    };
+    let positions: Vec<Vec3> = (0..(triangles + 2) * count).map(corner).collect();
+    let fan = |k: u32| (0..triangles).map(move |t| [0, t + 1, t + 2].map(|i| (triangles + 2) * k + i));
+    let triangles: Vec<[u32; 3]> = (0..count).flat_map(fan).collect();
+    let mesh = file.mesh("chaff", &positions, &triangles, None);
+    file.node(json!({"mesh": mesh}));
+}
+
+/// Many pieces in surfaces of few ones are named before the work begins, and more of them than a page holds are refused at once.
 #[test]
 fn many_pieces_are_named() {
     let mut file = lit();
-    let count = 52_500;
-    let corner = |k: u32| {
-        let (i, j) = ((k / 3 % 105) as f32, (k / 315) as f32);
-        Vec3::new(i, 0.0, -j) + 0.5 * [Vec3::ZERO, Vec3::X, Vec3::NEG_Z][k as usize % 3]
-    };
-    let positions: Vec<Vec3> = (0..3 * count).map(corner).collect();
-    let triangles: Vec<[u32; 3]> = (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
-    let mesh = file.mesh("chaff", &positions, &triangles, None);
-    file.node(json!({"mesh": mesh}));
+    (0..26).for_each(|_| add_chaff(&mut file, 1950, 1));
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.glb");
     std::fs::write(&path, file.glb()).unwrap();
@@ -132,12 +146,31 @@ fn many_pieces_are_named() {
         bake::Baker::open(&path, &options, settings, renderer::Settings::default()).unwrap()
     };
     let notes = |settings| open(settings).notes().join("\n");
-    assert!(notes(MAPS).contains("coordinates for 52500 separate pieces"), "{}", notes(MAPS));
+    assert!(notes(MAPS).contains("coordinates for 50700 separate pieces"), "{}", notes(MAPS));
     assert!(notes(BakeSettings { form: Form::VertexColors, ..MAPS }).is_empty());
     let start = std::time::Instant::now();
-    let found = message(&file, BakeSettings { page: 512, ..MAPS });
-    assert!(found.contains("mesh \"chaff\": its 52500 separate pieces do not fit one page of 512"), "{found}");
+    // Of many triangles each, so that they do not lie in rows.
+    let found = message(&chaff(8000, 9), BakeSettings { page: 256, ..MAPS });
+    assert!(found.contains("mesh \"chaff\": its 8000 separate pieces do not fit one page of 256"), "{found}");
     assert!(start.elapsed().as_secs() < 5);
+}
+
+/// Pieces of few triangles lie in rows: tens of thousands take no minutes, and lie apart.
+#[test]
+fn small_pieces_lie_in_rows() {
+    let file = chaff(30_000, 2);
+    let settings = BakeSettings { page: 1024, samples: 1, padding: 1, ..MAPS };
+    let start = std::time::Instant::now();
+    let baked = bake(&file, settings);
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+    assert!(baked.pages.len() == 1 && baked.texels > 60_000, "{} texels", baked.texels);
+    // Read again, its coordinates are refused if they overlap.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("baked.glb");
+    std::fs::write(&path, &baked.glb).unwrap();
+    assert_eq!(crate::support::bake_file(&path, settings).unwrap().pages, [[1024; 2]]);
+    let found = message(&file, BakeSettings { page: 512, ..settings });
+    assert!(found.contains("mesh \"chaff\": its charts do not fit one page of 512"), "{found}");
 }
 
 /// Edges of three triangles, triangles that meet in a corner, and the same triangle twice are no fault, in any form.
@@ -207,6 +240,50 @@ fn charts_without_an_area_have_light() {
     }
 }
 
+/// Two surfaces that meet within a plane show the same light along their edge; in radiance they keep their colours.
+#[test]
+fn surfaces_meet_alike() {
+    let mut file = lit();
+    let charts = [[0.0, 0.45], [0.55, 0.97]].map(|[low, high]| Some([Vec2::splat(low), Vec2::splat(high)]));
+    file.quad("left", [Vec3::NEG_X, Vec3::X, Vec3::NEG_Z], charts[0]);
+    let right = file.quad("right", [Vec3::X, Vec3::X, Vec3::NEG_Z], charts[1]);
+    file.json["nodes"][0]["translation"] = json!([0.1, 0.3, 0.2]);
+    let edge = |values: &[Vec3]| -> (f32, f32) {
+        let map = |u: f32, v: f32| {
+            let at = Vec2::new(u, v) * 48.0 - 0.5;
+            let (low, part) = (at.floor(), at - at.floor());
+            let texel = |x: f32, y: f32| values[(low.y + y) as usize * 48 + (low.x + x) as usize].x;
+            let row = |y: f32| texel(0.0, y) * (1.0 - part.x) + texel(1.0, y) * part.x;
+            row(0.0) * (1.0 - part.y) + row(1.0) * part.y
+        };
+        let s = |k: u32| (k as f32 + 1.0) / 22.0;
+        let pairs: Vec<[f32; 2]> = (0..21).map(|k| [map(0.45, 0.45 * s(k)), map(0.55, 0.55 + 0.42 * s(k))]).collect();
+        let light = pairs.iter().map(|[a, _]| a).sum::<f32>();
+        (pairs.iter().map(|[a, b]| (a - b).abs()).sum::<f32>() / light, light / 21.0)
+    };
+    let settings = BakeSettings { page: 48, ..MAPS };
+    let (difference, _) = edge(&bake(&file, settings).maps[0].values);
+    assert!(difference < 0.01, "{difference}");
+    // A black surface beside a white one.
+    file.json["materials"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({"pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}}));
+    let mesh = file.json["nodes"][right]["mesh"].as_u64().unwrap() as usize;
+    file.json["meshes"][mesh]["primitives"][0]["material"] = json!(1);
+    let (text, binary) = chunks(&bake(&file, BakeSettings { form: Form::Emission, ..settings }).glb);
+    let json: Value = serde_json::from_str(&text).unwrap();
+    let view = &json["bufferViews"][json["images"][0]["bufferView"].as_u64().unwrap() as usize];
+    let start = view["byteOffset"].as_u64().unwrap() as usize;
+    let png = &binary[start..start + view["byteLength"].as_u64().unwrap() as usize];
+    let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+    let mut bytes = vec![0; 3 * 48 * 48];
+    reader.next_frame(&mut bytes).unwrap();
+    let values: Vec<Vec3> = bytes.chunks_exact(3).map(|c| Vec3::splat(f32::from(c[0]) / 255.0)).collect();
+    let (difference, light) = edge(&values);
+    assert!(difference > 0.95 && light > 0.3, "{difference} {light}");
+}
+
 /// Along the seams of charts both sides show the same light, within 1 % in the mean.
 #[test]
 fn seams_agree() {
@@ -246,4 +323,13 @@ fn seams_agree() {
     let (mean, most) = crate::support::seams(&baked);
     println!("seams: {:.2} % in the mean, {:.2} % at most", 100.0 * mean, 100.0 * most);
     assert!(mean < 0.01, "{mean}");
+    // Of several lights, of which each ends at some seam, both the whole and the sum.
+    file.light(json!({"type": "point", "intensity": 4.0, "color": [0.1, 0.3, 1.0]}), Vec3::new(-1.5, -1.2, 0.8));
+    let baked = bake(&file, BakeSettings { page: 256, per_light: true, ..MAPS });
+    let (mean, _) = crate::support::seams(&baked);
+    assert!(mean < 0.01, "{mean}");
+    let [all, one, other] = [0, 1, 2].map(|k| &baked.maps[k].values);
+    for (place, ((all, one), other)) in all.iter().zip(one).zip(other).enumerate() {
+        assert!((*all - *one - *other).length() <= 1e-5 * all.length(), "{place}: {all} {one} {other}");
+    }
 }

@@ -199,6 +199,51 @@ fn emission_is_reflected_and_own_light() {
     }
 }
 
+/// A map of one colour as a data URI.
+fn one_color(color: [u8; 3]) -> String {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 2, 2);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.write_header().unwrap().write_image_data(&color.repeat(4)).unwrap();
+    let digits = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let quad = |c: &[u8]| {
+        let word = [0, 1, 2].iter().fold(0_u32, |w, k| w << 8 | u32::from(c.get(*k).copied().unwrap_or(0)));
+        [18, 12, 6, 0].map(|s| digits[(word >> s & 63) as usize] as char).into_iter().take(c.len() + 1).collect()
+    };
+    let mut text: String = bytes.chunks(3).map(|c| -> String { quad(c) }).collect();
+    text.push_str(&"=".repeat(text.len().next_multiple_of(4) - text.len()));
+    format!("data:image/png;base64,{text}")
+}
+
+/// Light of texels is that of the normals of a map, in frames of the coordinates that it lies by, turned and mirrored ones too; vertices have
+/// the light of their own normals.
+#[test]
+fn normal_maps_turn_the_light() {
+    // Of u 0.6, of v upward 0, of the normal 0.8.
+    let normal = one_color([204, 128, 230]);
+    for (square, [x, z]) in [
+        ([Vec2::ZERO, Vec2::ONE], [0.6, 0.0]),
+        // u grows against x.
+        ([Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0)], [-0.6, 0.0]),
+    ] {
+        let mut file = File::new();
+        file.quad("floor", [Vec3::ZERO, Vec3::X, Vec3::NEG_Z], Some(square));
+        // Down, from where x, y and z are 0.48, 0.8 and 0.36.
+        file.light(json!({"type": "directional", "intensity": 2.0}), Vec3::ZERO);
+        let toward = Vec3::new(0.48, 0.8, 0.36);
+        file.json["nodes"][1]["rotation"] = json!(glam::Quat::from_rotation_arc(Vec3::Z, toward).to_array());
+        file.json["images"] = json!([{"uri": normal}]);
+        file.json["textures"] = json!([{"source": 0}]);
+        file.json["materials"][0]["normalTexture"] = json!({"index": 0});
+        let want = 2.0 * Vec3::new(x, 0.8, z).dot(toward);
+        let light = bake(&file, MAPS).maps[0].values[16 * 32 + 16].x;
+        assert!((light - want).abs() < 0.02, "{light} {want}");
+        let colors = bake(&file, BakeSettings { form: Form::VertexColors, ..MAPS });
+        let color = crate::support::Baked3::new(&colors).mesh(0).colors[0].x * colors.scale;
+        assert!((color * core::f32::consts::PI - 1.6).abs() < 0.01, "{color}");
+    }
+}
+
 /// Work stops on request, by the listener and by another thread, and begins again.
 #[test]
 fn baking_stops_on_request() {

@@ -31,8 +31,10 @@ pub(super) fn tangents(scene: &Scene) -> Vec<Vec<Vec3>> {
     if all.iter().all(Vec::is_empty) { Vec::new() } else { all }
 }
 
-/// Means of the adjoining triangles' tangents, weighted by their angles.
-fn vertex_tangents(mesh: &Mesh, uvs: &[Vec2], transform: Mat2) -> Vec<Vec3> {
+/// The tangents of a mesh's vertices along growing u of coordinates that a matrix transforms: means of the adjoining triangles' tangents,
+/// weighted by their angles, of length 1 and less where triangles do not agree.
+#[must_use]
+pub fn vertex_tangents(mesh: &Mesh, uvs: &[Vec2], transform: Mat2) -> Vec<Vec3> {
     let mut sums = vec![(Vec3::ZERO, 0.0); mesh.positions.len()];
     for triangle in &mesh.triangles {
         let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3());
@@ -192,9 +194,8 @@ impl Patch<'_> {
 
     /// The receiver's normal turned to one of a map.
     fn turned(&self, at: &Receiver, map: &TextureMap, tangents: &[Vec3], local: Vec3) -> Vec3 {
-        let ([x, y], m) = (self.changes(map.uv_set), map.transform.matrix2);
-        let gradients = [x * m.x_axis.x + y * m.y_axis.x, x * m.x_axis.y + y * m.y_axis.y];
-        turned(at, gradients, self.mix(tangents).map(|tangent| self.in_world(tangent)), local)
+        let tangent = self.mix(tangents).map(|tangent| self.in_world(tangent));
+        mapped_normal(at, self.changes(map.uv_set), map, tangent, local)
     }
 
     fn color(&self) -> Option<Vec3> {
@@ -234,6 +235,20 @@ fn along_grain(at: &Receiver, changes: [Vec3; 2], grain: Vec2) -> Vec3 {
     let [u, v] = changes;
     let to_v = u.cross(at.face) * u.cross(v).dot(at.face).signum();
     to_u.normalize_or_zero() * grain.x + to_v.normalize_or_zero() * grain.y
+}
+
+/// The normal of a point turned to the `local` one of a normal map. `gradients` are those of the mesh's u and v over the surface, before the
+/// map's transform; `tangent` is that of the [vertices](vertex_tangents), interpolated, where normals are smooth.
+#[must_use]
+pub fn mapped_normal(
+    at: &Receiver,
+    gradients: [Vec3; 2],
+    map: &TextureMap,
+    tangent: Option<Vec3>,
+    local: Vec3,
+) -> Vec3 {
+    let ([x, y], m) = (gradients, map.transform.matrix2);
+    turned(at, [x * m.x_axis.x + y * m.y_axis.x, x * m.x_axis.y + y * m.y_axis.y], tangent, local)
 }
 
 /// The normal of a point turned to one in the frame of texture coordinates, on the eye's side; by the tangent of its vertices where that is
