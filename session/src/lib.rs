@@ -30,6 +30,7 @@
 //! # Ok::<(), renderer::RenderError>(())
 //! ```
 
+mod crossed;
 mod driver;
 mod edit;
 mod editor;
@@ -44,6 +45,7 @@ mod picture;
 mod primitive;
 mod probe;
 mod projection;
+mod rest;
 #[cfg(feature = "files")]
 mod saving;
 mod session;

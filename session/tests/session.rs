@@ -134,6 +134,60 @@ fn a_dragged_light_is_seen_while_it_moves() {
     assert!(after.divisor == 1 && after.radiance == of_new(last));
 }
 
+/// A lamp that moves among others is seen with the picture without it, which is kept; what follows has the bits of a new renderer.
+#[test]
+fn a_moving_light_is_added_to_the_rest() {
+    let mut scene = scene(120, 68);
+    // Of eight lights one is a small part of the work.
+    (1..7).for_each(|turn| scene.lights.push(turned(&scene, 0, 40 * turn)));
+    let renderer = renderer(scene.clone());
+    let light = first_light(&renderer);
+    let session = Session::new(renderer);
+    // Any picture takes longer.
+    session.set_budget(1e-5);
+    drop(session.finished());
+    let (mut sums, mut coarse) = (0, 0);
+    let mut seen = session.picture();
+    let mut step = 0;
+    while sums < 5 && step < 200 {
+        step += 1;
+        session.edit(Edit::Light(light, turned(&scene, 0, step).into()));
+        let edits = session.edits();
+        while session.picture().edits < edits {
+            thread::yield_now();
+        }
+        let picture = session.picture();
+        if !Arc::ptr_eq(&picture, &seen) && picture.is_sum {
+            sums += 1;
+            assert_eq!((picture.size, picture.divisor), ([60, 34], 2));
+            let mut now = scene.clone();
+            now.lights[0] = turned(&scene, 0, picture.edits as usize);
+            (now.width, now.height) = (60, 34);
+            let want = of_new(now);
+            let sum = |v: Vec3| f64::from(v.element_sum());
+            let off: f64 = picture.radiance.iter().zip(&want).map(|(a, b)| sum((*a - *b).abs())).sum();
+            let all: f64 = want.iter().map(|v| sum(*v)).sum();
+            println!("step {step}: off by {:.4}", off / all);
+            // Of the grain of pixels.
+            assert!(off < 0.05 * all, "{off} {all}");
+        }
+        coarse += usize::from(picture.divisor > 2);
+        seen = picture;
+    }
+    assert!(sums == 5, "{sums} sums and {coarse} coarse pictures of {step} edits");
+    let mut last = scene;
+    last.lights[0] = turned(&last, 0, step);
+    let after = session.finished();
+    assert!(after.is_whole() && after.radiance == of_new(last.clone()));
+    // Another change, and nothing is kept: the picture is made as ever.
+    let camera = scene::Camera { eye: last.camera.eye + Vec3::X * 0.3, ..last.camera };
+    session.edit(Edit::Camera(camera));
+    session.edit(Edit::Light(light, turned(&last, 0, 3).into()));
+    last.lights[0] = turned(&last, 0, 3);
+    last.camera = camera;
+    assert!(session.finished().radiance == of_new(last) && session.take_errors().is_empty());
+}
+
 /// A session of much work ends at once.
 #[test]
 fn a_session_ends_at_once() {
