@@ -210,6 +210,7 @@ impl Hands {
         if !response.drag_started() {
             return;
         }
+        desk.editor.close_step();
         let Some(from) = ui.input(|input| input.pointer.press_origin()).map(|pos| self.local(pos)) else { return };
         let camera = desk.editor.scene().camera;
         let is_first = response.drag_started_by(PointerButton::Primary);
@@ -297,8 +298,15 @@ impl Hands {
     fn zoom(&self, ui: &Ui, desk: &mut Desk) {
         let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
         if scroll == 0.0 && pinch == 1.0 {
+            // The wheel rests: what it did so far is a step.
+            if core::mem::take(&mut desk.is_zooming) {
+                desk.close_step();
+            }
             return;
         }
+        desk.is_zooming = true;
+        // The frame in which it rests comes too.
+        ui.ctx().request_repaint();
         let factor = (-0.002 * scroll).exp() / pinch;
         let camera = zoomed(desk.editor.scene().camera, factor);
         desk.set_camera(camera);
