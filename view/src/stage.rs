@@ -6,7 +6,7 @@ use crate::screen::Screen;
 use cosine_lobes::glam::{Vec2, Vec3};
 use cosine_lobes::lighting::Light;
 use cosine_lobes::scene::Bounds;
-use cosine_lobes::session::{Grip, Handles, Projection, lamp, orbited, panned, zoomed};
+use cosine_lobes::session::{Grip, Handles, ObjectItem, Projection, lamp, orbited, panned, zoomed};
 use eframe::egui::{
     Align2, Color32, Context, CursorIcon, FontId, Painter, PointerButton, Pos2, Rect, Response, Sense, Shape, Stroke,
     TextureHandle, TextureId, TextureOptions, Ui, pos2, vec2,
@@ -161,7 +161,9 @@ impl Hands {
                 Some(handles.with_size(lamp::size(&item.light)))
             }
             Thing::Object(handle) => {
-                let item = desk.editor.object(handle).filter(|item| !item.is_animated && item.visible)?;
+                // Who looks into a pixel of the floor does not mean to move it.
+                let can_move = |item: &&ObjectItem| !item.is_animated && item.visible && !item.is_backdrop;
+                let item = desk.editor.object(handle).filter(can_move)?;
                 Some(Handles::new(self.projection, item.bounds.center()))
             }
         }

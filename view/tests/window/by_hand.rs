@@ -33,6 +33,9 @@ radiance = 60
 /// The background beside the picture.
 const BESIDE: [u8; 3] = [24; 3];
 
+/// The arrow along x.
+const ARROW: [u8; 3] = [240, 90, 80];
+
 /// The part of the window that shows the picture.
 #[derive(Clone, Copy)]
 struct Stage {
@@ -67,10 +70,8 @@ impl Stage {
     /// The part of the pixels that differ by more than some levels.
     fn difference(&self, a: &Screen, b: &Screen) -> f32 {
         let pairs = self.pixels(a).zip(self.pixels(b));
-        let differs = |((_, a), (_, b)): &(([f32; 2], &[u8; 3]), ([f32; 2], &[u8; 3]))| {
-            a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 6)
-        };
-        pairs.filter(differs).count() as f32 / (self.size.x * self.size.y)
+        let differs = |a: &[u8; 3], b: &[u8; 3]| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 6);
+        pairs.filter(|((_, a), (_, b))| differs(a, b)).count() as f32 / (self.size.x * self.size.y)
     }
 
     /// The middle of the shadow on the floor: of the darkest pixels below the horizon.
@@ -137,6 +138,11 @@ fn try_all(display: &Display, path: &Path) -> Result<(), Failed> {
     println!("the shadow moves from {before} to {after}");
     assert!(after.x - before.x > 100.0, "{before} {after}");
 
+    let has = |screen: &Screen, want: [u8; 3]| {
+        screen.pixels.iter().any(|color| color.iter().zip(want).all(|(a, b)| a.abs_diff(b) <= 3))
+    };
+    assert!(has(&dragged, ARROW), "the handles of the lamp");
+
     // A step back, and forth.
     hand.key(&[], ESCAPE)?;
     let is_first = |screen: &Screen| stage.difference(&first, screen) < 1e-3;
@@ -151,12 +157,10 @@ fn try_all(display: &Display, path: &Path) -> Result<(), Failed> {
 
     // A click takes a pixel apart: the curves of its lobes have colours of their own.
     hand.click(stage.place(Vec2::new(0.35, 0.75)))?;
-    let has = |screen: &Screen, want: [u8; 3]| {
-        screen.pixels.iter().any(|color| color.iter().zip(want).all(|(a, b)| a.abs_diff(b) <= 3))
-    };
     let has_lobes = |screen: &Screen| has(screen, [250, 190, 90]) && has(screen, [110, 190, 255]);
     let inspected = hand.wait(WHOLE, "the pixel that was clicked", has_lobes)?;
     keep(&inspected, "pixel")?;
+    assert!(!has(&inspected, ARROW), "the floor has no handles");
     hand.key(&[], ESCAPE)?;
     hand.wait(WHOLE, "the picture without the pixel", is_first)?;
 
