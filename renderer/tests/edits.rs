@@ -114,6 +114,20 @@ fn no_more_is_made_than_must_be() {
     edited.set_transform(object, Mat4::from_translation(0.05 * Vec3::X)).expect("a shift");
     let once = Upkeep { hierarchy_refits: 1, silhouette_refits: 1, point_bands: 1, ..nothing };
     assert_eq!(work(&mut edited, before), once, "an object");
+    let before = edited.upkeep();
+    edited.set_accuracy(Accuracy::new(0.02)).expect("a tolerance");
+    edited.set_settings(Settings { threshold: 1e-6, ..edited.settings().clone() }).expect("a threshold");
+    edited.set_background(Vec3::ONE).expect("a background");
+    edited.render_light(1, light, &mut |_| ControlFlow::Continue(())).expect("a part");
+    assert_eq!(work(&mut edited, before), nothing, "settings, a background, and the part of a light");
+    let points = Upkeep { point_bands: 1, ..nothing };
+    edited
+        .set_camera(Camera { eye: edited.scene().camera.eye + 0.1 * Vec3::X, ..edited.scene().camera })
+        .expect("a camera");
+    assert_eq!(work(&mut edited, before), points, "a camera");
+    let before = edited.upkeep();
+    edited.set_size(40, 30).expect("a size");
+    assert_eq!(work(&mut edited, before), points, "a size");
 }
 
 #[test]
