@@ -78,6 +78,65 @@ fn halved(picture: &[Vec3], [width, height]: [usize; 2]) -> Vec<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use core::cell::Cell;
+    use glam::Mat4;
+    use renderer::Settings;
+    use scene::Animation;
+
+    const BUDGET: f64 = 0.03;
+
+    /// The built-in scene under three lights, and its whole picture, which is said to take so long.
+    fn stage(seconds: f64) -> (Renderer, LightHandle, Picture) {
+        let mut scene = scene::builtin();
+        (scene.width, scene.height) = (97, 55);
+        scene.lights.push(scene.lights[0].moved(Mat4::from_rotation_y(1.0)));
+        let mut renderer = Renderer::new(scene, Animation::default(), Settings::default()).expect("a scene");
+        let light = renderer.lights().next().expect("a light").0;
+        let renderer::Image { size, radiance, stats, .. } = renderer.render().expect("a picture");
+        (renderer, light, Picture { size, radiance, stats, divisor: 1, seconds, ..Picture::default() })
+    }
+
+    /// By a clock by which each part takes so long in proportion to the whole one.
+    fn rest(renderer: &mut Renderer, light: LightHandle, whole: &Picture, seconds: f64) -> Option<Rest> {
+        let (now, step) = (Cell::new(0.0), seconds / f64::from(TRIAL * TRIAL));
+        let clock = || now.replace(now.get() + step);
+        Rest::new(renderer, light, whole, BUDGET, clock).expect("a rest")
+    }
+
+    /// With the part of the light elsewhere it is the picture there: to rounding where its sides are whole.
+    #[test]
+    fn a_moved_light_and_the_rest_are_the_picture() {
+        let (mut renderer, light, whole) = stage(1.0);
+        let off = |a: &[Vec3], b: &[Vec3]| {
+            let sum = |v: Vec3| f64::from(v.abs().element_sum());
+            a.iter().zip(b).map(|(a, b)| sum(*a - *b)).sum::<f64>() / b.iter().map(|b| sum(*b)).sum::<f64>()
+        };
+        for (seconds, divisor, most) in [(0.02, 1, 1e-5), (0.1, 2, 0.1)] {
+            let rest = rest(&mut renderer, light, &whole, seconds).expect("it is worth it");
+            assert_eq!(rest.divisor, divisor);
+            let before = renderer.lights().next().expect("a light").1.clone();
+            renderer.set_light(light, before.moved(Mat4::from_rotation_y(0.7))).expect("a light");
+            let go_on = &mut |_: Event<'_>| ControlFlow::Continue(());
+            let mut sum = renderer.render_light(divisor, light, go_on).expect("a part").radiance;
+            rest.with(&mut sum);
+            let want = renderer.render_reduced(divisor, go_on).expect("a picture").radiance;
+            println!("1/{divisor}: off by {:.1e}", off(&sum, &want));
+            assert!(sum.len() == want.len() && off(&sum, &want) < most, "{}", off(&sum, &want));
+            renderer.set_light(light, before).expect("a light");
+        }
+    }
+
+    #[test]
+    fn little_gain_is_none() {
+        let (mut renderer, light, whole) = stage(1.0);
+        assert!(rest(&mut renderer, light, &whole, 0.26).is_none(), "too long at once");
+        let (quick, half) = (Picture { seconds: BUDGET, ..whole.clone() }, Picture { seconds: 0.1, ..whole.clone() });
+        assert!(rest(&mut renderer, light, &quick, 0.001).is_none(), "quick enough");
+        assert!(rest(&mut renderer, light, &half, 0.07).is_none(), "most of its time");
+        let others: Vec<_> = renderer.lights().map(|(handle, _)| handle).skip(1).collect();
+        others.into_iter().for_each(|other| drop(renderer.remove_light(other)));
+        assert!(rest(&mut renderer, light, &whole, 0.02).is_none(), "the only light");
+    }
 
     #[test]
     fn pictures_are_halved_to_means() {
