@@ -120,7 +120,7 @@ pub(crate) fn follows_a_hand() -> Result<(), Failed> {
 fn try_all(display: &Display, path: &Path) -> Result<(), Failed> {
     let mut hand = Hand::new(&display.number)?;
     let is_there = |screen: &Screen| Stage::of(screen).is_some_and(|stage| stage.colors(screen) > 200);
-    let first = hand.wait(WHOLE, "the picture", is_there)?;
+    let first = hand.wait_for(WHOLE, Duration::from_secs(1), "the picture", is_there)?;
     let stage = Stage::of(&first).ok_or("no picture")?;
     keep(&first, "first")?;
     hand.focus()?;
@@ -207,7 +207,7 @@ fn views(hand: &mut Hand, stage: Stage, first: &Screen) -> Result<(), Failed> {
         let (least, still) = match *name {
             "reference" => (0.0, 0),
             "difference" => (0.02, 0),
-            _ => (0.02, 300),
+            _ => (0.02, 500),
         };
         let is_new = |screen: &Screen| stage.difference(last, screen) >= least;
         let now = hand.wait_for(WHOLE, Duration::from_millis(still), name, is_new)?;

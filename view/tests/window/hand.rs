@@ -168,14 +168,14 @@ impl Hand {
         Ok(Screen { width: usize::from(width), pixels })
     }
 
-    /// The same once it is as wanted, and a third of a second later still the same.
+    /// The same once it is as wanted, and half a second later still the same.
     pub(crate) fn wait(
         &mut self,
         size: [u16; 2],
         name: &str,
         is_wanted: impl Fn(&Screen) -> bool,
     ) -> io::Result<Screen> {
-        self.wait_for(size, Duration::from_millis(300), name, is_wanted)
+        self.wait_for(size, Duration::from_millis(500), name, is_wanted)
     }
 
     /// The same once it is as wanted, and has been still for some time.
