@@ -27,7 +27,7 @@ pub struct Outline {
 /// block by shadow maps or rays have none.
 ///
 /// # Cost
-/// All triangles of the scene once: 10 ms for a million.
+/// All triangles of the scene once.
 pub(crate) fn outlines(renderer: &Renderer, at: &Receiver, light: &Light, mask: &LightMask) -> Vec<Outline> {
     let bounds = light.bounds();
     let far = (bounds.center - at.position).length() + bounds.radius;

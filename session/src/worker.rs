@@ -165,7 +165,35 @@ impl Worker {
         {
             self.seen = self.edits;
         }
-        let (done, since) = match command {
+        let (done, since) = self.follow(command);
+        if self.renderer.stale().has(Stale::HIERARCHY) {
+            self.bounds = None;
+        }
+        if light.is_none() && self.edits > shown {
+            self.declined = None;
+        }
+        // Nothing else has changed.
+        if let Some(rest) = self.rest.as_mut().filter(|rest| done.is_ok() && light == Some(rest.light)) {
+            rest.edits += u64::from(rest.edits == shown);
+        }
+        match done {
+            // A picture follows all the same: who counts changes waits for it.
+            Err(error) => {
+                self.shared.fail(error, None);
+                true
+            }
+            Ok(is_new) => {
+                if is_new && self.waiting.is_none() {
+                    self.waiting = since;
+                }
+                is_new || self.edits > shown
+            }
+        }
+    }
+
+    /// Does what is requested: whether there is something new to see, and when a change was made.
+    fn follow(&mut self, command: Command) -> (Result<bool, RenderError>, Option<Stopwatch>) {
+        match command {
             Command::Edit(edit, since) => (self.history.apply(edit, &mut self.renderer).map(|()| true), Some(since)),
             Command::Undo(since) => (self.history.undo(&mut self.renderer), Some(since)),
             Command::Redo(since) => (self.history.redo(&mut self.renderer), Some(since)),
@@ -197,29 +225,6 @@ impl Worker {
                 (Ok(is_edit), None)
             }
             Command::Quit => (Ok(false), None),
-        };
-        if self.renderer.stale().has(Stale::HIERARCHY) {
-            self.bounds = None;
-        }
-        if light.is_none() && self.edits > shown {
-            self.declined = None;
-        }
-        // Nothing else has changed.
-        if let Some(rest) = self.rest.as_mut().filter(|rest| done.is_ok() && light == Some(rest.light)) {
-            rest.edits += u64::from(rest.edits == shown);
-        }
-        match done {
-            // A picture follows all the same: who counts changes waits for it.
-            Err(error) => {
-                self.shared.fail(error, None);
-                true
-            }
-            Ok(is_new) => {
-                if is_new && self.waiting.is_none() {
-                    self.waiting = since;
-                }
-                is_new || self.edits > shown
-            }
         }
     }
 
