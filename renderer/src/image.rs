@@ -111,6 +111,8 @@ pub(crate) struct Shading<'a, 'w, 'l, 's> {
     pub(crate) canvas: &'a mut Canvas,
     pub(crate) repeat: u32,
     pub(crate) layers: LayerSet,
+    /// Whether emission and background are left out.
+    pub(crate) is_part: bool,
     pub(crate) listener: &'a mut Listener<'l>,
     pub(crate) sink: &'a mut Sink<'s>,
 }
@@ -172,9 +174,13 @@ impl Shading<'_, '_, '_, '_> {
                 band.layers = Layers::new(g, points, &self.layers, frame.lights.len(), background);
             }
         }
-        g.add_emission(radiance);
         band.radiance.resize(g.width as usize * g.height as usize, Vec3::ZERO);
-        g.picture_into(radiance, background, &mut band.radiance);
+        if self.is_part {
+            g.resolve_into(radiance, Vec3::ZERO, &mut band.radiance);
+        } else {
+            g.add_emission(radiance);
+            g.picture_into(radiance, background, &mut band.radiance);
+        }
         Ok(())
     }
 

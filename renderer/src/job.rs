@@ -38,6 +38,8 @@ pub(crate) struct Job<'a> {
     pub(crate) silhouettes: &'a SceneSilhouettes,
     pub(crate) custom: &'a [Box<dyn CustomStrategy>],
     pub(crate) tables: Option<&'a Tables>,
+    /// The only light, by its place: pictures have neither emission nor background then.
+    pub(crate) alone: Option<usize>,
 }
 
 impl Job<'_> {
@@ -65,7 +67,11 @@ impl Job<'_> {
                 advise(&maps, coarser, &receivers, listener)?;
             }
         }
-        let (materials, lights) = (&scene.materials, &scene.lights);
+        let materials = &scene.materials;
+        let lights = self.alone.map_or(&scene.lights[..], |place| &scene.lights[place..=place]);
+        if let Some(place) = self.alone.filter(|place| *place < maps.len()) {
+            maps = maps.drain(place..=place).collect();
+        }
         let mut frame = Frame { materials, lights, accuracy: settings.accuracy, threshold: settings.threshold };
         match (*chosen, settings.time_budget) {
             (Some(accuracy), _) => frame.accuracy = accuracy,
@@ -90,9 +96,14 @@ impl Job<'_> {
         let map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
         let map_bytes = maps.iter().map(ShadowMap::bytes).sum();
         let blockers = FrameBlockers::new(plan, world, spheres, maps, silhouettes, frame.accuracy);
-        let blockers = blockers.with(custom, settings).under(sky, &frame, backend, settings.method);
+        let blockers = blockers.with(custom, settings);
+        let blockers = match self.alone {
+            Some(_) => blockers,
+            None => blockers.under(sky, &frame, backend, settings.method),
+        };
         let (repeat, layers) = (settings.repeat, settings.layers);
-        let shading = Shading { frame: &frame, bands: &mut bands, canvas, repeat, layers, listener, sink };
+        let is_part = self.alone.is_some();
+        let shading = Shading { frame: &frame, bands: &mut bands, canvas, repeat, layers, is_part, listener, sink };
         let mut stats = blockers.shade_async(backend, settings.method, tables, shading).await?;
         clocks.gbuffer = bands.seconds;
         stats.clocks = clocks;

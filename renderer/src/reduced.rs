@@ -1,6 +1,6 @@
 //! Pictures with fewer pixels.
 
-use crate::{Image, ImageStats, Listener, RenderError, Renderer, Sink};
+use crate::{EditError, Image, ImageStats, LayerSet, LightHandle, Listener, RenderError, Renderer, Sink};
 use pictures::Window;
 #[cfg(feature = "gpu")]
 use {
@@ -28,6 +28,53 @@ impl Renderer {
         let own = self.reduced(divisor);
         let window = Window::whole(own.renderer.scene.width as usize, own.renderer.scene.height as usize);
         own.renderer.render_window(&window, listener)
+    }
+
+    /// The part of one light in the picture of [`render_reduced`](Self::render_reduced): the parts of all lights, emission and the
+    /// background are the picture, but for rounding and, under eight lights and more, within the tolerance. For programs that move one light
+    /// and keep the sum of all else. The light of an environment in one of its patches is that of this patch.
+    ///
+    /// ```
+    /// # use renderer::{Renderer, Settings};
+    /// # let mut scene = scene::builtin();
+    /// (scene.width, scene.height) = (64, 36);
+    /// let mut renderer = Renderer::new(scene, scene::Animation::default(), Settings::default())?;
+    /// let whole = renderer.render()?.radiance;
+    /// let lights: Vec<_> = renderer.lights().map(|(light, _)| light).collect();
+    /// let mut go_on = |_: renderer::Event<'_>| core::ops::ControlFlow::Continue(());
+    /// let [first, second] = [lights[0], lights[1]].map(|light| renderer.render_light(1, light, &mut go_on));
+    /// let (first, second) = (first?.radiance, second?.radiance);
+    /// let floor = 30 * 64 + 32;
+    /// assert!((first[floor] + second[floor] - whole[floor]).abs().max_element() < 1e-5 * whole[floor].max_element());
+    /// # Ok::<(), renderer::RenderError>(())
+    /// ```
+    ///
+    /// # Cost
+    /// That of a picture under this light alone.
+    ///
+    /// # Errors
+    /// [`RenderError::Edit`] if the light is not in the scene; those of [`render_reduced`](Self::render_reduced).
+    pub fn render_light(
+        &mut self,
+        divisor: u32,
+        light: LightHandle,
+        listener: &mut Listener<'_>,
+    ) -> Result<Image, RenderError> {
+        let place = self.light_handles.place(light.0).ok_or(EditError::NoLight(light))?;
+        // A strategy of the caller's may know lights by their numbers.
+        let is_alone = self.custom.0.is_empty();
+        let own = LayerSet { lights: !is_alone, ..LayerSet::NONE };
+        let layers = core::mem::replace(&mut self.settings.layers, own);
+        self.alone = is_alone.then_some(place);
+        let made = self.render_reduced(divisor, listener);
+        (self.alone, self.settings.layers) = (None, layers);
+        made.map(|mut image| {
+            let parts = core::mem::take(&mut image.layers).lights;
+            if let Some(part) = parts.into_iter().nth(place) {
+                image.radiance = part;
+            }
+            image
+        })
     }
 
     /// As [`render_reduced`](Self::render_reduced), but the picture stays on the GPU: no pixel comes to the CPU, and visible points that are

@@ -153,6 +153,7 @@ impl Renderer {
             silhouettes: &self.silhouettes,
             custom: &self.custom.0,
             tables: self.tables.as_ref(),
+            alone: self.alone,
         };
         let state = State {
             backend: &mut self.backend,

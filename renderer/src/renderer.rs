@@ -65,6 +65,8 @@ pub struct Renderer {
     pub(crate) points: Option<Bounds>,
     pub(crate) is_advised: bool,
     pub(crate) cancel: Cancel,
+    /// The only light of the picture that is made, by its place.
+    pub(crate) alone: Option<usize>,
 }
 
 impl Renderer {
@@ -128,6 +130,7 @@ impl Renderer {
             points: None,
             is_advised: false,
             cancel: Cancel::new(),
+            alone: None,
         })
     }
 

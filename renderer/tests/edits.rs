@@ -1,6 +1,7 @@
 //! Edits: the next picture equals that of a new renderer, and only stale data is computed again.
 
 use brdf::Material;
+use core::ops::ControlFlow;
 use glam::{Mat4, UVec2, Vec3};
 use lighting::{AmbientLight, Environment, EnvironmentMap, FlatLight, Light, SphereLight, SunLight};
 use lobe_core::{Random, Sphere};
@@ -113,6 +114,20 @@ fn no_more_is_made_than_must_be() {
     edited.set_transform(object, Mat4::from_translation(0.05 * Vec3::X)).expect("a shift");
     let once = Upkeep { hierarchy_refits: 1, silhouette_refits: 1, point_bands: 1, ..nothing };
     assert_eq!(work(&mut edited, before), once, "an object");
+    let before = edited.upkeep();
+    edited.set_accuracy(Accuracy::new(0.02)).expect("a tolerance");
+    edited.set_settings(Settings { threshold: 1e-6, ..edited.settings().clone() }).expect("a threshold");
+    edited.set_background(Vec3::ONE).expect("a background");
+    edited.render_light(1, light, &mut |_| ControlFlow::Continue(())).expect("a part");
+    assert_eq!(work(&mut edited, before), nothing, "settings, a background, and the part of a light");
+    let points = Upkeep { point_bands: 1, ..nothing };
+    edited
+        .set_camera(Camera { eye: edited.scene().camera.eye + 0.1 * Vec3::X, ..edited.scene().camera })
+        .expect("a camera");
+    assert_eq!(work(&mut edited, before), points, "a camera");
+    let before = edited.upkeep();
+    edited.set_size(40, 30).expect("a size");
+    assert_eq!(work(&mut edited, before), points, "a size");
 }
 
 #[test]
@@ -295,6 +310,42 @@ fn a_sky_is_tabulated_once() {
     let patch = edited.lights().find(|(_, light)| light.name() == "environment").map(|(handle, _)| handle);
     edited.remove_light(patch.expect("a patch")).expect("it is there");
     assert_eq!(work(&mut edited, before).sky_tables, 1);
+}
+
+/// The parts of all lights are the picture, by every strategy; a lamp's part is what it adds to a sky.
+#[test]
+fn parts_of_lights_are_the_picture() {
+    let near = |a: &[Vec3], b: &[Vec3]| {
+        let most = b.iter().map(|v| v.max_element()).fold(0.0, f32::max);
+        a.iter().zip(b).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max) / most
+    };
+    let part = |renderer: &mut Renderer, divisor, light| {
+        renderer.render_light(divisor, light, &mut |_| ControlFlow::Continue(())).expect("a part").radiance
+    };
+    for strategy in all_strategies() {
+        let mut edited = renderer(Settings { strategy, ..Settings::default() });
+        edited.add_light(lamp(-2.0)).expect("a lamp");
+        let lights: Vec<_> = edited.lights().map(|(light, _)| light).collect();
+        for divisor in [1, 2] {
+            let whole = edited.render_reduced(divisor, &mut |_| ControlFlow::Continue(())).expect("a picture").radiance;
+            let background = edited.scene().background;
+            let mut sum = vec![Vec3::ZERO; whole.len()];
+            for light in &lights {
+                sum.iter_mut().zip(part(&mut edited, divisor, *light)).for_each(|(sum, part)| *sum += part);
+            }
+            assert!(background == Vec3::ZERO && near(&sum, &whole) < 1e-5, "{strategy:?} {divisor}");
+        }
+        check_same(&mut edited, &format!("{strategy:?}, after the parts"));
+    }
+    let mut edited = Renderer::new(outdoors(), Animation::default(), Settings::default()).expect("a scene");
+    let with = edited.render().expect("a picture").radiance;
+    let sun = edited.lights().find(|(_, light)| light.name() == "sun").map(|(handle, _)| handle).expect("a sun");
+    let own = part(&mut edited, 1, sun);
+    assert!(edited.render().expect("a picture").radiance == with && edited.upkeep().sky_tables == 1);
+    edited.remove_light(sun).expect("it is there");
+    let without = edited.render().expect("a picture").radiance;
+    let sum: Vec<Vec3> = own.iter().zip(&without).map(|(a, b)| *a + *b).collect();
+    assert!(near(&own, &with) > 0.1 && near(&sum, &with) < 1e-4, "{}", near(&sum, &with));
 }
 
 #[test]

@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let watch = Stopwatch::start();
     let mut known = whole;
-    let (mut latencies, mut divisors) = (Vec::new(), BTreeMap::<u32, usize>::new());
+    let (mut latencies, mut divisors) = (Vec::new(), BTreeMap::<(u32, bool), usize>::new());
     let mut step = 0;
     while watch.seconds() < SECONDS {
         let turn = Mat4::from_quat(Quat::from_rotation_y(0.4 * (0.05 * f64::from(step)).sin() as f32));
@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             if !std::sync::Arc::ptr_eq(&picture, &known) {
                 if picture.latency > 0.0 {
                     latencies.push(picture.latency);
-                    *divisors.entry(picture.divisor).or_default() += 1;
+                    *divisors.entry((picture.divisor, picture.is_sum)).or_default() += 1;
                 }
                 known = picture;
             }
@@ -65,8 +65,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let at = |part: usize| latencies.get(latencies.len() * part / 100).map_or(f64::NAN, |latency| 1e3 * latency);
     println!("{:.1} pictures a second of {:.1} events", latencies.len() as f64 / seconds, f64::from(step) / seconds);
     println!("event to picture: median {:.1} ms, 95 % within {:.1} ms", at(50), at(95));
-    for (divisor, count) in divisors {
-        println!("{count} pictures at 1/{divisor} of the sides");
+    for ((divisor, is_sum), count) in divisors {
+        let sum = if is_sum { ", with what is kept of the other lights" } else { "" };
+        println!("{count} pictures at 1/{divisor} of the sides{sum}");
     }
     Ok(())
 }

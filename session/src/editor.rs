@@ -66,7 +66,7 @@ impl Editor {
     /// Whether the picture is the whole one with all changes.
     #[must_use]
     pub fn is_finished(&self) -> bool {
-        self.picture.divisor == 1 && !self.is_waiting()
+        self.picture.is_whole() && !self.is_waiting()
     }
 
     /// Another light in the place of one.

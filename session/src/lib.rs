@@ -30,6 +30,7 @@
 //! # Ok::<(), renderer::RenderError>(())
 //! ```
 
+mod crossed;
 mod driver;
 mod edit;
 mod editor;
@@ -40,10 +41,12 @@ mod history;
 pub mod lamp;
 mod navigation;
 mod new_light;
+mod outline;
 mod picture;
 mod primitive;
 mod probe;
 mod projection;
+mod rest;
 #[cfg(feature = "files")]
 mod saving;
 mod session;
@@ -59,6 +62,7 @@ pub use crate::handles::{Drag, Dragged, Grip, Handles};
 pub use crate::hemisphere::{Hemisphere, HemispherePixel};
 pub use crate::navigation::{framed, orbited, panned, projected, zoomed};
 pub use crate::new_light::NewLight;
+pub use crate::outline::Outline;
 pub use crate::picture::Picture;
 pub use crate::primitive::Primitive;
 pub use crate::probe::{LightPart, Probe};

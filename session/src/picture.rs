@@ -17,6 +17,9 @@ pub struct Picture {
     pub layers: Layers,
     /// By how much its sides are shorter than those of the whole picture, rounded up: 1 is the whole one; 0 where none was made.
     pub divisor: u32,
+    /// Whether it is the sum of a light that moves and of an earlier picture without it, but for rounding or, where its sides are shorter, for the
+    /// grain of pixels; a picture with the bits of the renderer follows.
+    pub is_sum: bool,
     /// The number of changes that it shows: edits, refused ones included, and steps back and forth.
     pub edits: u64,
     /// The latest of these changes that a [reference](crate::Session::reference) shows: one with as many or more is of this picture.
@@ -38,6 +41,12 @@ impl Picture {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.radiance.is_empty() && !self.is_on_gpu()
+    }
+
+    /// Whether it is the renderer's whole picture, of all that it shows.
+    #[must_use]
+    pub const fn is_whole(&self) -> bool {
+        self.divisor == 1 && !self.is_sum
     }
 
     /// Whether its pixels are on a GPU alone.

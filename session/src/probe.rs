@@ -1,4 +1,5 @@
-use crate::Hemisphere;
+use crate::outline::outlines;
+use crate::{Hemisphere, Outline};
 use core::sync::atomic::AtomicBool;
 use glam::Vec3;
 use ray_tracing::GBuffer;
@@ -37,6 +38,8 @@ pub struct LightPart {
     pub visible: Vec3,
     /// The light as the point sees it, dark where a blocker hides it; of the sixteen lights that are brightest there without blockers.
     pub mask: Option<LightMask>,
+    /// The outlines of blockers in that mask.
+    pub outlines: Vec<Outline>,
 }
 
 impl Probe {
@@ -61,7 +64,10 @@ impl Probe {
             let unshadowed = whole.get(number).copied().unwrap_or_default();
             let brighter = whole.iter().filter(|other| other.element_sum() > unshadowed.element_sum()).count();
             let mask = (brighter < MASKS).then(|| renderer.light_mask(&pick.receiver, light)).transpose()?;
-            parts.push(LightPart { light, radiance, unshadowed, visible, mask });
+            let own = renderer.lights().find(|(handle, _)| *handle == light).map(|(_, light)| light);
+            let drawn = own.zip(mask.as_ref()).map(|(own, mask)| outlines(renderer, &pick.receiver, own, mask));
+            let outlines = drawn.unwrap_or_default();
+            parts.push(LightPart { light, radiance, unshadowed, visible, mask, outlines });
         }
         let reference = reference_of(renderer, &window, samples);
         let radiance = image.radiance.first().copied().unwrap_or_default();

@@ -1,3 +1,4 @@
+use crate::crossed::crossed;
 use crate::worker::{Command, Worker};
 use crate::{Driver, Edit, Picture, Probe, Truth};
 use core::fmt;
@@ -12,6 +13,10 @@ use std::thread::{self, JoinHandle};
 /// # Pictures
 /// The first picture after an edit comes within the [budget](Self::set_budget): in fewer pixels where the whole one takes longer. Edits do not
 /// interrupt it, so that something is seen while they go on. The whole picture follows; an edit stops it within 5 ms.
+///
+/// While one of several lights moves on the CPU, the picture without it is kept where that saves time, and a [sum](Picture::is_sum) is
+/// seen: a room under a sky takes the time of the lamp that is dragged in it. The kept picture costs two of this light once, a quarter of a
+/// second at most.
 ///
 /// # Cost
 /// A thread; pictures are shared, not copied. A dropped session stops its work.
@@ -85,6 +90,10 @@ impl Shared {
 
     pub(crate) fn is_over(&self) -> bool {
         self.lock().is_over
+    }
+
+    pub(crate) fn picture(&self) -> Arc<Picture> {
+        Arc::clone(&self.lock().picture)
     }
 
     pub(crate) fn show(&self, picture: Picture) {
@@ -219,7 +228,7 @@ impl Session {
     /// The newest picture; one without pixels before the first.
     #[must_use]
     pub fn picture(&self) -> Arc<Picture> {
-        Arc::clone(&self.shared.lock().picture)
+        self.shared.picture()
     }
 
     /// Waits for the whole picture with all changes so far; the newest one where an error keeps that from coming, or the thread has ended.
@@ -227,7 +236,7 @@ impl Session {
     pub fn finished(&self) -> Arc<Picture> {
         let mut state = self.shared.lock();
         let edits = state.edits;
-        while state.picture.edits < edits || state.picture.divisor != 1 {
+        while state.picture.edits < edits || !state.picture.is_whole() {
             let is_failed = state.failed.is_some_and(|failed| failed >= edits);
             if is_failed || state.has_ended || self.worker.is_none() {
                 break;
@@ -255,6 +264,12 @@ impl Session {
     /// The [exposure](Renderer::exposure) that shows the scene well.
     pub fn meter(&self) -> Receiver<f32> {
         self.ask(false, Renderer::exposure)
+    }
+
+    /// For each pixel of the whole picture, row by row, the number of surfaces that its rays meet where an outline or a crease crosses it:
+    /// there more rays are taken. 0 where none was found.
+    pub fn crossed(&self) -> Receiver<Vec<u32>> {
+        self.ask(false, crossed)
     }
 
     /// Takes a pixel apart, beside a reference of so many samples; `None` where it shows no surface.

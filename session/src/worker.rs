@@ -1,10 +1,11 @@
 use crate::history::History;
 use crate::picture::Made;
+use crate::rest::Rest;
 use crate::session::{Control, Shared};
 use crate::truth::Growth;
 use crate::{Edit, Picture, Snapshot};
 use core::ops::ControlFlow;
-use renderer::{Event, Image, LayerSet, RenderError, Renderer, Settings, Stale};
+use renderer::{Event, Image, LayerSet, LightHandle, RenderError, Renderer, Settings, Stale};
 #[cfg(feature = "gpu")]
 use renderer::{GpuError, GpuImage};
 use scene::{Bounds, Stopwatch};
@@ -64,12 +65,20 @@ pub(crate) struct Worker {
     #[cfg(feature = "gpu")]
     is_on_gpu: bool,
     growth: Option<Growth>,
+    /// Whether pictures without a light that moves are kept.
+    keeps_rest: bool,
+    /// The last one.
+    rest: Option<Rest>,
+    /// The light for which that is not worth it.
+    declined: Option<LightHandle>,
     /// The last change that the reference shows differently.
     seen: u64,
 }
 
 /// The coarsest picture has a pixel for so many by so many.
-const COARSEST: u32 = 8;
+const COARSEST: u32 = 16;
+/// The one before it may take so many times the budget: it shows much more.
+const LATE: f64 = 2.0;
 
 impl Worker {
     pub(crate) fn new(renderer: Renderer, commands: Receiver<Command>, shared: Arc<Shared>) -> Self {
@@ -89,11 +98,15 @@ impl Worker {
             #[cfg(feature = "gpu")]
             is_on_gpu: false,
             growth: None,
+            keeps_rest: false,
+            rest: None,
+            declined: None,
             seen: 0,
         }
     }
 
     pub(crate) fn run(mut self) {
+        self.keeps_rest = true;
         let mut is_pending = true;
         loop {
             let first = match is_pending || self.wants_growth() {
@@ -139,13 +152,48 @@ impl Worker {
     fn take(&mut self, command: Command) -> bool {
         self.taken += 1;
         let shown = self.edits;
+        let light = match &command {
+            Command::Edit(Edit::Light(light, _), _) if self.keeps_rest => Some(*light),
+            _ => None,
+        };
+        if let Some(light) = light {
+            self.keep_rest(light);
+        }
         self.edits += u64::from(command.is_change());
         if command.is_change()
             && !matches!(&command, Command::Edit(Edit::Settings(settings), _) if self.has_same_rays(settings))
         {
             self.seen = self.edits;
         }
-        let (done, since) = match command {
+        let (done, since) = self.follow(command);
+        if self.renderer.stale().has(Stale::HIERARCHY) {
+            self.bounds = None;
+        }
+        if light.is_none() && self.edits > shown {
+            self.declined = None;
+        }
+        // Nothing else has changed.
+        if let Some(rest) = self.rest.as_mut().filter(|rest| done.is_ok() && light == Some(rest.light)) {
+            rest.edits += u64::from(rest.edits == shown);
+        }
+        match done {
+            // A picture follows all the same: who counts changes waits for it.
+            Err(error) => {
+                self.shared.fail(error, None);
+                true
+            }
+            Ok(is_new) => {
+                if is_new && self.waiting.is_none() {
+                    self.waiting = since;
+                }
+                is_new || self.edits > shown
+            }
+        }
+    }
+
+    /// Does what is requested: whether there is something new to see, and when a change was made.
+    fn follow(&mut self, command: Command) -> (Result<bool, RenderError>, Option<Stopwatch>) {
+        match command {
             Command::Edit(edit, since) => (self.history.apply(edit, &mut self.renderer).map(|()| true), Some(since)),
             Command::Undo(since) => (self.history.undo(&mut self.renderer), Some(since)),
             Command::Redo(since) => (self.history.redo(&mut self.renderer), Some(since)),
@@ -177,31 +225,56 @@ impl Worker {
                 (Ok(is_edit), None)
             }
             Command::Quit => (Ok(false), None),
+        }
+    }
+
+    /// Keeps the picture without a light that is about to change, if that is worth it.
+    fn keep_rest(&mut self, light: LightHandle) {
+        if self.rest.as_ref().is_some_and(|rest| rest.light == light && rest.edits == self.edits) {
+            return;
+        }
+        self.rest = None;
+        let whole = self.shared.picture();
+        if self.declined != Some(light)
+            && whole.is_whole()
+            && whole.edits == self.edits
+            && self.renderer.settings().layers == LayerSet::NONE
+        {
+            let watch = Stopwatch::start();
+            // Without it, or where that fails, pictures are made as ever.
+            let rest = Rest::new(&mut self.renderer, light, &whole, self.budget, || watch.seconds());
+            self.rest = rest.ok().flatten();
+            self.declined = if self.rest.is_none() { Some(light) } else { None };
+        }
+    }
+
+    /// Shows the kept picture with the light that moves; none where another one is to be made.
+    fn show_sum(&mut self) -> Option<Shown> {
+        let is_own = |rest: &Rest| rest.edits == self.edits && self.renderer.settings().layers == LayerSet::NONE;
+        let rest = self.rest.take_if(|rest| is_own(rest))?;
+        let watch = Stopwatch::start();
+        let part = self.renderer.render_light(rest.divisor, rest.light, &mut |_: Event<'_>| ControlFlow::Continue(()));
+        let shown = match part {
+            Ok(mut part) => {
+                rest.with(&mut part.radiance);
+                self.put(part.into(), rest.divisor, true, watch.seconds());
+                Some(Shown::Yes)
+            }
+            Err(RenderError::Cancelled) => Some(Shown::Interrupted),
+            // Another picture may be possible, or says why not.
+            Err(_) => return None,
         };
-        if self.renderer.stale().has(Stale::HIERARCHY) {
-            self.bounds = None;
-        }
-        match done {
-            // A picture follows all the same: who counts changes waits for it.
-            Err(error) => {
-                self.shared.fail(error, None);
-                true
-            }
-            Ok(is_new) => {
-                if is_new && self.waiting.is_none() {
-                    self.waiting = since;
-                }
-                is_new || self.edits > shown
-            }
-        }
+        self.rest = Some(rest);
+        shown
     }
 
     /// Pictures from the coarsest that is needed to the whole one; whether that is there now.
     fn refine(&mut self) -> bool {
         let is_new = self.has_new_points();
-        let divisor = self.divisor(is_new);
-        if divisor > 1 {
-            match self.show(divisor, is_new) {
+        let sum = if is_new == 0 { self.show_sum() } else { None };
+        let divisor = if sum.is_some() { 1 } else { self.divisor(is_new) };
+        if sum.is_some() || divisor > 1 {
+            match sum.unwrap_or_else(|| self.show(divisor, is_new)) {
                 Shown::Yes => {}
                 Shown::Failed => return true,
                 Shown::Interrupted => return false,
@@ -221,7 +294,7 @@ impl Worker {
     pub(crate) fn divisor(&self, is_new: usize) -> u32 {
         match self.seconds_of_whole(is_new) {
             Some(seconds) => divisor_for(seconds, self.budget),
-            None => COARSEST / 2,
+            None => COARSEST / 4,
         }
     }
 
@@ -282,8 +355,12 @@ impl Worker {
         if divisor == 1 {
             self.whole[is_new] = Some(seconds);
         }
+        self.put(made.into(), divisor, false, seconds);
+    }
+
+    /// Puts a picture where it is seen.
+    fn put(&mut self, made: Made, divisor: u32, is_sum: bool, seconds: f64) {
         let latency = self.waiting.take().map_or(0.0, |since| since.seconds());
-        let made = made.into();
         let Image { size, radiance, layers, stats } = made.image;
         let (edits, seen, upkeep, scene) = (self.edits, self.seen, self.renderer.upkeep(), self.snapshot());
         self.shared.show(Picture {
@@ -293,6 +370,7 @@ impl Worker {
             on_gpu: made.on_gpu,
             layers,
             divisor,
+            is_sum,
             edits,
             seen,
             latency,
@@ -361,10 +439,11 @@ enum Shown {
 /// Thirty pictures a second.
 const BUDGET: f64 = 1.0 / 30.0;
 
-/// The smallest divisor whose picture takes so long at most.
+/// The smallest divisor whose picture takes so long at most, or twice as long before the coarsest one.
 fn divisor_for(seconds: f64, budget: f64) -> u32 {
     let mut divisor = 1;
-    while divisor < COARSEST && seconds / f64::from(divisor * divisor) > budget {
+    let allowed = |divisor: u32| if 2 * divisor == COARSEST { LATE * budget } else { budget };
+    while divisor < COARSEST && seconds / f64::from(divisor * divisor) > allowed(divisor) {
         divisor *= 2;
     }
     divisor
@@ -376,6 +455,7 @@ mod tests {
 
     #[test]
     fn coarse_pictures_keep_within_the_budget() {
-        assert_eq!([0.01, 0.033, 0.05, 0.2, 9.0].map(|seconds| divisor_for(seconds, BUDGET)), [1, 1, 2, 4, COARSEST]);
+        let divisors = [0.01, 0.033, 0.05, 0.2, 2.0, 4.2, 9.0].map(|seconds| divisor_for(seconds, BUDGET));
+        assert_eq!(divisors, [1, 1, 2, 4, 8, 8, COARSEST]);
     }
 }

@@ -63,10 +63,10 @@ fn steps_end_in_the_picture_of_a_new_renderer() {
         let coarse = session.picture();
         assert_eq!(
             (coarse.divisor, coarse.edits),
-            (8, count as u64 + 1),
+            (16, count as u64 + 1),
             "the first picture after an edit is a coarse one"
         );
-        assert_eq!(coarse.size, [93_usize.div_ceil(8), 61_usize.div_ceil(8)]);
+        assert_eq!(coarse.size, [93_usize.div_ceil(16), 61_usize.div_ceil(16)]);
     }
     assert!(driver.step());
     run(&mut driver);

@@ -109,7 +109,8 @@ impl App {
             let editor = &desk.editor;
             if !editor.picture().is_empty() {
                 let truth = editor.session().reference();
-                self.darkroom.order(Order { picture: editor.picture().clone(), truth, look: desk.look });
+                let crossed = desk.crossed().cloned();
+                self.darkroom.order(Order { picture: editor.picture().clone(), truth, crossed, look: desk.look });
             }
         }
         if let Some(print) = self.darkroom.take() {
@@ -153,16 +154,21 @@ impl App {
         let pressed =
             |modifiers, key| context.input_mut(|i| i.consume_shortcut(&KeyboardShortcut::new(modifiers, key)));
         let redo = Modifiers::COMMAND | Modifiers::SHIFT;
-        if pressed(redo, Key::Z) || pressed(Modifiers::COMMAND, Key::Y) {
-            desk.redo();
-        } else if pressed(Modifiers::COMMAND, Key::Z) {
-            desk.undo();
-        }
+        // A slow frame has more than one.
+        let count = |modifiers, key| context.input_mut(|i| i.count_and_consume_key(modifiers, key));
+        (0..count(redo, Key::Z) + count(Modifiers::COMMAND, Key::Y)).for_each(|_| desk.redo());
+        (0..count(Modifiers::COMMAND, Key::Z)).for_each(|_| desk.undo());
         if pressed(Modifiers::COMMAND, Key::S) {
             self.message = Some(desk.save());
         }
         if pressed(Modifiers::NONE, Key::F) {
             desk.frame_all();
+        }
+        for (modifiers, is_back) in [(Modifiers::SHIFT, true), (Modifiers::NONE, false)] {
+            if pressed(modifiers, Key::V) {
+                let lights = desk.editor.scene().lights.len().min(panel::LIGHTS);
+                desk.look.view = desk.look.view.beside(lights, is_back);
+            }
         }
         if pressed(Modifiers::SHIFT, Key::Delete) {
             desk.remove();
@@ -224,6 +230,10 @@ impl eframe::App for App {
         if let Some(desk) = &mut self.desk {
             self.inspector.show(&context, desk);
             self.map_window.show(&context, desk);
+            // Whatever was dragged, a field of colour as well: it is a step.
+            if context.input(|input| input.pointer.any_released()) {
+                desk.editor.close_step();
+            }
         }
         if let Some(smoke) = &mut self.smoke {
             smoke.watch(&context, self.desk.as_ref(), self.message.as_deref(), self.print.as_ref());

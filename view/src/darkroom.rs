@@ -21,12 +21,18 @@ const FULL_DIFFERENCE: f64 = 0.05;
 pub(crate) struct Order {
     pub(crate) picture: Arc<Picture>,
     pub(crate) truth: Arc<Truth>,
+    /// The pixels in which outlines were found, where they are looked at and there.
+    pub(crate) crossed: Option<Arc<Vec<u32>>>,
     pub(crate) look: Look,
 }
 
 impl Order {
     fn is(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.picture, &other.picture) && Arc::ptr_eq(&self.truth, &other.truth) && self.look == other.look
+        let is_same = self.crossed.as_ref().map(Arc::as_ptr) == other.crossed.as_ref().map(Arc::as_ptr);
+        is_same
+            && Arc::ptr_eq(&self.picture, &other.picture)
+            && Arc::ptr_eq(&self.truth, &other.truth)
+            && self.look == other.look
     }
 }
 
@@ -139,20 +145,27 @@ fn next(shared: &Shared) -> Option<Order> {
 }
 
 fn develop(order: &Order, enlarger: Option<&Enlarger>) -> Print {
-    let Order { picture, truth, look } = order;
+    let Order { picture, truth, crossed, look } = order;
     // One that shows an older scene, or other pixels, is none of this picture.
     let truth = (truth.edits >= picture.seen && truth.size == picture.size && truth.samples > 0).then_some(truth);
     let reference =
         truth.filter(|_| look.split.is_some()).map(|truth| photo(truth.size, &truth.radiance, look.display));
     let figures = truth.filter(|_| look.wants_reference()).and_then(|truth| figures(picture, truth));
-    let image = sheet(picture, truth.map(|truth| &**truth), look, enlarger);
+    let beside = Beside { truth: truth.map(|truth| &**truth), crossed: crossed.as_deref() };
+    let image = sheet(picture, &beside, look, enlarger);
     Print { picture: Arc::clone(picture), image, reference, figures }
 }
 
+/// All that views show beside the picture.
+struct Beside<'a> {
+    truth: Option<&'a Truth>,
+    crossed: Option<&'a Vec<u32>>,
+}
+
 /// The pixels of a view. A picture on the window's GPU stays there where it is shown as it is.
-fn sheet(picture: &Picture, truth: Option<&Truth>, look: &Look, enlarger: Option<&Enlarger>) -> Sheet {
+fn sheet(picture: &Picture, beside: &Beside<'_>, look: &Look, enlarger: Option<&Enlarger>) -> Sheet {
     let on_gpu = || enlarger?.show(picture.on_gpu.as_ref()?, &look.display);
-    match image(picture, truth, look) {
+    match image(picture, beside, look) {
         Some(image) => Sheet::Uploaded(image),
         None => on_gpu()
             .map_or_else(|| Sheet::Uploaded(photo(picture.size, &radiance(picture), look.display)), Sheet::OnGpu),
@@ -166,15 +179,15 @@ fn radiance(picture: &Picture) -> Cow<'_, [Vec3]> {
 }
 
 /// The pixels of a view; none where it shows the picture itself.
-fn image(picture: &Picture, truth: Option<&Truth>, look: &Look) -> Option<Arc<ColorImage>> {
+fn image(picture: &Picture, beside: &Beside<'_>, look: &Look) -> Option<Arc<ColorImage>> {
     let layers = &picture.layers;
     let whole = picture.size[0] * picture.size[1];
     let colors = match look.view {
-        View::Reference => match truth {
+        View::Reference => match beside.truth {
             Some(truth) => return Some(photo(truth.size, &truth.radiance, look.display)),
             None => Vec::new(),
         },
-        View::Difference => return Some(difference(picture, truth, look.display)),
+        View::Difference => return Some(difference(picture, beside.truth, look.display)),
         View::Unshadowed if layers.unshadowed.len() == whole => {
             return Some(photo(picture.size, &layers.unshadowed, look.display));
         }
@@ -186,7 +199,9 @@ fn image(picture: &Picture, truth: Option<&Truth>, look: &Look) -> Option<Arc<Co
         View::Normals => false_color::normals(&layers.normals),
         View::Depth => false_color::depths(&layers.depths),
         View::Objects => false_color::objects(&layers.objects),
+        View::Edges => beside.crossed.map(|found| false_color::edges(found)).unwrap_or_default(),
         View::Work => false_color::counts(&layers.products),
+        View::Lobes => false_color::counts(&layers.lobes),
         View::Picture | View::Unshadowed => Vec::new(),
     };
     // Layers come with the next picture.

@@ -14,6 +14,7 @@ use cosine_lobes::session::{
 use eframe::egui::Context;
 use std::collections::HashMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 
 /// Samples of the reference, at most.
@@ -97,9 +98,15 @@ pub(crate) struct Desk {
     /// Those of a later picture, on their way from the session.
     coming: Option<(u64, Receiver<BlockerSet>)>,
     pub(crate) maps: Maps,
+    /// The pixels in which an outline was found, and the number of changes that they show.
+    crossed: Option<(u64, Arc<Vec<u32>>)>,
+    /// Those of a later picture, on their way from the session.
+    crossing: Option<(u64, Receiver<Vec<u32>>)>,
     /// The strategies of objects that are hidden.
     hidden: HashMap<ObjectHandle, Option<Strategy>>,
     pub(crate) is_playing: bool,
+    /// Whether the wheel turns.
+    pub(crate) is_zooming: bool,
     /// The layers and samples that were requested of the session.
     requested: Option<(View, u32)>,
     metering: Option<Receiver<f32>>,
@@ -139,8 +146,11 @@ impl Desk {
             spheres: (u64::MAX, BlockerSet::default()),
             coming: None,
             maps: Maps::default(),
+            crossed: None,
+            crossing: None,
             hidden: HashMap::new(),
             is_playing: false,
+            is_zooming: false,
             requested: None,
             metering: None,
             trade: None,
@@ -159,6 +169,7 @@ impl Desk {
         self.select_new();
         self.follow_spheres();
         self.follow_map();
+        self.follow_crossed();
         self.begin_to_measure(context);
         if self.first_size == [0; 2] && !self.editor.picture().is_empty() {
             self.first_size = self.editor.scene().size;
@@ -295,6 +306,7 @@ impl Desk {
 
     /// Looks at the whole scene, from where the camera looks.
     pub(crate) fn frame_all(&mut self) {
+        self.editor.close_step();
         let scene = self.editor.scene();
         let size = Vec2::new(scene.size[0] as f32, scene.size[1] as f32);
         self.set_camera(framed(scene.camera, scene.bounds(), size));
@@ -434,6 +446,25 @@ impl Desk {
             let ask = move |renderer: &Renderer| renderer.shadow_map(light).map(MapView::new);
             self.maps.coming = Some(((edits, light), self.editor.session().query(ask)));
         }
+    }
+
+    /// Requests the pixels in which outlines are found, where they are looked at, and takes them.
+    fn follow_crossed(&mut self) {
+        let edits = self.editor.picture().edits;
+        if let Some((of, found)) = self.crossing.as_ref().and_then(|(of, found)| Some((*of, found.try_recv().ok()?))) {
+            self.crossed = Some((of, Arc::new(found)));
+            self.crossing = None;
+        }
+        let is_there = self.crossed.as_ref().is_some_and(|(of, _)| *of == edits);
+        if self.look.view == View::Edges && !is_there && self.crossing.is_none() && self.editor.is_finished() {
+            self.crossing = Some((edits, self.editor.session().crossed()));
+        }
+    }
+
+    /// The pixels in which outlines were found, once they are those of the picture that is seen.
+    pub(crate) fn crossed(&self) -> Option<&Arc<Vec<u32>>> {
+        let is_own = |of: u64| self.look.view == View::Edges && of == self.editor.picture().edits;
+        self.crossed.as_ref().filter(|(of, _)| is_own(*of)).map(|(_, found)| found)
     }
 
     /// Selects what was added, once it is there.

@@ -77,6 +77,12 @@ pub(crate) fn of_number(number: u32) -> Rgb {
     [channel(2.0), channel(0.0), channel(4.0)]
 }
 
+/// Numbers of surfaces in pixels that outlines cross: dark at none, from red to yellow at eight.
+pub(crate) fn edges(surfaces: &[u32]) -> Vec<Rgb> {
+    let color = |count: &u32| if *count == 0 { [30, 30, 34] } else { heat(0.5 + 0.5 * (*count as f32 / 8.0).min(1.0)) };
+    surfaces.iter().map(color).collect()
+}
+
 /// From black over red to yellow, by the logarithm.
 pub(crate) fn counts(counts: &[f32]) -> Vec<Rgb> {
     let most = counts.iter().copied().fold(1.0_f32, f32::max);

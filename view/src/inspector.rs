@@ -2,12 +2,13 @@
 
 use crate::desk::Desk;
 use crate::reflectance::Reflectance;
-use cosine_lobes::glam::Vec3;
+use cosine_lobes::glam::{Vec2, Vec3};
 use cosine_lobes::luminance;
 use cosine_lobes::renderer::{LightMask, MaskSample};
 use cosine_lobes::session::{LightPart, Probe, Snapshot};
 use eframe::egui::{
-    ColorImage, Context, Grid, Image, RichText, ScrollArea, TextureHandle, TextureOptions, Ui, Window, pos2, vec2,
+    Color32, ColorImage, Context, Grid, Image, RichText, ScrollArea, Stroke, TextureHandle, TextureOptions, Ui, Window,
+    pos2, vec2,
 };
 
 /// Lights that are listed.
@@ -16,6 +17,9 @@ const MOST: usize = 8;
 const MASKS: usize = 4;
 /// The longer side of a mask, in points.
 const SIDE: f32 = 130.0;
+
+/// Outlines of blockers, here and before the picture.
+pub(crate) const OUTLINE: Color32 = Color32::from_rgb(255, 90, 200);
 
 /// The masks of the probe that is shown.
 #[derive(Default)]
@@ -46,14 +50,20 @@ impl Inspector {
             ui.separator();
             lights(ui, scene, &parts);
             ui.separator();
-            ui.label(RichText::new("the lights as this point sees them; dark: hidden").weak());
+            ui.label(
+                RichText::new("the lights as this point sees them; dark: hidden; lines: outlines of blockers").weak(),
+            );
             ui.horizontal(|ui| {
                 for ((number, part), texture) in parts.iter().zip(&self.masks) {
                     let Some(mask) = &part.mask else { continue };
                     ui.vertical(|ui| {
                         let sides = mask.sides / mask.sides.max_element().max(f32::MIN_POSITIVE);
                         let size = vec2(SIDE * sides.x.max(0.05), SIDE * sides.y.max(0.05));
-                        ui.add(Image::new((texture.id(), size)));
+                        let drawn = ui.add(Image::new((texture.id(), size)));
+                        let on = |place: Vec2| drawn.rect.min + vec2(place.x * size.x, place.y * size.y);
+                        for outline in &part.outlines {
+                            ui.painter().line_segment(outline.places.map(on), Stroke::new(1.0, OUTLINE));
+                        }
                         ui.label(format!("{number}: {:.1} % lit", 100.0 * mask.lit()));
                     });
                 }

@@ -20,13 +20,17 @@ pub(crate) enum View {
     Normals,
     Depth,
     Objects,
+    /// The pixels in which an outline was found.
+    Edges,
     /// Lobe integrals evaluated for each pixel.
     Work,
+    /// Lobes of visibility made for each pixel.
+    Lobes,
 }
 
 impl View {
     /// Those that every scene has.
-    pub(crate) const ALL: [Self; 9] = [
+    pub(crate) const ALL: [Self; 11] = [
         Self::Picture,
         Self::Reference,
         Self::Difference,
@@ -35,7 +39,9 @@ impl View {
         Self::Normals,
         Self::Depth,
         Self::Objects,
+        Self::Edges,
         Self::Work,
+        Self::Lobes,
     ];
 
     pub(crate) fn name(self) -> String {
@@ -49,7 +55,9 @@ impl View {
             Self::Normals => "normals",
             Self::Depth => "depth",
             Self::Objects => "objects",
+            Self::Edges => "edges found",
             Self::Work => "work (lobe integrals)",
+            Self::Lobes => "lobes of visibility",
         };
         name.to_owned()
     }
@@ -65,7 +73,9 @@ impl View {
             Self::Normals => "red, green, blue: along x, y, z",
             Self::Depth => "bright: near; dark: far",
             Self::Objects => "a colour for each object",
+            Self::Edges => "orange: an outline or a crease, where more rays are taken; brighter: more surfaces",
             Self::Work => "black: none; bright: many",
+            Self::Lobes => "of the methods that make lobes of visibility; black: none; bright: many",
         }
     }
 
@@ -73,14 +83,22 @@ impl View {
     pub(crate) const fn layers(self) -> LayerSet {
         let none = LayerSet::NONE;
         match self {
-            Self::Picture | Self::Reference | Self::Difference => none,
+            Self::Picture | Self::Reference | Self::Difference | Self::Edges => none,
             Self::Unshadowed | Self::Classes => LayerSet { unshadowed: true, ..none },
             Self::Light(_) => LayerSet { lights: true, ..none },
             Self::Normals => LayerSet { normals: true, ..none },
             Self::Depth => LayerSet { depths: true, ..none },
             Self::Objects => LayerSet { objects: true, ..none },
-            Self::Work => LayerSet { counts: true, ..none },
+            Self::Work | Self::Lobes => LayerSet { counts: true, ..none },
         }
+    }
+
+    /// The one behind it in a list with so many lights, or before it.
+    pub(crate) fn beside(self, lights: usize, is_back: bool) -> Self {
+        let all: Vec<Self> = Self::ALL.into_iter().chain((0..lights).map(Self::Light)).collect();
+        let place = all.iter().position(|view| *view == self).unwrap_or(0);
+        let step = if is_back { all.len() - 1 } else { 1 };
+        all[(place + step) % all.len()]
     }
 
     /// Whether it shows the reference.

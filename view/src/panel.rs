@@ -60,6 +60,9 @@ fn tools(ui: &mut Ui, desk: &mut Desk, message: &mut Option<String>) {
     });
 }
 
+/// Lights that have a view of their own, at most.
+pub(crate) const LIGHTS: usize = 16;
+
 /// A slider that leaves its value as it is until it is moved: by itself it would round it, and bring it into its range.
 fn slider<N: Numeric>(value: &mut N, range: RangeInclusive<N>) -> Slider<'_> {
     Slider::new(value, range).clamping(SliderClamping::Edits)
@@ -74,15 +77,17 @@ fn rests(response: &Response, desk: &mut Desk) {
 
 fn view(ui: &mut Ui, desk: &mut Desk, figures: Option<&Figures>) {
     let lights = desk.editor.scene().lights.len();
-    ComboBox::from_id_salt("view").selected_text(desk.look.view.name()).width(220.0).show_ui(ui, |ui| {
+    let list = ComboBox::from_id_salt("view").selected_text(desk.look.view.name()).width(220.0);
+    let shown = list.show_ui(ui, |ui| {
         for view in View::ALL {
             ui.selectable_value(&mut desk.look.view, view, view.name());
         }
-        for number in 0..lights.min(16) {
+        for number in 0..lights.min(LIGHTS) {
             let view = View::Light(number);
             ui.selectable_value(&mut desk.look.view, view, view.name());
         }
     });
+    shown.response.on_hover_text("V: the next one; Shift+V: the one before");
     let legend = desk.look.view.legend();
     if !legend.is_empty() {
         ui.label(RichText::new(legend).weak());

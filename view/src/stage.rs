@@ -2,11 +2,12 @@
 
 use crate::darkroom::{Print, Sheet};
 use crate::desk::{Desk, Motion, Thing};
+use crate::inspector::OUTLINE;
 use crate::screen::Screen;
 use cosine_lobes::glam::{Vec2, Vec3};
 use cosine_lobes::lighting::Light;
 use cosine_lobes::scene::Bounds;
-use cosine_lobes::session::{Grip, Handles, Projection, lamp, orbited, panned, zoomed};
+use cosine_lobes::session::{Grip, Handles, ObjectItem, Probe, Projection, lamp, orbited, panned, zoomed};
 use eframe::egui::{
     Align2, Color32, Context, CursorIcon, FontId, Painter, PointerButton, Pos2, Rect, Response, Sense, Shape, Stroke,
     TextureHandle, TextureId, TextureOptions, Ui, pos2, vec2,
@@ -161,7 +162,9 @@ impl Hands {
                 Some(handles.with_size(lamp::size(&item.light)))
             }
             Thing::Object(handle) => {
-                let item = desk.editor.object(handle).filter(|item| !item.is_animated && item.visible)?;
+                // Who looks into a pixel of the floor does not mean to move it.
+                let can_move = |item: &&ObjectItem| !item.is_animated && item.visible && !item.is_backdrop;
+                let item = desk.editor.object(handle).filter(can_move)?;
                 Some(Handles::new(self.projection, item.bounds.center()))
             }
         }
@@ -210,6 +213,7 @@ impl Hands {
         if !response.drag_started() {
             return;
         }
+        desk.editor.close_step();
         let Some(from) = ui.input(|input| input.pointer.press_origin()).map(|pos| self.local(pos)) else { return };
         let camera = desk.editor.scene().camera;
         let is_first = response.drag_started_by(PointerButton::Primary);
@@ -297,8 +301,15 @@ impl Hands {
     fn zoom(&self, ui: &Ui, desk: &mut Desk) {
         let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
         if scroll == 0.0 && pinch == 1.0 {
+            // The wheel rests: what it did so far is a step.
+            if core::mem::take(&mut desk.is_zooming) {
+                desk.close_step();
+            }
             return;
         }
+        desk.is_zooming = true;
+        // The frame in which it rests comes too.
+        ui.ctx().request_repaint();
         let factor = (-0.002 * scroll).exp() / pinch;
         let camera = zoomed(desk.editor.scene().camera, factor);
         desk.set_camera(camera);
@@ -327,7 +338,8 @@ impl Hands {
         if let Some(handles) = handles {
             self.draw_handles(painter, &handles, hovered);
         }
-        if let Some((pixel, _)) = &desk.probed {
+        if let Some((pixel, probe)) = &desk.probed {
+            self.draw_outlines(painter, probe);
             self.draw_pixel(painter, *pixel, desk.editor.picture().scene.size);
         }
         let is_on_line = pointer.is_some_and(|pointer| self.is_on_line(desk, pointer));
@@ -415,6 +427,16 @@ impl Hands {
             painter.circle(aim, width(Grip::Aim) + 3.0, CHOSEN, Stroke::new(1.0, Color32::BLACK));
         }
         painter.circle_stroke(middle, 8.0, Stroke::new(width(Grip::Middle), Color32::WHITE));
+    }
+
+    /// The edges that shadow the pixel which is looked into, as far as they are before its lights.
+    fn draw_outlines(&self, painter: &Painter, probe: &Probe) {
+        let lines = probe.lights.iter().flat_map(|part| &part.outlines).take(MOST);
+        for outline in lines {
+            if let [Some(a), Some(b)] = outline.ends.map(|end| self.projection.pixel(end)) {
+                painter.line_segment([self.screen(a), self.screen(b)], Stroke::new(1.5, OUTLINE));
+            }
+        }
     }
 
     /// A cross with a gap, which leaves the pixel itself to be seen.

@@ -1,4 +1,4 @@
-//! Error against time of this scene, measured beside the session; a click on a point takes its tolerance.
+//! Error against time of this scene, measured beside the session; a click on a point, or a drag along them, takes its tolerance.
 
 use crate::desk::Desk;
 use cosine_lobes::renderer::Settings;
@@ -23,20 +23,26 @@ pub(crate) fn show(ui: &mut Ui, desk: &mut Desk) {
     });
     let points = desk.trade.as_ref().map(Trade::points).unwrap_or_default();
     if points.len() < 2 {
-        ui.label(RichText::new("How much time does which accuracy take here?").weak());
+        ui.label(
+            RichText::new("How much time does which accuracy take here? Drag the point of today along the others.")
+                .weak(),
+        );
         return;
     }
     let tolerance = desk.editor.scene().settings.accuracy.tolerance;
-    if let Some(tolerance) = plot(ui, &points, tolerance) {
+    let (chosen, rests) = plot(ui, &points, tolerance);
+    if let Some(tolerance) = chosen.filter(|chosen| *chosen != tolerance) {
         let settings = Settings { accuracy: Accuracy::new(tolerance), ..desk.editor.scene().settings.clone() };
         desk.editor.set_settings(settings);
+    }
+    if rests {
         desk.close_step();
     }
 }
 
-/// Draws the points; the tolerance of the one that was clicked.
-fn plot(ui: &mut Ui, points: &[TradePoint], tolerance: f32) -> Option<f32> {
-    let (response, painter) = ui.allocate_painter(vec2(ui.available_width(), 190.0), Sense::click());
+/// Draws the points; the tolerance of the one that is clicked or dragged to, and whether the pointer rests then.
+fn plot(ui: &mut Ui, points: &[TradePoint], tolerance: f32) -> (Option<f32>, bool) {
+    let (response, painter) = ui.allocate_painter(vec2(ui.available_width(), 190.0), Sense::click_and_drag());
     let rect = Rect::from_min_max(response.rect.min + vec2(44.0, 8.0), response.rect.max - vec2(10.0, 34.0));
     let (times, errors) = (range(points, |p| p.seconds), range(points, |p| p.error));
     let part = |value: f64, [low, high]: [f64; 2]| ((value.ln() - low.ln()) / (high.ln() - low.ln())) as f32;
@@ -63,10 +69,13 @@ fn plot(ui: &mut Ui, points: &[TradePoint], tolerance: f32) -> Option<f32> {
     for point in points {
         painter.circle_filled(place(point), 3.5, POINT);
     }
-    let today = nearest(points, |point| f64::from((point.tolerance / tolerance).ln().abs()))?;
-    painter.circle(place(today), 5.5, CHOSEN, Stroke::new(1.0, Color32::BLACK));
-    let pointer = response.hover_pos()?;
-    let near = nearest(points, |point| f64::from(place(point).distance(pointer)))?;
+    if let Some(today) = nearest(points, |point| f64::from((point.tolerance / tolerance).ln().abs())) {
+        painter.circle(place(today), 5.5, CHOSEN, Stroke::new(1.0, Color32::BLACK));
+    }
+    let rests = response.clicked() || response.drag_stopped();
+    let pointer = response.interact_pointer_pos().or(response.hover_pos());
+    let near = |pointer: Pos2| nearest(points, |point| f64::from(place(point).distance(pointer)));
+    let Some(near) = pointer.and_then(near) else { return (None, rests) };
     painter.circle_stroke(place(near), 8.0, Stroke::new(1.0, Color32::WHITE));
     let line =
         format!("tolerance {} %: {:.1} ms, {:.3} %", 100.0 * near.tolerance, 1e3 * near.seconds, 100.0 * near.error);
@@ -77,7 +86,7 @@ fn plot(ui: &mut Ui, points: &[TradePoint], tolerance: f32) -> Option<f32> {
         FontId::proportional(11.0),
         Color32::WHITE,
     );
-    response.clicked().then_some(near.tolerance)
+    ((response.clicked() || response.dragged()).then_some(near.tolerance), rests)
 }
 
 /// The least and the largest of a positive number of the points, apart.

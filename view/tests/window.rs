@@ -8,6 +8,13 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
+#[cfg(unix)]
+#[path = "window/by_hand.rs"]
+mod by_hand;
+#[cfg(unix)]
+#[path = "window/hand.rs"]
+mod hand;
+
 const PROGRAM: &str = env!("CARGO_BIN_EXE_lobes-view");
 
 /// An X server in memory.
@@ -34,11 +41,15 @@ impl Display {
 
     /// The program, which draws a picture, saves its window, and ends.
     fn smoke(&self, folder: &Path, file: &Path, arguments: &[&str]) -> Command {
+        let mut command = self.program(folder);
+        command.arg("--smoke").arg(file).args(arguments);
+        command
+    }
+
+    /// The program.
+    fn program(&self, folder: &Path) -> Command {
         let mut command = Command::new(PROGRAM);
         command
-            .arg("--smoke")
-            .arg(file)
-            .args(arguments)
             .env("DISPLAY", format!(":{}", self.number))
             .env("XDG_RUNTIME_DIR", folder)
             .env_remove("WAYLAND_DISPLAY")
@@ -265,6 +276,8 @@ fn main() {
         Trial::test("changes_its_size_while_its_gpu_shades", changes_its_size_while_its_gpu_shades)
             .with_ignored_flag(!can_show),
         Trial::test("draws_a_shadow_map", draws_a_shadow_map).with_ignored_flag(!can_show),
+        #[cfg(unix)]
+        Trial::test("follows_a_hand", by_hand::follows_a_hand).with_ignored_flag(!can_show),
         Trial::test("a_missing_file_is_one_line", a_missing_file_is_one_line).with_ignored_flag(!can_show),
         Trial::test("the_command_line", the_command_line),
     ];

@@ -42,6 +42,13 @@ export function flag(name, value) {
   throw new TypeError(`${name} is ${kind(value)}: expected true or false`);
 }
 
+/** A function, or none. */
+export function deed(name, value) {
+  if (value === undefined || value === null) return null;
+  if (typeof value === "function") return value;
+  throw new TypeError(`${name} is ${kind(value)}: expected a function`);
+}
+
 /** Three finite numbers: an array, or anything that is iterated, as vectors and colours of three.js are. */
 export function vec3(name, value) {
   if (typeof value?.[Symbol.iterator] !== "function" || typeof value === "string") throw new TypeError(`${name} is ${kind(value)}: expected three numbers`);
@@ -129,6 +136,15 @@ export function matrix(name, value) {
 export function matrix3(name, value) {
   if (!Array.isArray(value) || value.length !== 3) throw new TypeError(`${name} is ${kind(value)}: expected three rows of three numbers`);
   return value.map((row, k) => vec3(`${name}[${k}]`, row));
+}
+
+/** An image of bytes, as `ImageData` and the images of three.js are: so many a texel, one of several numbers. A copy. */
+export function texels(name, value, widths) {
+  const { width, height, data } = value ?? {};
+  if (!(data instanceof Uint8Array || data instanceof Uint8ClampedArray)) throw new TypeError(`${name} is ${kind(value)}: expected { width, height, data } with bytes`);
+  const count = whole(`${name}.width`, width, 1, 65536) * whole(`${name}.height`, height, 1, 65536);
+  if (!widths.includes(data.length / count)) throw new RangeError(`${name} has ${data.length} bytes: expected ${widths.join(" or ")} for each of ${width} x ${height} texels`);
+  return { width, height, data: data.slice() };
 }
 
 export function size(name, value) {

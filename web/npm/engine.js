@@ -36,6 +36,11 @@ let starting = null;
 let stopped = null;
 /** The line of its last panic. */
 let fault = "";
+/** Whether a call is under way. */
+let isBusy = false;
+/** Who hears of its progress, and the exception with which that has stopped it. */
+let listener = null;
+let thrown = null;
 
 async function compiled(source) {
   if (source instanceof WebAssembly.Module) return source;
@@ -58,9 +63,20 @@ async function compiled(source) {
 }
 
 async function start(source) {
+  const text = (at, length) => new TextDecoder().decode(new Uint8Array(wasm.memory.buffer, at >>> 0, length));
   const page = {
     now: () => performance.now() / 1000,
-    complain: (at, length) => (fault = new TextDecoder().decode(new Uint8Array(wasm.memory.buffer, at >>> 0, length))),
+    complain: (at, length) => (fault = text(at, length)),
+    progress(at, length, done) {
+      // No exception may pass through the module.
+      try {
+        listener?.(text(at, length), done);
+        return 0;
+      } catch (error) {
+        thrown = { error };
+        return 1;
+      }
+    },
   };
   wasm = (await WebAssembly.instantiate(await compiled(source), { page })).exports;
 }
@@ -82,10 +98,14 @@ export function tagged(name, rest) {
 
 const ofCommand = ({ do: name, ...rest }) => tagged(name, rest);
 
-/** Does a command, whose typed arrays go beside its JSON; `read` gets the answer's JSON, and a function that gives its arrays. */
-export function call(command, read = (head) => head) {
+/**
+ * Does a command, whose typed arrays go beside its JSON; `read` gets the answer's JSON, and a function that gives its arrays. `progress`
+ * hears of the work, and stops it by throwing.
+ */
+export function call(command, read = (head) => head, progress = null) {
   if (!wasm) throw new LobesError("the module is not loaded: await init() first");
   if (stopped) throw new RenderError(stopped);
+  if (isBusy) throw new LobesError("the engine is at work: progress may not call it");
   const arrays = [];
   let length = 0;
   const json = new TextEncoder().encode(
@@ -98,6 +118,7 @@ export function call(command, read = (head) => head) {
       return span;
     }),
   );
+  [isBusy, listener, thrown] = [true, progress, null];
   try {
     const at = wasm.library_reserve(json.length + length) >>> 0;
     // Memory may have grown, and its buffer is another one then.
@@ -105,6 +126,7 @@ export function call(command, read = (head) => head) {
     memory.set(json, at);
     for (const [place, array] of arrays) memory.set(new Uint8Array(array.buffer, array.byteOffset, array.byteLength), at + json.length + place);
     const isDone = wasm.library_call(json.length);
+    if (thrown) throw thrown.error;
     const part = (isArrays) => new Uint8Array(wasm.memory.buffer, wasm.library_answer(isArrays) >>> 0, wasm.library_answer_length(isArrays));
     const head = JSON.parse(new TextDecoder().decode(part(false)));
     if (!isDone) throw new CLASSES[head.class](head.line);
@@ -115,6 +137,7 @@ export function call(command, read = (head) => head) {
     stopped = `the engine has stopped: ${fault.split("\n").join(" ") || "out of memory"}`;
     throw new RenderError(stopped, { cause: error });
   } finally {
+    isBusy = false;
     if (!stopped) wasm.library_forget();
   }
 }

@@ -18,6 +18,19 @@ export type Numbers = Float32Array | Float64Array | readonly number[];
 /** Whole numbers. */
 export type Integers = Uint32Array | Uint16Array | Uint8Array | Int32Array | readonly number[];
 
+/** An image of bytes, the upper row first, as `ImageData` and the images of three.js are. */
+export interface Texels {
+  readonly width: number;
+  readonly height: number;
+  readonly data: Uint8Array | Uint8ClampedArray;
+}
+
+/**
+ * Hears of the work: "spheres" are fitted, the paper's "tables" computed, pixels are in "shading", the reference is "sampling"; `done` is in
+ * [0, 1]. It must not call the library. An exception of it stops the work and comes out of the call; everything that is kept stays.
+ */
+export type Progress = (stage: "spheres" | "tables" | "shading" | "sampling", done: number) => void;
+
 /** How an object blocks light. */
 export type Visibility = "silhouettes" | "spheres" | "shadow-map" | "rays" | "none";
 
@@ -99,6 +112,21 @@ export class Material {
   readonly model: string;
   toJSON(): unknown;
   readonly emission: readonly number[];
+  /**
+   * The material with images, which its own values multiply. They lie by the `uvs` of meshes, v downward, and repeat. `color`, `specular` and
+   * `emission` are sRGB; they and the `normal` map have three or four bytes a texel, of which the fourth has no say. `roughness` and
+   * `metallic` have one, or as in glTF several, of which roughness is green and metallic blue. `normalScale` multiplies x and y of the
+   * normal map. A material without emission emits what its image says.
+   */
+  withImages(images: {
+    color?: Texels | null;
+    specular?: Texels | null;
+    emission?: Texels | null;
+    normal?: Texels | null;
+    roughness?: Texels | null;
+    metallic?: Texels | null;
+    normalScale?: number;
+  }): Material;
   /** Ideally diffuse. */
   static lambert(albedo: Color, options?: { emission?: Color }): Material;
   /** The paper's Phong model, without a cosine on the specular term. */
@@ -114,20 +142,30 @@ export class Material {
   ): Material;
   /** Lobes about the half vector; `f90` is 1 if left out. */
   static halfVector(lobes: Iterable<{ roughness: number; f0: Color; f90?: Color }>, options?: { diffuse?: Color; emission?: Color }): Material;
-  /** glTF's metallic–roughness model, both 1 if left out; its coat has a refractive index (1.5 if left out), or reflects `f0` at normal incidence. */
-  static metallicRoughness(base: Color, options?: { metallic?: number; roughness?: number; ior?: number; f0?: Color; emission?: Color }): Material;
+  /**
+   * glTF's metallic–roughness model, both 1 if left out; its coat has a refractive index (1.5 if left out), or reflects `f0` at normal
+   * incidence. A clear coat of a weight, 0 if left out, lies over all.
+   */
+  static metallicRoughness(
+    base: Color,
+    options?: { metallic?: number; roughness?: number; ior?: number; f0?: Color; clearcoat?: number; clearcoatRoughness?: number; emission?: Color },
+  ): Material;
 }
 
 /** Light from all around. Immutable. */
 export class Environment {
   /**
-   * @param radiance one radiance, or an image in latitude and longitude: three numbers a pixel, the top row first.
+   * @param radiance one radiance, or an image in latitude and longitude: three numbers a pixel, the top row first; null: `ambient` alone.
    * @param options.strength a factor of it; 1 if left out.
    * @param options.up where the top of the image is; [0, 1, 0] if left out.
    * @param options.turn degrees by which it is turned about `up`.
    * @param options.patches patches along each side of a cube around the scene, 1 to 16; 2 if left out.
+   * @param options.ambient more radiance from everywhere, which objects hide but which is not seen behind them; none if left out.
    */
-  constructor(radiance: Color | { width: number; height: number; data: Numbers }, options?: { strength?: Color; up?: Vec3; turn?: number; patches?: number });
+  constructor(
+    radiance: Color | { width: number; height: number; data: Numbers } | null,
+    options?: { strength?: Color; up?: Vec3; turn?: number; patches?: number; ambient?: Color },
+  );
 }
 
 /** What an object is but its shape. */
@@ -246,6 +284,8 @@ export interface Settings {
   samples: number | null;
   /** Whether the tolerance is relative to each pixel's own radiance; false. */
   ownRadiance: boolean;
+  /** Whether visible fractions are interpolated between pixels where that is safe, under eight lights and more; false. */
+  interpolate: boolean;
   /** Contributions of less radiance are dropped; 0. */
   threshold: number;
   /** Texels along a side of shadow maps; null: what the light's width takes. */
@@ -306,12 +346,31 @@ export class Renderer {
   /** As `new Renderer(Scene.load(files, …), settings)`. */
   static load(files: Files, options?: { path?: string; clip?: string; size?: readonly [number, number] } & Partial<Settings>): Renderer;
   /** Renders the picture: linear radiance, three numbers a pixel, the top row first. With `out` into that array. */
-  render(options?: PartOptions & { out?: Float32Array }): Float32Array;
+  render(options?: PartOptions & { out?: Float32Array; progress?: Progress | null }): Float32Array;
   /**
    * Renders the picture with its layers: "beauty", and by `names` "unshadowed", "lights" (as "light0", "light1" …), "normal" (three numbers a
    * pixel), "depth" and "object" (one; −1 where there is none).
    */
-  layers(names?: Iterable<"unshadowed" | "lights" | "normal" | "depth" | "object">, options?: PartOptions): Record<string, Float32Array>;
+  layers(
+    names?: Iterable<"unshadowed" | "lights" | "normal" | "depth" | "object">,
+    options?: PartOptions & { progress?: Progress | null },
+  ): Record<string, Float32Array>;
+  /** The fraction of each pixel that shows a surface: one number a pixel; the rest shows the background. */
+  coverage(options?: PartOptions): Float32Array;
+  /**
+   * The same picture by Monte Carlo, with shadow rays on the true surfaces: "beauty", "unshadowed", and "stderr", the standard error of
+   * "beauty", three numbers a pixel.
+   *
+   * @param options.spp samples of each light for each camera ray; 1024 if left out.
+   * @param options.seed chooses the samples; 0 if left out.
+   */
+  reference(options?: {
+    width?: number;
+    height?: number;
+    spp?: number;
+    seed?: number;
+    progress?: Progress | null;
+  }): { beauty: Float32Array; unshadowed: Float32Array; stderr: Float32Array };
   /**
    * The radiance that points reflect toward `views` (their normals if left out), three numbers a point, in their order: at the points of a
    * picture what the picture has, without emission.

@@ -1,6 +1,6 @@
 // Soft shadows and direct lighting by sums of cosine lobes: scenes of files or of arrays, pictures, and light at points.
 
-import { color, direction, flag, isList, kind, matrix, number, numbersFor, only, positive, rows, rowsFor, size, text, triangles, vec3, whole } from "./args.js";
+import { color, deed, direction, flag, isList, kind, matrix, number, numbersFor, only, positive, rows, rowsFor, size, text, triangles, vec3, whole } from "./args.js";
 import { EditError, LobesError, RenderError, SceneError, call, floats, free, held, hold, init } from "./engine.js";
 import { Light } from "./light.js";
 import { Material } from "./material.js";
@@ -36,10 +36,12 @@ const cameraOf = ({ eye, target, up, projection, fov, height }) => new Camera(ey
 /** Light from all around: one radiance, or an image in latitude and longitude. Immutable. */
 export class Environment {
   constructor(radiance, options = {}) {
-    const { strength = 1, up = [0, 1, 0], turn = 0, patches = 2 } = only(options, "strength", "up", "turn", "patches");
+    const { strength = 1, up = [0, 1, 0], turn = 0, patches = 2, ambient } = only(options, "strength", "up", "turn", "patches", "ambient");
+    if (radiance === null && ambient === undefined) throw new TypeError("an environment without light: expected radiance or ambient");
     const isImage = radiance !== null && typeof radiance === "object" && "data" in radiance;
-    this.radiance = isImage ? null : color("radiance", radiance);
+    this.radiance = isImage || radiance === null ? null : color("radiance", radiance);
     this.image = isImage ? image(radiance) : null;
+    this.ambient = color("ambient", ambient ?? 0);
     this.strength = color("strength", strength);
     this.up = direction("up", up);
     this.turn = number("turn", turn);
@@ -68,6 +70,12 @@ function materialOf(value) {
   if (value instanceof Material) return { own: value };
   if (Number.isInteger(value)) return { number: value };
   throw new TypeError(`material is ${kind(value)}: expected a Material or a number`);
+}
+
+/** The same for points, which have no texture coordinates. */
+function withoutImages(material) {
+  if (material?.own?.images) throw new TypeError("material has images: points have no coordinates for them");
+  return material;
 }
 
 /** An object by its number or its name. */
@@ -257,6 +265,7 @@ const SETTINGS = {
   method: "moments",
   samples: null,
   ownRadiance: false,
+  interpolate: false,
   threshold: 0,
   mapResolution: null,
   keepPoints: true,
@@ -269,7 +278,7 @@ function settingsOf(before, changes) {
     if (value === undefined) delete given[name];
     else if (value === null && SETTINGS[name] === null) continue;
     else if (name === "tolerance" || name === "threshold") number(name, value);
-    else if (name === "ownRadiance" || name === "keepPoints") flag(name, value);
+    else if (name === "ownRadiance" || name === "interpolate" || name === "keepPoints") flag(name, value);
     else if (name === "method" || name === "visibility") text(name, value);
     else whole(name, value, 0, 2 ** 31);
   }
@@ -303,8 +312,8 @@ export class Renderer {
     }
   }
 
-  #do(then, read) {
-    return call({ do: "renderer", number: held(this, "renderer"), then }, read);
+  #do(then, read, progress) {
+    return call({ do: "renderer", number: held(this, "renderer"), then }, read, progress);
   }
 
   get #state() {
@@ -318,27 +327,43 @@ export class Renderer {
   }
 
   render(options = {}) {
-    const { window, out } = only(options, "width", "height", "window", "out");
-    const part = windowOf(window);
+    const { window, out, progress } = only(options, "width", "height", "window", "out", "progress");
+    const [part, listener] = [windowOf(window), deed("progress", progress)];
     if (out !== undefined && !(out instanceof Float32Array)) throw new TypeError(`out is ${kind(out)}: expected a Float32Array`);
     this.#resize(options);
     if (out !== undefined) {
       const [width, height] = part ? part.slice(2) : this.size;
       if (out.length !== 3 * width * height) throw new RangeError(`out has ${out.length} numbers: expected ${3 * width * height}, three for each pixel`);
     }
-    return this.#do({ do: "render", window: part }, (_, array) => {
+    const read = (_, array) => {
       if (out === undefined) return floats(array());
       new Uint8Array(out.buffer, out.byteOffset, out.byteLength).set(array());
       return out;
-    });
+    };
+    return this.#do({ do: "render", window: part, listens: listener !== null }, read, listener);
   }
 
   layers(names = ["unshadowed", "lights", "normal", "depth"], options = {}) {
-    const { window } = only(options, "width", "height", "window");
-    const part = windowOf(window);
+    const { window, progress } = only(options, "width", "height", "window", "progress");
+    const [part, listener] = [windowOf(window), deed("progress", progress)];
     const wanted = Array.from(names, (name) => text("names", name));
     this.#resize(options);
-    return this.#do({ do: "layers", names: wanted, window: part }, arraysOf);
+    return this.#do({ do: "layers", names: wanted, window: part, listens: listener !== null }, arraysOf, listener);
+  }
+
+  coverage(options = {}) {
+    const { window } = only(options, "width", "height", "window");
+    const part = windowOf(window);
+    this.#resize(options);
+    return this.#do({ do: "coverage", window: part }, (_, array) => floats(array()));
+  }
+
+  reference(options = {}) {
+    const { spp = 1024, seed = 0, progress } = only(options, "width", "height", "spp", "seed", "progress");
+    const listener = deed("progress", progress);
+    const ask = { do: "reference", spp: whole("spp", spp, 1, 2 ** 24), seed: whole("seed", seed, 0, 2 ** 32 - 1), listens: listener !== null };
+    this.#resize(options);
+    return this.#do(ask, arraysOf, listener);
   }
 
   #points(points, normals, views, options) {
@@ -351,7 +376,7 @@ export class Renderer {
       normals: rowsFor("normals", normals, 3, count),
       views: optional("views", views),
       faces: optional("faces", faces),
-      material: materialOf(material),
+      material: withoutImages(materialOf(material)),
       objects: objects === undefined || objects === null ? null : isList(objects) ? { each: numbersFor("objects", objects, count) } : { all: keyOf(objects) },
     };
   }

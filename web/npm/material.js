@@ -1,5 +1,9 @@
-import { color, matrix3, number, only, positive, vec3 } from "./args.js";
+import { color, matrix3, number, only, positive, texels, vec3 } from "./args.js";
 import { tagged } from "./engine.js";
+
+/** Images of colours or directions, and of one number a texel. */
+const COLORS = ["color", "specular", "emission", "normal"];
+const NUMBERS = ["roughness", "metallic"];
 
 const black = (name, value) => (value === undefined ? [0, 0, 0] : color(name, value));
 
@@ -17,8 +21,18 @@ export class Material {
 
   /** As the module reads it. */
   toJSON() {
-    const { model, emission, ...rest } = this;
-    return { model: tagged(model, rest), emission };
+    const { model, emission, images = null, ...rest } = this;
+    return { model: tagged(model, rest), emission, images };
+  }
+
+  /** The material with images, which its own values multiply. */
+  withImages(options) {
+    const { normalScale = 1, ...given } = only(options, ...COLORS, ...NUMBERS, "normalScale");
+    const images = { ...this.images, normalScale: number("normalScale", normalScale, 0, 1e3) };
+    for (const name of [...COLORS, ...NUMBERS]) {
+      if (given[name] !== undefined && given[name] !== null) images[name] = texels(name, given[name], NUMBERS.includes(name) ? [1, 3, 4] : [3, 4]);
+    }
+    return new Material({ ...this, images });
   }
 
   static lambert(albedo, options = {}) {
@@ -60,7 +74,8 @@ export class Material {
   }
 
   static metallicRoughness(base, options = {}) {
-    const { metallic = 1, roughness = 1, ior, f0, emission } = only(options, "metallic", "roughness", "ior", "f0", "emission");
+    const keys = ["metallic", "roughness", "ior", "f0", "clearcoat", "clearcoatRoughness", "emission"];
+    const { metallic = 1, roughness = 1, ior, f0, clearcoat = 0, clearcoatRoughness = 0, emission } = only(options, ...keys);
     if (ior !== undefined && f0 !== undefined) throw new TypeError("expected one of ior, f0");
     const ofIor = (ior) => Array(3).fill(((number("ior", ior, 1, 1e6) - 1) / (ior + 1)) ** 2);
     return new Material({
@@ -69,6 +84,8 @@ export class Material {
       metallic: number("metallic", metallic, 0, 1),
       roughness: number("roughness", roughness, 0, 1),
       f0: ior !== undefined ? ofIor(ior) : f0 !== undefined ? color("f0", f0) : null,
+      clearcoat: number("clearcoat", clearcoat, 0, 1),
+      clearcoatRoughness: number("clearcoatRoughness", clearcoatRoughness, 0, 1),
       emission: black("emission", emission),
     });
   }

@@ -9,6 +9,8 @@ export async function engine(module, complain) {
       fault = decode(new Uint8Array(wasm.memory.buffer, text, length));
       complain?.(fault);
     },
+    // Of the library, which a page does not use.
+    progress: () => 0,
   };
   const { exports: wasm } = await WebAssembly.instantiate(module, { page });
   return { ...calls(wasm), fault: () => fault };

@@ -4,21 +4,31 @@ use std::sync::Once;
 
 #[cfg(feature = "gpu")]
 pub(crate) use crate::gpu::backend;
+#[cfg(not(feature = "gpu"))]
+pub(crate) use page::progress;
 
 #[cfg(not(feature = "gpu"))]
 mod page {
-    // SAFETY: the page gives both when it instantiates the module. They take numbers alone; `complain` reads the text that it is given.
+    // SAFETY: the page gives them when it instantiates the module. They take numbers alone; two read the text that they are given.
     #[link(wasm_import_module = "page")]
     unsafe extern "C" {
         /// Seconds since any moment.
         pub(super) safe fn now() -> f64;
         #[link_name = "complain"]
         safe fn complain_of(text: *const u8, length: usize);
+        /// Whether the work is to stop.
+        #[link_name = "progress"]
+        safe fn progress_of(stage: *const u8, length: usize, done: f64) -> bool;
     }
 
     /// Passes a line of text on.
     pub(super) fn complain(text: &str) {
         complain_of(text.as_ptr(), text.len());
+    }
+
+    /// Reports the part of a stage that is done, in [0, 1]; whether the work goes on.
+    pub(crate) fn progress(stage: &str, done: f64) -> bool {
+        !progress_of(stage.as_ptr(), stage.len(), done)
     }
 }
 

@@ -6,9 +6,12 @@
 mod command;
 mod fault;
 mod given;
+mod images;
 mod light;
 mod mail;
 mod material;
+mod progress;
+mod reference;
 mod renderers;
 mod scenes;
 

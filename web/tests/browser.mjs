@@ -85,7 +85,7 @@ export async function dragRate(page, light, seconds) {
   }
   const to = await count();
   await page.mouse.up();
-  const divisors = ["1", "2", "4", "8"].filter((divisor) => (to[divisor] ?? 0) > (from[divisor] ?? 0));
+  const divisors = ["1", "2", "4", "8", "16"].filter((divisor) => (to[divisor] ?? 0) > (from[divisor] ?? 0));
   const pictures = divisors.reduce((sum, divisor) => sum + to[divisor] - (from[divisor] ?? 0), 0);
   return { rate: (1000 * pictures) / (to.now - from.now), divisors: `1 : ${divisors.join(", 1 : ")}` };
 }

@@ -261,6 +261,92 @@ test("edits give the picture of a renderer that begins there, and build nothing 
   assert.deepEqual(last, new Renderer(other, { tolerance: 0.02, method: "lobes" }).render());
 });
 
+/** A square of a texture, seen from above, under the same light everywhere. */
+function square(material) {
+  const scene = new Scene({ size: [32, 32], camera: new Camera([0, 4, 0], [0, 0, 0], { up: [0, 0, -1], fov: 28 }) });
+  scene.addMesh([-1, 0, 1, 1, 0, 1, 1, 0, -1, -1, 0, -1], SQUARE, { material, uvs: [0, 1, 1, 1, 1, 0, 0, 0] });
+  scene.addLight(Light.ambient(1));
+  return new Renderer(scene, { samples: 1 });
+}
+
+test("images of arrays lie on surfaces, as those of files do", () => {
+  // Red and green above, blue and grey below.
+  const corners = [255, 0, 0, 9, 0, 255, 0, 9, 0, 0, 255, 9, 188, 188, 188, 9];
+  const corner = (x, y) => corners.slice(4 * (2 * (y >> 2) + (x >> 2))).slice(0, 4);
+  const data = Uint8ClampedArray.from(Array.from({ length: 64 }, (_, k) => corner(k % 8, k >> 3)).flat());
+  const color = { width: 8, height: 8, data };
+  const picture = square(Material.lambert(0.5).withImages({ color })).render();
+  const at = (x, y) => Array.from(picture.subarray(3 * (32 * y + x), 3 * (32 * y + x) + 3));
+  const grey = 0.5 * ((188 / 255 + 0.055) / 1.055) ** 2.4;
+  for (const [x, y, want] of [[8, 8, [0.5, 0, 0]], [24, 8, [0, 0.5, 0]], [8, 24, [0, 0, 0.5]], [24, 24, [grey, grey, grey]]]) {
+    at(x, y).forEach((value, c) => assert.ok(Math.abs(value - want[c]) < 0.01, `${x} ${y}: ${at(x, y)}`));
+  }
+  // Three bytes a texel are the same, and a caller that writes over its array changes nothing.
+  const three = { width: 8, height: 8, data: Uint8Array.from(data.filter((_, k) => k % 4 < 3)) };
+  const made = Material.lambert(0.5).withImages({ color: three });
+  three.data.fill(7);
+  assert.deepEqual(square(made).render(), picture);
+  // An image of emission is radiance; a renderer takes images as well.
+  const shining = square(Material.lambert(0).withImages({ emission: color }));
+  assert.ok(Math.abs(shining.render()[3 * (32 * 8 + 8)] - 1) < 0.01);
+  shining.setMaterial(0, made);
+  assert.deepEqual(shining.render(), picture);
+  // Roughness and metallic: one byte, or green and blue; half of a mirror's roughness.
+  const metal = Material.metallicRoughness(0.8, { roughness: 0.5 });
+  const one = (value) => ({ width: 1, height: 1, data: Uint8Array.of(value) });
+  const [lone, packed] = [metal.withImages({ roughness: one(128), metallic: one(64) }), { width: 1, height: 1, data: Uint8Array.of(1, 128, 64) }];
+  const images = square(lone).render();
+  assert.deepEqual(square(metal.withImages({ roughness: packed, metallic: packed })).render(), images);
+  const numbers = Material.metallicRoughness(0.8, { roughness: (0.5 * 128) / 255, metallic: 64 / 255 });
+  square(numbers).render().forEach((value, k) => assert.ok(Math.abs(value - images[k]) < 1e-4));
+  // A normal that leans reflects less of what comes from above.
+  const lamp = (material) => {
+    const renderer = square(material);
+    renderer.setLight(0, Light.sun([0, -1, 0], { irradiance: 1 }));
+    return mean(renderer.render());
+  };
+  const leaning = { width: 1, height: 1, data: Uint8Array.of(218, 128, 218) };
+  const ratio = lamp(Material.lambert(0.5).withImages({ normal: leaning })) / lamp(Material.lambert(0.5));
+  assert.ok(Math.abs(ratio - Math.SQRT1_2) < 0.02, `${ratio}`);
+  assert.notDeepEqual(square(Material.metallicRoughness(0.1, { clearcoat: 1 })).render(), square(Material.metallicRoughness(0.1)).render());
+});
+
+test("the reference is the picture but for its noise, and progress is heard and can stop", () => {
+  const renderer = new Renderer(still(), { samples: 1 });
+  const heard = [];
+  const picture = renderer.render({ progress: (stage, done) => heard.push([stage, done]) });
+  assert.ok(heard.length > 0 && heard.every(([stage, done]) => stage === "shading" && done >= 0 && done <= 1), `${heard}`);
+  const sampled = [];
+  const { beauty, unshadowed, stderr } = renderer.reference({ spp: 256, progress: (stage, done) => sampled.push([stage, done]) });
+  assert.ok(sampled.length > 3 && sampled.every(([stage, done], k) => stage === "sampling" && done > (sampled[k - 1]?.[1] ?? 0)));
+  assert.equal(sampled.at(-1)[1], 1);
+  assert.ok(beauty.every((value, k) => value <= unshadowed[k] + 1e-4));
+  const off = mean(picture.map((value, k) => Math.abs(value - beauty[k]))) / mean(beauty);
+  const beyond = picture.filter((value, k) => Math.abs(value - beauty[k]) > 5 * stderr[k] + 0.02 * unshadowed[k] + 1e-5).length;
+  console.log(`package: of the reference but for ${(100 * off).toFixed(2)} %`);
+  assert.ok(off < 0.01 && beyond < 0.005 * picture.length, `${off} ${beyond}`);
+  assert.deepEqual(renderer.reference({ spp: 16, seed: 3 }), renderer.reference({ spp: 16, seed: 3 }));
+  // An exception stops the work, and comes out as it is; all that was kept stays.
+  const stop = new Error("enough");
+  for (const deed of [(progress) => renderer.render({ progress }), (progress) => renderer.layers(["depth"], { progress }), (progress) => renderer.reference({ progress })]) {
+    let count = 0;
+    const listen = () => {
+      count += 1;
+      throw stop;
+    };
+    assert.throws(() => deed(listen), (error) => error === stop);
+    assert.equal(count, 1);
+  }
+  assert.throws(() => renderer.render({ progress: () => renderer.size }), /^LobesError: the engine is at work: progress may not call it$/);
+  assert.deepEqual(renderer.render(), picture);
+  // Coverage is 1 on the floor, 0 above the horizon, and between on outlines.
+  const coverage = renderer.coverage();
+  assert.deepEqual([coverage.length, coverage[0], coverage.at(-1)], [small[0] * small[1], 0, 1]);
+  assert.deepEqual(renderer.coverage({ window: [0, 0, 8, 8] }).length, 64);
+  const edges = new Renderer(still()).coverage();
+  assert.ok(edges.some((part) => part > 0 && part < 1));
+});
+
 test("cameras have projections", () => {
   const renderer = new Renderer(still());
   const perspective = renderer.camera;
@@ -358,6 +444,15 @@ test("bad arguments are refused by name, and change nothing", () => {
     [SceneError, /nothing\.glb/, () => Scene.load({ "a.toml": "" }, { path: "nothing.glb" })],
     [TypeError, /^files are 2, of which 2 may be the scene: path says which$/, () => Scene.load({ "a.toml": "", "b.toml": "" })],
     [TypeError, /^a\.toml is Number/, () => Scene.load({ "a.toml": 3 })],
+    [TypeError, /^progress is Number: expected a function$/, () => renderer.render({ progress: 3 })],
+    [RangeError, /^spp is 0: expected a whole number from 1/, () => renderer.reference({ spp: 0 })],
+    [RangeError, /^roughness is 2: expected a number from 0 to 1$/, () => Material.metallicRoughness(1, { roughness: 2 })],
+    [RangeError, /^clearcoat is 2: expected a number from 0 to 1$/, () => Material.metallicRoughness(1, { clearcoat: 2 })],
+    [TypeError, /^color is Object: expected \{ width, height, data \} with bytes$/, () => Material.lambert(1).withImages({ color: { width: 1, height: 1, data: [1, 2, 3] } })],
+    [RangeError, /^color has 1 bytes: expected 3 or 4 for each of 1 x 1 texels$/, () => Material.lambert(1).withImages({ color: { width: 1, height: 1, data: Uint8Array.of(1) } })],
+    [TypeError, /^colour is no option/, () => Material.lambert(1).withImages({ colour: null })],
+    [TypeError, /^material has images/, () => renderer.shade([0, 0, 0], [0, 1, 0], null, { material: Material.lambert(1).withImages({ roughness: { width: 1, height: 1, data: Uint8Array.of(1) } }) })],
+    [TypeError, /^an environment without light/, () => new Environment(null)],
     [RangeError, /^radiance has 1 rows: expected 2/, () => exposed([1, 1, 1], { width: 2, height: 1 })],
     [RangeError, /magic/, () => exposed([1, 1, 1], { width: 1, height: 1, tone: "magic" })],
   ];

@@ -1,6 +1,6 @@
 // Compiles, but for the lines that are marked: the types of the package.
 
-import { Camera, Environment, Light, LobesError, Material, Renderer, Scene, exposed, init, type Pick, type Settings } from "cosine-lobes";
+import { Camera, Environment, Light, LobesError, Material, Renderer, Scene, exposed, init, type Pick, type Progress, type Settings, type Texels } from "cosine-lobes";
 import { BoxGeometry, Color, Matrix4, Vector3 } from "three";
 
 await init();
@@ -21,6 +21,11 @@ const renderer = new Renderer(scene, settings);
 const picture: Float32Array = renderer.render({ width: 32, height: 18, window: [0, 0, 8, 8] });
 const points: Float32Array = renderer.shade([0, 0, 0], [0, 1, 0], null, { material: 0, objects: "object 0" });
 const layers: Record<string, Float32Array> = renderer.layers(["lights", "depth"]);
+const listen: Progress = (stage, done) => void [stage === "shading", done.toFixed(2)];
+const { beauty, stderr }: Record<string, Float32Array> = renderer.reference({ spp: 16, progress: listen });
+const wood: Texels = { width: 1, height: 1, data: new Uint8ClampedArray(4) };
+scene.addMaterial(Material.metallicRoughness(0.5, { clearcoat: 0.5 }).withImages({ color: wood, roughness: wood, normalScale: 2 }));
+void [renderer.coverage(), renderer.render({ progress: listen }), beauty, stderr, new Environment(null, { ambient: 0.1 })];
 const pick: Pick | null = renderer.pick(1, 2);
 renderer.setTransform(number, new Matrix4().makeTranslation(1, 0, 0));
 renderer.changeLight(0, { center: new Vector3(), size: 2 });
@@ -36,6 +41,8 @@ Light.sphere([0, 0, 0], 1, { radiance: 1, flux: 1 });
 scene.addSpheres([0, 0, 0, 1], { visibility: "magic" });
 // @ts-expect-error no such option
 renderer.render({ wide: 3 });
+// @ts-expect-error images are bytes
+Material.lambert(1).withImages({ color: { width: 1, height: 1, data: new Float32Array(4) } });
 // @ts-expect-error no such layer
 renderer.layers(["albedo"]);
 // @ts-expect-error lights are made by its functions

@@ -70,10 +70,23 @@ pub(crate) enum SceneCommand {
 pub(crate) enum RendererCommand {
     Render {
         window: Option<[usize; 4]>,
+        /// Whether JavaScript hears of its progress; so with those below.
+        listens: bool,
     },
     Layers {
         names: Vec<String>,
         window: Option<[usize; 4]>,
+        listens: bool,
+    },
+    /// The fraction of each pixel that shows a surface.
+    Coverage {
+        window: Option<[usize; 4]>,
+    },
+    /// The picture by Monte Carlo, with so many samples of each light for each camera ray.
+    Reference {
+        spp: u32,
+        seed: u32,
+        listens: bool,
     },
     Shade(Points),
     VisibleFraction {

@@ -63,6 +63,8 @@ impl From<Camera> for CameraGiven {
 pub(crate) struct EnvironmentGiven {
     radiance: Option<Vec3>,
     image: Option<ImageGiven>,
+    /// More of it from everywhere, which is not seen behind objects.
+    ambient: Vec3,
     strength: Vec3,
     up: Vec3,
     turn: f32,
@@ -82,12 +84,12 @@ impl EnvironmentGiven {
         let world = bounds.world();
         let map = match self.image {
             Some(ImageGiven { width, height, data }) => {
-                EnvironmentMap::new(UVec2::new(width, height), arrays.list(data)?)?
+                Some(EnvironmentMap::new(UVec2::new(width, height), arrays.list(data)?)?)
             }
-            None => EnvironmentMap::uniform(self.radiance.unwrap_or_default()),
+            None => self.radiance.map(EnvironmentMap::uniform),
         };
-        let map = map.scaled(self.strength).turned(self.up, self.turn);
-        Ok(Arc::new(Environment::new(map, self.patches, world)))
+        let map = map.map(|map| map.scaled(self.strength).turned(self.up, self.turn));
+        Ok(Arc::new(Environment::with_ambient(map, self.ambient, self.patches, world)))
     }
 }
 
@@ -208,6 +210,7 @@ pub(crate) struct SettingsGiven {
     method: String,
     samples: Option<u32>,
     own_radiance: bool,
+    interpolate: bool,
     threshold: f32,
     map_resolution: Option<u32>,
     keep_points: bool,
@@ -224,6 +227,7 @@ impl SettingsGiven {
             method: method.ok_or_else(wrong)?,
             accuracy: self.depth.map_or(requested, |depth| requested.with_depth(depth)),
             own_radiance: self.own_radiance,
+            interpolate: self.interpolate,
             threshold: self.threshold,
             samples: self.samples.map_or(PixelSamples::Edges(EDGE_SAMPLES), PixelSamples::Uniform),
             map_resolution: self.map_resolution,

@@ -3,6 +3,8 @@ use crate::library::fault::Fault;
 use crate::library::given::{CameraGiven, SettingsGiven, directions, matrix, strategy};
 use crate::library::mail::{Answer, Arrays, Memory};
 use crate::library::material::MaterialGiven;
+use crate::library::progress::Progress;
+use crate::library::reference::reference;
 use crate::library::scenes::{SceneItem, light_state, usual};
 use bytemuck::cast_slice;
 use glam::Vec3;
@@ -14,7 +16,6 @@ use renderer::{
 use scene::{Object, Proxy, ShadingPoints, Shape};
 use serde_json::{Value, json};
 use session::lamp;
-use std::ops::ControlFlow;
 
 /// Spheres that are fitted to a mesh where none are given.
 const SPHERES: usize = 64;
@@ -64,8 +65,15 @@ impl RendererItem {
 
     pub(crate) fn follow(&mut self, command: RendererCommand, arrays: Arrays<'_>) -> Result<Answer, Fault> {
         match command {
-            RendererCommand::Render { window } => self.render(window),
-            RendererCommand::Layers { names, window } => self.layers(&names, window),
+            RendererCommand::Render { window, listens } => self.render(window, &Progress::new(listens)),
+            RendererCommand::Layers { names, window, listens } => self.layers(&names, window, &Progress::new(listens)),
+            RendererCommand::Coverage { window } => {
+                let coverage = self.renderer.coverage(&self.window(window)?)?;
+                Ok(Answer { head: json!({}), arrays: Memory::Bytes(cast_slice(&coverage).to_vec()) })
+            }
+            RendererCommand::Reference { spp, seed, listens } => {
+                reference(&mut self.renderer, spp, u64::from(seed), &Progress::new(listens))
+            }
             RendererCommand::Shade(points) => self.shade(points, arrays),
             RendererCommand::VisibleFraction { point, normal, light } => {
                 let light = self.lights.handle("light", light)?;
@@ -87,11 +95,11 @@ impl RendererItem {
             RendererCommand::AddMesh { mesh, manner, material } => {
                 let (mesh, removed) = mesh.mesh(arrays)?;
                 let object = manner.mesh(mesh, self.renderer.scene().objects.len(), arrays)?;
-                Ok(json!({ "number": self.add(object, material)?, "removed": removed }))
+                Ok(json!({ "number": self.add(object, material, arrays)?, "removed": removed }))
             }
             RendererCommand::AddSpheres { rows, manner, material } => {
                 let object = manner.spheres(rows, self.renderer.scene().objects.len(), arrays)?;
-                Ok(json!({ "number": self.add(object, material)? }))
+                Ok(json!({ "number": self.add(object, material, arrays)? }))
             }
             RendererCommand::SetMesh { object, mesh } => {
                 let handle = self.object(&object)?;
@@ -108,7 +116,7 @@ impl RendererItem {
                 Ok(json!({ "number": self.lights.number(handle) }))
             }
             RendererCommand::AddMaterial { material } => {
-                let (material, surface) = material.material()?;
+                let (material, surface) = material.material(arrays)?;
                 let handle = self.renderer.add_material(material, surface)?;
                 Ok(json!({ "number": self.materials.number(handle) }))
             }
@@ -151,7 +159,7 @@ impl RendererItem {
             }
             RendererCommand::SetMaterial { material, new } => {
                 let handle = self.materials.handle("material", material)?;
-                let (material, surface) = new.material()?;
+                let (material, surface) = new.material(arrays)?;
                 self.renderer.set_material(handle, material, surface)?;
             }
             RendererCommand::SetObjectMaterial { object, material } => {
@@ -196,21 +204,21 @@ impl RendererItem {
         Ok(Window { image: [width, height], columns: x..x + across, rows: y..y + down })
     }
 
-    fn render(&mut self, part: Option<[usize; 4]>) -> Result<Answer, Fault> {
+    fn render(&mut self, part: Option<[usize; 4]>, progress: &Progress) -> Result<Answer, Fault> {
         let window = self.window(part)?;
         let mut pixels = Vec::new();
         pixels.try_reserve_exact(window.pixels()).map_err(RenderError::from)?;
         pixels.resize(window.pixels(), Vec3::ZERO);
         let clock = Clock::start();
-        self.renderer.render_into(&window, &mut |_| ControlFlow::Continue(()), &mut pixels)?;
+        self.renderer.render_into(&window, &mut |event| progress.hear(event), &mut pixels)?;
         self.seconds = clock.seconds();
         Ok(Answer { head: json!({ "size": window.size() }), arrays: Memory::Pixels(pixels) })
     }
 
-    fn layers(&mut self, names: &[String], part: Option<[usize; 4]>) -> Result<Answer, Fault> {
+    fn layers(&mut self, names: &[String], part: Option<[usize; 4]>, progress: &Progress) -> Result<Answer, Fault> {
         let (set, window) = (layer_set(names)?, self.window(part)?);
         self.renderer.set_layers(set)?;
-        let image = self.renderer.render_window(&window, &mut |_| ControlFlow::Continue(()));
+        let image = self.renderer.render_window(&window, &mut |event| progress.hear(event));
         self.renderer.set_layers(LayerSet::NONE)?;
         let numbers = self.objects.of(self.renderer.objects().map(|(handle, _)| handle));
         Ok(named_layers(&image?, set, &numbers))
@@ -236,7 +244,7 @@ impl RendererItem {
         };
         let (number, own) = match given.material {
             None => (0, Some([MaterialGiven::white()])),
-            Some(MaterialKey::Own(material)) => (0, Some([material.material()?.0])),
+            Some(MaterialKey::Own(material)) => (0, Some([material.material(arrays)?.0])),
             Some(MaterialKey::Number(number)) => (self.material_place(number)? as u32, None),
         };
         let points = ShadingPoints {
@@ -365,7 +373,7 @@ impl RendererItem {
     }
 
     /// Adds an object with its material, which is taken back where the object is refused; its number.
-    fn add(&mut self, object: Object, material: Option<MaterialKey>) -> Result<usize, Fault> {
+    fn add(&mut self, object: Object, material: Option<MaterialKey>, arrays: Arrays<'_>) -> Result<usize, Fault> {
         let (place, new) = match material {
             Some(MaterialKey::Number(number)) => (self.material_place(number)?, None),
             own => {
@@ -373,7 +381,7 @@ impl RendererItem {
                     MaterialKey::Own(own) => Some(own),
                     MaterialKey::Number(_) => None,
                 });
-                let (material, surface) = usual(own)?;
+                let (material, surface) = usual(own, arrays)?;
                 let handle = self.renderer.add_material(material, surface)?;
                 (self.renderer.scene().materials.len() - 1, Some(handle))
             }

@@ -41,15 +41,15 @@ impl SceneItem {
             SceneCommand::AddMesh { mesh, manner, material } => {
                 let (mesh, removed) = mesh.mesh(arrays)?;
                 let object = manner.mesh(mesh, number, arrays)?;
-                let number = self.add(object, material)?;
+                let number = self.add(object, material, arrays)?;
                 return Ok(Answer::of(json!({ "number": number, "removed": removed })));
             }
             SceneCommand::AddSpheres { rows, manner, material } => {
                 let object = manner.spheres(rows, number, arrays)?;
-                return Ok(Answer::of(json!({ "number": self.add(object, material)? })));
+                return Ok(Answer::of(json!({ "number": self.add(object, material, arrays)? })));
             }
             SceneCommand::AddMaterial { material } => {
-                let (material, surface) = material.material()?;
+                let (material, surface) = material.material(arrays)?;
                 Scene::check_material(self.scene.materials.len(), &material, &surface)?;
                 return Ok(Answer::of(json!({ "number": self.push(material, surface) })));
             }
@@ -100,9 +100,9 @@ impl SceneItem {
     }
 
     /// Adds an object that the scene accepts; its number.
-    fn add(&mut self, object: Object, material: Option<MaterialKey>) -> Result<usize, Fault> {
+    fn add(&mut self, object: Object, material: Option<MaterialKey>, arrays: Arrays<'_>) -> Result<usize, Fault> {
         let before = (self.scene.materials.len(), self.scene.surfaces.len(), self.usual);
-        let object = Object { material: self.material_number(material)?, ..object };
+        let object = Object { material: self.material_number(material, arrays)?, ..object };
         if let Err(error) = self.scene.check_object(&object) {
             self.scene.materials.truncate(before.0);
             self.scene.surfaces.truncate(before.1);
@@ -114,11 +114,11 @@ impl SceneItem {
     }
 
     /// The number of a material: one of the scene's, or a new one.
-    fn material_number(&mut self, material: Option<MaterialKey>) -> Result<usize, Fault> {
+    fn material_number(&mut self, material: Option<MaterialKey>, arrays: Arrays<'_>) -> Result<usize, Fault> {
         let count = self.scene.materials.len();
         match material {
             Some(MaterialKey::Own(own)) => {
-                let (material, surface) = own.material()?;
+                let (material, surface) = own.material(arrays)?;
                 Scene::check_material(count, &material, &surface)?;
                 Ok(self.push(material, surface))
             }
@@ -148,8 +148,8 @@ impl SceneItem {
 }
 
 /// The grey material of objects that state none, as a renderer adds it.
-pub(crate) fn usual(own: Option<MaterialGiven>) -> Result<(Material, Surface), Fault> {
-    own.map_or_else(|| Ok((Material::lambert(Vec3::splat(GREY)), Surface::default())), MaterialGiven::material)
+pub(crate) fn usual(own: Option<MaterialGiven>, arrays: Arrays<'_>) -> Result<(Material, Surface), Fault> {
+    own.map_or_else(|| Ok((Material::lambert(Vec3::splat(GREY)), Surface::default())), |own| own.material(arrays))
 }
 
 /// A light as JavaScript reads it.
