@@ -3,16 +3,16 @@
 
 const PLACES_SIDE = 4u;
 const PLACES_CELLS = PLACES_SIDE * PLACES_SIDE;
-const PLACES_NONE = -0x7fffffff;
+const PLACES_NONE = -2147483647;
 
 // Whether blockers are to mark openings between the samples of the mask that they draw.
 var<private> places_seek: bool;
 // The window of the whole light.
 var<private> places_whole: UnitSquare;
 // Emitting samples of all rows.
-var<workgroup> places_emitting: array<vec2u, LANES>;
+var<workgroup> places_emitting: array<vec2u, 1u + (LANES - 1u) * u32(LOOKS_AGAIN)>;
 // Of each cell the lower corner of its box, negated, and the upper one.
-var<workgroup> places_boxes: array<atomic<i32>, 4u * PLACES_CELLS>;
+var<workgroup> places_boxes: array<atomic<i32>, 1u + (4u * PLACES_CELLS - 1u) * u32(LOOKS_AGAIN)>;
 // The number of boxes that were added.
 var<workgroup> places_count: atomic<u32>;
 

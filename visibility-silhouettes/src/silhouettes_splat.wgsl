@@ -5,7 +5,7 @@
 
 const SILHOUETTES_NODES = 4u;
 // Silhouettes that are kept for the next mask of the receiver, if these are all; a round finds up to eight in a leaf.
-const SILHOUETTES_ROOM = 512u;
+const SILHOUETTES_ROOM = 480u;
 // Samples of a row that are counted at a time, two in a word: fewer for masks of many rows, whose workgroups need more memory.
 const SILHOUETTES_PART = 2048u / LANES;
 const SILHOUETTES_WORDS = SILHOUETTES_PART / 2u;
@@ -55,13 +55,13 @@ const SILHOUETTES_OPENINGS = 1u;
 const SILHOUETTES_MARKS = 2u;
 var<workgroup> silhouettes_stage: u32;
 // Openings are looked for between no more edges than these.
-const SILHOUETTES_LINES = 128u;
+const SILHOUETTES_LINES = 1u + 63u * u32(LOOKS_AGAIN);
 // The lines of edges on the mask, if openings are wanted: the place at row line 0 and its growth from row to row, in samples, then the row at
 // sample 0 and its growth from sample to sample.
 var<workgroup> silhouettes_lines: array<vec4f, SILHOUETTES_LINES>;
-// From which row, up to which, and with what growth of the number of surfaces an edge is crossed from left to right. The same for samples and from
-// below.
-var<workgroup> silhouettes_crossed: array<array<vec3f, 2>, SILHOUETTES_LINES>;
+// The samples between which the edge lies, as bits, then a byte each: its first row, the one after its last, and eight more than the growth of the number
+// of surfaces where it is crossed from left to right, and from below.
+var<workgroup> silhouettes_crossed: array<vec3u, SILHOUETTES_LINES>;
 
 fn silhouettes_view_of(mask: Mask, eye: SilhouetteEye) -> SilhouetteView {
     let square = mask.square;
@@ -168,7 +168,7 @@ fn silhouettes_use(lane: u32, eye: SilhouetteEye, count: u32) {
             continue;
         }
         if (LOOKS_AGAIN && places_seek && k < SILHOUETTES_LINES) {
-            silhouettes_crossed[k] = array<vec3f, 2>();
+            silhouettes_crossed[k] = vec3u(0u);
         }
         silhouettes_draw(k, a, b, i32(entry % 8u) - 2);
     }
@@ -338,9 +338,9 @@ fn silhouettes_count(number: u32, a: vec3f, b: vec3f, line: vec3f, step: i32) {
         let bottom = (height - raster.bottom) * raster.rows - 0.5;
         silhouettes_lines[number] = vec4f(start, slope, bottom, rise * (raster.rows / raster.samples));
         let goes_right = x[0] < x[1];
-        silhouettes_crossed[number] = array<vec3f, 2>(
-            vec3f(f32(first), f32(last), f32(grows)), vec3f(low, high, f32(select(step, -step, goes_right)))
-        );
+        let growths = vec2u(vec2i(grows, select(step, -step, goes_right)) + 8);
+        let bytes = first | (last << 8u) | (growths.x << 16u) | (growths.y << 24u);
+        silhouettes_crossed[number] = vec3u(bitcast<vec2u>(vec2f(low, high)), bytes);
     }
     if (row[0] == row[1] && is_left.x == is_left.y) {
         return;
@@ -448,9 +448,12 @@ fn silhouettes_middle(bits: array<u32, SILHOUETTES_BITS>) -> u32 {
 // number of surfaces, 0 if it is not crossed.
 fn silhouettes_cross(k: u32, axis: u32, at: f32) -> vec2f {
     let line = silhouettes_lines[k];
-    let crossed = silhouettes_crossed[k][axis];
+    let crossed = silhouettes_crossed[k];
+    let rows = vec2f(vec2u(crossed.z, crossed.z >> 8u) & vec2u(255u));
+    let ends = select(rows, bitcast<vec2f>(crossed.xy), axis == 1u);
+    let growth = f32((crossed.z >> (16u + 8u * axis)) & 255u) - 8.0;
     let place = line.xz + line.yw * at;
-    return vec2f(select(place.x, place.y, axis == 1u), select(0.0, crossed.z, at >= crossed.x && at < crossed.y));
+    return vec2f(select(place.x, place.y, axis == 1u), select(0.0, growth, at >= ends.x && at < ends.y));
 }
 
 // The intervals between samples of a row or a column that have the fewest surfaces, for the thread's row and its column. Marks those with the number
