@@ -118,7 +118,7 @@ pub static PLACES: Piece = Piece::new(include_str!("near_places.wgsl"))
         PLACES_STEPS = 16_777_216.0_f32,
     ])
     .needs(&[&SQUARE]);
-/// Masks around a small lit part of a light: one, which is tried up to so many times, or one in each of a few cells.
+/// Masks around a small lit part of a light: one, which is tried up to `NEAR_MOST` times, or one in each of a few cells.
 static NEAR: Piece = Piece::new(include_str!("near.wgsl"))
     .numbers(wgsl_numbers![
         NEAR_LITTLE = near_masks::LITTLE as f32,

@@ -625,16 +625,18 @@ fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask
                 fewest.bits[w] = select(0u, fewest.bits[w], fewest.least == least);
                 own += countOneBits(fewest.bits[w]);
             }
-            place = vec2f(f32(silhouettes_middle(fewest.bits)) + 0.5 + row_phase(lane), f32(lane));
         } else if (fewest.least != least) {
             own = 0u;
         }
         atomicMax(&silhouettes_best, 256u * own + (255u - lane));
         let sums = total(lane, vec4f(f32(own), f32(fewest.rest), 0.0, 0.0));
         var is_done = sums.x == 0.0;
-        if (decide(lane, !is_done)) {
+        if (!is_done) {
             // One ray decides whether the fewest surfaces are none.
             if (lane == 255u - atomicLoad(&silhouettes_best) % 256u) {
+                if (!LOOKS_AGAIN || stage == SILHOUETTES_SAMPLES) {
+                    place = vec2f(f32(silhouettes_middle(fewest.bits)) + 0.5 + row_phase(lane), f32(lane));
+                }
                 silhouettes_open = select(0u, 1u, silhouettes_sees(eye, place));
             }
             let is_open = workgroupUniformLoad(&silhouettes_open) != 0u;
@@ -657,7 +659,7 @@ fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask
             is_done = u32(sums.x) >= u32(sums.y) / SILHOUETTES_FEW;
             above = least;
         }
-        if (decide(lane, !is_done)) {
+        if (!is_done) {
             continue;
         }
         // Then the openings, once.
@@ -669,7 +671,7 @@ fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask
             seen += countOneBits(keep[w]);
         }
         places_emitting[lane] = span;
-        if (!decide(lane, PLACES_FAINT * total(lane, vec4f(f32(seen), 0.0, 0.0, 0.0)).x < f32(width * SIDE))) {
+        if (PLACES_FAINT * total(lane, vec4f(f32(seen), 0.0, 0.0, 0.0)).x >= f32(width * SIDE)) {
             break;
         }
         if (lane == 0u) {
