@@ -77,7 +77,7 @@ pub(crate) struct Worker {
 
 /// The coarsest picture has a pixel for so many by so many.
 const COARSEST: u32 = 16;
-/// The one before it may take so many times the budget: it shows much more.
+/// The one before it may take this multiple of the budget: it shows much more.
 const LATE: f64 = 2.0;
 
 impl Worker {

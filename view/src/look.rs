@@ -93,7 +93,7 @@ impl View {
         }
     }
 
-    /// The one behind it in a list with so many lights, or before it.
+    /// The one behind it in the list for this number of lights, or before it.
     pub(crate) fn beside(self, lights: usize, is_back: bool) -> Self {
         let all: Vec<Self> = Self::ALL.into_iter().chain((0..lights).map(Self::Light)).collect();
         let place = all.iter().position(|view| *view == self).unwrap_or(0);
