@@ -27,9 +27,9 @@ impl Looks {
         Self(receivers)
     }
 
-    /// Whether a mesh gets simplified forms.
-    fn are_worth(self, mesh: &Mesh) -> bool {
-        mesh.triangles.len() >= LARGE && self.0 >= WORTH * mesh.triangles.len() as f64
+    /// Whether a mesh of so many triangles gets simplified forms.
+    fn are_worth(self, triangles: usize) -> bool {
+        triangles >= LARGE && self.0 >= WORTH * triangles as f64
     }
 }
 
@@ -39,8 +39,8 @@ impl Default for Looks {
     }
 }
 
-fn prepare(object: u32, mesh: &Mesh, looks: Looks) -> SilhouetteMesh {
-    let make = if looks.are_worth(mesh) { SilhouetteMesh::with_coarse } else { SilhouetteMesh::new };
+fn prepare(object: u32, mesh: &Mesh, is_coarse: bool) -> SilhouetteMesh {
+    let make = if is_coarse { SilhouetteMesh::with_coarse } else { SilhouetteMesh::new };
     make(object, &mesh.positions, &mesh.triangles)
 }
 
@@ -51,8 +51,11 @@ pub struct SceneSilhouettes {
     /// The revision of each mesh's object.
     revisions: Vec<Revision>,
     instances: SilhouetteInstances,
+    /// What these were prepared from.
+    shared: Vec<Arc<Mesh>>,
     /// Objects that the instances were made of, with their numbers.
     instanced: Vec<(u32, Revision)>,
+    are_copied: bool,
     looks: Looks,
 }
 
@@ -63,6 +66,17 @@ impl SceneSilhouettes {
         let mut all = Self::default();
         all.update(scene, blocks, &Revision::unedited(scene.objects.len()));
         all
+    }
+
+    /// Prepares instances as meshes of their own from the next update on, or no longer: a GPU knows no shared meshes.
+    pub const fn copy_instances(&mut self, are_copied: bool) {
+        self.are_copied = are_copied;
+    }
+
+    /// Whether instances are meshes of their own.
+    #[must_use]
+    pub const fn are_copied(&self) -> bool {
+        self.are_copied
     }
 
     /// Follows the scene, of whose objects there is a revision each: meshes that have moved are refitted, others that are new are
@@ -83,19 +97,26 @@ impl SceneSilhouettes {
         let before = core::mem::replace(&mut self.looks, looks);
         let old = core::mem::take(&mut self.revisions).into_iter().zip(core::mem::take(&mut self.meshes));
         let mut old: HashMap<u64, (Revision, SilhouetteMesh)> = old.map(|(r, mesh)| (r.object, (r, mesh))).collect();
-        let [mut instances_made, mut instances_refitted] = [0; 2];
-        if !cancel.is_cancelled() {
-            [instances_made, instances_refitted] = self.update_instances(scene, &blocks, (revisions, before));
-        }
+        let instances_made = match cancel.is_cancelled() {
+            true => 0,
+            false => self.update_instances(scene, &blocks, (revisions, before)),
+        };
         let chosen = (0..scene.objects.len() as u32).zip(revisions).filter(|(object, _)| blocks(*object));
         let work: Vec<_> = chosen.map(|(object, revision)| (object, *revision, old.remove(&revision.object))).collect();
+        let are_copied = self.are_copied;
         let follow = |(object, revision, old): (u32, Revision, Option<(Revision, SilhouetteMesh)>)| {
             if cancel.is_cancelled() {
                 return old.map(|(before, kept)| (kept, (before, Update::Kept)));
             }
-            let Shape::Mesh(mesh) = &scene.objects[object as usize].shape else { return None };
-            let old = old.filter(|_| looks.are_worth(mesh) == before.are_worth(mesh));
-            let (made, done) = follow(object, mesh, &revision, (old, looks));
+            let shape = &scene.objects[object as usize].shape;
+            let triangles = match shape {
+                Shape::Mesh(mesh) => mesh.triangles.len(),
+                Shape::Instances(all) if are_copied => all.triangle_count(),
+                Shape::Instances(_) | Shape::Spheres(_) => return None,
+            };
+            let is_worth = looks.are_worth(triangles);
+            let old = old.filter(|_| is_worth == before.are_worth(triangles));
+            let (made, done) = follow(object, shape, &revision, (old, is_worth));
             Some((made, (revision, done)))
         };
         let made: (Vec<SilhouetteMesh>, Vec<(Revision, Update)>) = work.into_par_iter().filter_map(follow).unzip();
@@ -108,28 +129,33 @@ impl SceneSilhouettes {
         }
         let [made, refitted] =
             [Update::Built, Update::Refitted].map(|kind| done.iter().filter(|d| **d == kind).count());
-        [made + instances_made, refitted + instances_refitted]
+        [made + instances_made, refitted]
     }
 
-    /// Prepares the shared meshes of instances where any of these have come, gone or moved. How many were prepared, and 0.
+    /// Arranges the shared meshes of instances where any of these have come, gone or moved, and prepares those that are new. How many were
+    /// prepared.
     fn update_instances(
         &mut self,
         scene: &Scene,
         blocks: impl Fn(u32) -> bool,
         (revisions, before): (&[Revision], Looks),
-    ) -> [usize; 2] {
+    ) -> usize {
         let looks = self.looks;
         let all =
             (0..).zip(&scene.objects).zip(revisions).filter_map(|((number, object), revision)| match &object.shape {
-                Shape::Instances(instances) if blocks(number) => Some((number, *revision, instances)),
+                Shape::Instances(instances) if !self.are_copied && blocks(number) => {
+                    Some((number, *revision, instances))
+                }
                 _ => None,
             });
         let all: Vec<(u32, Revision, &Instances)> = all.collect();
-        let is_as_worth =
-            |(_, _, all): &(u32, Revision, &Instances)| looks.are_worth(all.mesh()) == before.are_worth(all.mesh());
+        let is_as_worth = |mesh: &Mesh| {
+            let triangles = mesh.triangles.len();
+            looks.are_worth(triangles) == before.are_worth(triangles)
+        };
         let names = all.iter().map(|(number, revision, _)| (*number, *revision));
-        if all.iter().all(is_as_worth) && names.eq(self.instanced.iter().copied()) {
-            return [0; 2];
+        if all.iter().all(|(.., all)| is_as_worth(all.mesh())) && names.eq(self.instanced.iter().copied()) {
+            return 0;
         }
         let mut meshes: Vec<&Arc<Mesh>> = Vec::new();
         let mut places: Vec<Vec<(u32, Mat4)>> = Vec::new();
@@ -146,11 +172,21 @@ impl SceneSilhouettes {
             positions: &mesh.positions,
             triangles: &mesh.triangles,
             places,
-            is_coarse: looks.are_worth(mesh),
+            is_coarse: looks.are_worth(mesh.triangles.len()),
         });
-        self.instances = SilhouetteInstances::new(&shared.collect::<Vec<_>>());
+        let shared: Vec<SharedMesh<'_>> = shared.collect();
+        let old = core::mem::take(&mut self.instances).into_meshes();
+        let old = core::mem::take(&mut self.shared).into_iter().zip(old).filter(|(mesh, _)| is_as_worth(mesh));
+        let mut old: Vec<(Arc<Mesh>, SilhouetteMesh)> = old.collect();
+        let earlier = |number: usize| {
+            let found = old.iter().position(|(mesh, _)| Arc::ptr_eq(mesh, meshes[number]));
+            found.map(|place| old.swap_remove(place).1)
+        };
+        let (instances, made) = SilhouetteInstances::with_earlier(&shared, earlier);
+        self.instances = instances;
+        self.shared = meshes.into_iter().cloned().collect();
         self.instanced = all.iter().map(|(number, revision, _)| (*number, *revision)).collect();
-        [meshes.len(), 0]
+        made
     }
 
     /// Follows a scene whose objects have moved and are otherwise the same: every mesh is refitted.
@@ -158,10 +194,10 @@ impl SceneSilhouettes {
         let looks = self.looks;
         self.meshes.par_iter_mut().for_each(|kept| {
             let object = kept.object();
-            if let Shape::Mesh(mesh) = &scene.objects[object as usize].shape
+            if let Some(mesh) = scene.objects[object as usize].shape.mesh()
                 && !kept.refit(&mesh.positions)
             {
-                *kept = prepare(object, mesh, looks);
+                *kept = prepare(object, &mesh, looks.are_worth(mesh.triangles.len()));
             }
         });
     }
@@ -185,22 +221,24 @@ impl SceneSilhouettes {
     }
 }
 
-/// The mesh of an object, made from what there was of it.
+/// The triangles of an object, made from what there was of them, with simplified forms or without.
 fn follow(
     object: u32,
-    mesh: &Mesh,
+    shape: &Shape,
     revision: &Revision,
-    (old, looks): (Option<(Revision, SilhouetteMesh)>, Looks),
+    (old, is_coarse): (Option<(Revision, SilhouetteMesh)>, bool),
 ) -> (SilhouetteMesh, Update) {
+    let mesh = || shape.mesh().unwrap_or_default();
     let Some((before, mut kept)) = old.filter(|(before, _)| before.form == revision.form) else {
-        return (prepare(object, mesh, looks), Update::Built);
+        return (prepare(object, &mesh(), is_coarse), Update::Built);
     };
     kept.set_object(object);
     if before.place == revision.place {
         return (kept, Update::Kept);
     }
+    let mesh = mesh();
     match kept.refit(&mesh.positions) {
         true => (kept, Update::Refitted),
-        false => (prepare(object, mesh, looks), Update::Built),
+        false => (prepare(object, &mesh, is_coarse), Update::Built),
     }
 }

@@ -3,11 +3,11 @@
 use crate::bands::seconds;
 use crate::event::check;
 use crate::sphere_cache::{Scope, follow_spheres};
-use crate::{FrameClocks, Listener, Method, Plan, RenderError, Renderer, Stale, paper_tables};
+use crate::{Device, FrameClocks, Listener, Method, Plan, RenderError, Renderer, Stale, paper_tables};
 use core::ops::ControlFlow;
 use glam::Vec3;
 use render_cpu::{Hierarchy, Looks, Update, World};
-use scene::{Bounds, Scene};
+use scene::{Bounds, Object, Scene, Shape};
 use std::sync::Arc;
 
 impl Renderer {
@@ -135,7 +135,10 @@ impl Renderer {
             true => Looks::MANY,
             false => crate::looks::of_picture(&self.scene),
         };
-        let wants_silhouettes = self.stale.has(Stale::SILHOUETTES) || looks != self.silhouettes.looks();
+        let are_copied = self.backend.device() == Device::Gpu && can_copy_instances(&self.scene);
+        let is_other = looks != self.silhouettes.looks() || are_copied != self.silhouettes.are_copied();
+        let wants_silhouettes = is_other || self.stale.has(Stale::SILHOUETTES);
+        self.silhouettes.copy_instances(are_copied);
         if wants_silhouettes {
             self.custom.update(&self.scene, &self.plan)?;
         }
@@ -167,6 +170,18 @@ impl Renderer {
         self.stale = Stale::NOTHING;
         Ok(hierarchy)
     }
+}
+
+/// Silhouettes of instances are those of copies on a GPU, 100 bytes a triangle, up to so many triangles. Rays stand for more.
+const MOST_COPIED: usize = 2_000_000;
+
+/// Whether instances can be copied for a GPU.
+fn can_copy_instances(scene: &Scene) -> bool {
+    let count = |object: &Object| match &object.shape {
+        Shape::Instances(all) => all.triangle_count(),
+        Shape::Mesh(_) | Shape::Spheres(_) => 0,
+    };
+    scene.objects.iter().map(count).sum::<usize>() <= MOST_COPIED
 }
 
 /// Updates a hierarchy to a scene where things of it are stale.

@@ -7,7 +7,8 @@ use libtest_mimic::{Arguments, Trial};
 use lighting::{Environment, EnvironmentMap, Light, SphereLight};
 use lobe_core::Sphere;
 use renderer::{Cancel, Device, LayerSet, RenderError, Renderer, Settings, Window};
-use scene::{Animation, Object, Proxy, Scene, Strategy};
+use scene::{Animation, Instances, Object, Proxy, Scene, Shape, Strategy};
+use std::sync::Arc;
 use test_scenes::{floor_and_ball, globe};
 
 fn main() {
@@ -24,6 +25,7 @@ fn main() {
         trial("the_first_picture_compiles_nothing", the_first_picture_compiles_nothing),
         trial("parts_make_the_picture", parts_make_the_picture),
         trial("skies_are_summed_at_once", skies_are_summed_at_once),
+        trial("instances_block_as_copies", instances_block_as_copies),
         trial("layers_of_points", layers_of_points),
         trial("requests_to_stop", requests_to_stop),
         trial("nothing_to_see", nothing_to_see),
@@ -152,6 +154,34 @@ fn skies_are_summed_at_once() {
     // Another picture needs nothing new.
     ours.render().expect("a picture");
     assert_eq!((skies(&ours), ours.upkeep().sky_tables), (1, 1));
+}
+
+fn instances_block_as_copies() {
+    let mut scene = stage();
+    let Some(Shape::Mesh(mesh)) = scene.objects.last().map(|object| object.shape.clone()) else { panic!() };
+    let turned = Mat4::from_translation(Vec3::new(0.4, 0.3, -0.2)) * Mat4::from_rotation_y(0.4);
+    let instances = Instances::new(Arc::new(mesh), vec![Mat4::IDENTITY, turned]).expect("instances");
+    let picture = |scene: &Scene| {
+        let settings = Settings { device: Device::Gpu, ..Settings::default() };
+        let mut renderer = Renderer::new(scene.clone(), Animation::default(), settings).expect("a GPU");
+        let first = renderer.render().expect("a picture").radiance;
+        let builds = renderer.upkeep().silhouette_builds;
+        let last = renderer.objects().last().expect("objects").0;
+        renderer.set_transform(last, Mat4::from_translation(Vec3::X * 0.2)).expect("moved");
+        let second = renderer.render().expect("a picture").radiance;
+        assert_eq!((builds, renderer.upkeep().silhouette_builds), (1, 1));
+        let compiled = renderer.backend().gpu().expect("a GPU").kernels().compiled();
+        assert!(compiled.iter().any(|kernel| kernel.name.contains("silhouettes")));
+        [first, second]
+    };
+    let last = scene.objects.len() - 1;
+    scene.objects[last].shape = Shape::Mesh(instances.expanded());
+    let want = picture(&scene);
+    scene.objects[last].shape = Shape::Instances(instances);
+    let have = picture(&scene);
+    assert!(have[0] == want[0] && want[0] != want[1]);
+    // Corners that are moved twice are rounded twice.
+    assert!(have[1].iter().zip(&want[1]).all(|(a, b)| a.abs_diff_eq(*b, 1e-6)));
 }
 
 fn layers_of_points() {

@@ -161,8 +161,11 @@ fn instances_follow_edits() {
     edited.render().expect("a picture");
     let handles: Vec<_> = edited.objects().map(|(handle, _)| handle).collect();
     let moved = *handles.last().expect("objects");
+    let builds = edited.upkeep().silhouette_builds;
     edited.set_transform(moved, Mat4::from_translation(Vec3::new(0.3, 0.2, 0.1))).expect("moved");
     let image = edited.render().expect("a picture");
+    // The shared mesh stays as it was prepared.
+    assert_eq!(edited.upkeep().silhouette_builds, builds);
     check(edited.scene(), &Settings::default(), "moved");
     assert_eq!(image.radiance, {
         let scene = edited.scene().clone();

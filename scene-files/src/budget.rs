@@ -15,6 +15,8 @@ const A_BYTE: u64 = 128;
 /// triangles and few vertices.
 const TRIANGLE: u64 = 540;
 const VERTEX: u64 = 60;
+/// Bytes of a place of a shared mesh: its matrices and its parts of hierarchies.
+const PLACE: u64 = 600;
 
 /// The halves of a hash, the number of bytes, and how they are decoded.
 type Key = (u64, u64, usize, bool);
@@ -75,6 +77,14 @@ impl Budget {
         let (triangles, vertices) = (mesh.triangles.len() as u64, mesh.positions.len() as u64);
         let all = (copies as u64).saturating_mul(TRIANGLE * triangles + VERTEX * vertices);
         self.take(all, 0, &format!("\"{name}\" of {} triangles", (copies as u64).saturating_mul(triangles)))
+    }
+
+    /// Takes the bytes of places of a shared mesh.
+    ///
+    /// # Errors
+    /// As [`take`](Self::take).
+    pub(crate) fn take_places(&self, count: usize, name: &str) -> Result<(), String> {
+        self.take(PLACE.saturating_mul(count as u64), 0, name)
     }
 
     /// How many more triangles a surface may become: a quarter of those that there is room for.

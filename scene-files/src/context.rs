@@ -2,6 +2,7 @@
 
 use crate::files::{Source, extension};
 use crate::gltf_document::GltfDocument;
+use crate::kept_meshes::KeptMeshes;
 use crate::normals::hide_edges;
 use crate::part::Part;
 use crate::{Emission, Normals, Studio};
@@ -29,6 +30,8 @@ pub(crate) struct Context {
     pub(crate) collapsed: Option<DVec3>,
     /// Of the images that surfaces were cut along.
     pub(crate) alpha_bounds: Vec<(Texture, Arc<AlphaBounds>)>,
+    /// Of mesh files that several objects show.
+    pub(crate) kept: KeptMeshes,
     /// The surfaces of which alpha has left nothing.
     pub(crate) cut_away: Vec<String>,
     /// The objects of which the file says whether their emission is light.
@@ -84,7 +87,7 @@ impl Context {
     /// requests them gets a warning for hidden edges only.
     pub(crate) fn tell_smoothed(&mut self, path: &Path, parts: &[Part], wish: Normals, in_file: bool) {
         let bare = || parts.iter().filter(|part| part.is_bare);
-        let hides = || bare().any(|part| hide_edges(&part.mesh));
+        let hides = || bare().any(|part| hide_edges(part.shown()));
         match wish {
             Normals::Smooth { crease } if bare().next().is_some() => {
                 let hides = hides();

@@ -18,8 +18,11 @@ use std::sync::Arc;
 const SMALLEST: usize = 64;
 /// A mesh is shared where its copies would have at least this number of triangles more than itself.
 const WORTH: usize = 100_000;
-/// Bytes of a place: its matrices and its parts of hierarchies.
-const PLACE: u64 = 600;
+
+/// Whether a mesh of so many triangles, of which there are so many copies, is stored once.
+pub(crate) const fn is_worth_sharing(triangles: usize, copies: usize) -> bool {
+    triangles >= SMALLEST && triangles.saturating_mul(copies.saturating_sub(1)) >= WORTH
+}
 
 /// Primitives that are shared, by mesh and number; none for those that cannot be.
 #[derive(Default)]
@@ -59,8 +62,7 @@ impl SharedMeshes {
         };
         let accessor = primitive.indices.or_else(|| primitive.attributes.values().next().copied());
         let corners = accessor.and_then(|index| root.accessors.get(index.value())).map_or(0, |a| a.count.0 as usize);
-        let is_small = corners / 3 < SMALLEST || (corners / 3).saturating_mul(shown.copies - 1) < WORTH;
-        if is_small || primitive.targets.is_some() || !shown.places.iter().all(Instances::is_place) {
+        if !is_worth_sharing(corners / 3, shown.copies) || primitive.targets.is_some() || !shown.places.iter().all(Instances::is_place) {
             return Ok(None);
         }
         let key = (shown.mesh, shown.primitive);
@@ -74,7 +76,7 @@ impl SharedMeshes {
         };
         let Some(mesh) = mesh else { return Ok(None) };
         let is_bare = mesh.normals.is_empty();
-        context.files.budget.take(PLACE.saturating_mul(shown.places.len() as u64), 0, shown.name)?;
+        context.files.budget.take_places(shown.places.len(), shown.name)?;
         let instances = Instances::of_valid(mesh, shown.places).map_err(|e| e.to_string())?;
         let part = Part::fixed(shown.name.to_owned(), Mesh::default(), shown.material.cloned());
         Ok(Some(Part { instances: Some(instances), is_bare, repaired, ..part }))

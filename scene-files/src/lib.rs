@@ -82,6 +82,7 @@ mod gltf_texture;
 mod hdr_header;
 mod height;
 mod image_file;
+mod kept_meshes;
 mod keys;
 mod known_errors;
 mod load;

@@ -1,12 +1,14 @@
 //! A mesh of a file before it is an object: its look, its rig and its place.
 
 use crate::Normals;
+use crate::kept_meshes::own_copy;
 use crate::look::Look;
 use glam::{Mat4, Vec3};
 use scene::motion::{Body, Carrier, Deformer, Mover, Placement};
 use scene::{Bounds, Instances, Mesh, SceneError, Shape};
 
 /// A mesh of a file, with the look that the file gives it: a number that is the same for the same look, and it.
+#[derive(Clone)]
 pub(crate) struct Part {
     pub(crate) name: String,
     pub(crate) mesh: Mesh,
@@ -61,10 +63,15 @@ impl Part {
         if self.instances.is_some() { Ok(()) } else { self.mesh.validate() }
     }
 
+    /// The triangles, in their own coordinates if they are shared.
+    pub(crate) fn shown(&self) -> &Mesh {
+        self.instances.as_ref().map_or(&self.mesh, |instances| instances.mesh())
+    }
+
     /// Copies a shared mesh, so that it can be changed.
     pub(crate) fn own(&mut self) -> &mut Mesh {
         if let Some(instances) = self.instances.take() {
-            self.mesh = instances.expanded();
+            self.mesh = own_copy(&instances);
         }
         &mut self.mesh
     }

@@ -6,7 +6,7 @@ use crate::keys::Keys;
 use crate::look::Look;
 use crate::scene_light::{Around, SceneLights};
 use crate::scene_material::{ImageFiles, Materials, read_material};
-use crate::scene_object::read_object;
+use crate::scene_object::{count_files, read_object};
 use crate::toml_reader::{Source, Table, Value};
 use glam::{DVec3, Vec3};
 use lighting::Light;
@@ -142,7 +142,9 @@ fn read_objects<'s>(
     context: &mut Context,
 ) -> Result<Objects<'s>, SceneError> {
     let mut all = Objects::default();
-    for (i, entry) in value.elements("[[objects]]")?.into_iter().enumerate() {
+    let entries = value.elements("[[objects]]")?;
+    count_files(&entries, path, context);
+    for (i, entry) in entries.into_iter().enumerate() {
         let read = read_object(entry.table()?, i, path, origin, materials, context)?;
         for (object, mover) in read.objects {
             if let Some((key, is_light)) = read.light {

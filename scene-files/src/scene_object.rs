@@ -3,8 +3,8 @@
 use crate::Normals;
 use crate::context::Context;
 use crate::defaults::DEFAULT_SPHERES;
+use crate::kept_meshes::kept_parts;
 use crate::keys::{Keys, Stand, read_rotation, read_scale};
-use crate::mesh_file::mesh_parts;
 use crate::origin::relative;
 use crate::part::{Part, share_out};
 use crate::scene_material::Materials;
@@ -51,6 +51,16 @@ struct Common<'s> {
     placement: Placement,
     /// The placement at the beginning.
     matrix: Mat4,
+}
+
+/// Notes which mesh files several of the `[[objects]]` show. What is wrong with any is said when it is read.
+pub(crate) fn count_files(objects: &[Value<'_>], path: &Path, context: &mut Context) {
+    for object in objects {
+        let Ok(mut table) = object.table() else { continue };
+        if let (Some(Ok(file)), None) = (table.get("mesh").map(|v| v.string()), table.get("clip")) {
+            context.kept.count(path.with_file_name("").join(file));
+        }
+    }
 }
 
 /// Reads one of `[[objects]]`: several objects where a glTF file has several parts.
@@ -204,10 +214,14 @@ impl Common<'_> {
         let (normals, is_wish) = self.normals;
         let (mut placed, mut movers) = (Vec::new(), Vec::new());
         for mut part in parts {
+            let was_shared = part.instances.is_some();
             let mover = part.place(normals, &self.placement);
             if let Some(cut_out) = self.material.and_then(|material| materials.cut_out(material)) {
                 let name = part.name.clone();
                 context.cut_out(path, &name, cut_out, (part.own(), &[]), mover.is_some());
+            }
+            if was_shared && part.instances.is_none() {
+                context.files.budget.take_mesh(&part.mesh, 1, &part.name).map_err(|e| self.value.error(e))?;
             }
             if !part.is_empty() {
                 part.validate().map_err(|e| self.value.error(e))?;
@@ -327,7 +341,7 @@ fn geometry(
     if shape == "mesh" {
         let file = path.with_file_name("").join(value.string()?);
         let (place, clip) = clip.map_or((value, None), |(place, name)| (place, Some(name)));
-        let parts = mesh_parts(&file, clip.as_deref(), context).map_err(|e| place.error(e))?;
+        let parts = kept_parts(&file, clip.as_deref(), context).map_err(|e| place.error(e))?;
         return Ok((Geometry::Solid(parts), Origins { own: context.origin, world: origin }));
     }
     let mut t = value.table()?;

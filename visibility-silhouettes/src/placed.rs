@@ -9,6 +9,7 @@ use fearless_simd::Simd;
 use glam::{DMat4, DVec3, Mat4, Vec3};
 use lobe_core::scales_evenly;
 use lobe_core::vec3x8::LANES;
+use rayon::prelude::*;
 
 /// Axes of a place whose lengths differ by more than this have no simplified forms: their details would differ as well.
 const EVEN: f64 = 1e-3;
@@ -98,32 +99,41 @@ impl SilhouetteInstances {
     /// When a triangle has a corner that is not among the positions.
     #[must_use]
     pub fn new(shared: &[SharedMesh<'_>]) -> Self {
+        Self::with_earlier(shared, |_| None).0
+    }
+
+    /// The same where some of the meshes are prepared already: `earlier` gives what was made of the mesh with a number, with simplified forms
+    /// or without as now, and for places that may have been others. Also returns how many were prepared: those without, and those
+    /// whose places round corners to more or fewer digits than before.
+    ///
+    /// # Panics
+    /// As [`new`](Self::new).
+    pub fn with_earlier(
+        shared: &[SharedMesh<'_>],
+        mut earlier: impl FnMut(usize) -> Option<SilhouetteMesh>,
+    ) -> (Self, usize) {
         let mut all = Self::default();
+        let mut made = 0;
         for (number, mesh) in shared.iter().enumerate() {
             let reach = mesh.positions.iter().fold(Vec3::ZERO, |reach, p| reach.max(p.abs()));
-            let first = all.places.len();
-            let places = mesh.places.iter().map(|(object, matrix)| place(number as u32, *object, *matrix));
+            let of_mesh = |(object, matrix): &(u32, Mat4)| place(number as u32, *object, *matrix, mesh);
+            let places: Vec<Place> = mesh.places.par_iter().map(of_mesh).collect();
+            let blur = blur(&places, reach);
+            let kept = earlier(number).filter(|kept| kept.blur() == blur);
+            made += usize::from(kept.is_none());
+            all.meshes.push(kept.unwrap_or_else(|| {
+                SilhouetteMesh::shared(mesh.positions, mesh.triangles, blur, mesh.is_coarse)
+            }));
             all.places.extend(places);
-            // The rounding of any of the places, in the mesh's own units.
-            let blur = all.places[first..]
-                .iter()
-                .map(|place| ROUNDING * f64::from(abs(&place.matrix, reach).max_element()) * f64::from(place.shrink));
-            let blur = blur.fold(0.0, f64::max) as f32;
-            all.meshes.push(SilhouetteMesh::shared(mesh.positions, mesh.triangles, blur, mesh.is_coarse));
-            for place in &mut all.places[first..] {
-                let corners = mesh.triangles.iter().flatten().map(|i| mesh.positions[*i as usize]);
-                let none = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-                let [low, high] = corners.fold(none, |[low, high], p| {
-                    let p = place.matrix.transform_point3(p);
-                    [low.min(p), high.max(p)]
-                });
-                // The corners of simplified forms move a little.
-                let margin = if mesh.is_coarse { 0.01 * (high - low).length() } else { 0.0 };
-                place.bounds = [low - margin, high + margin];
-            }
         }
         all.arrange();
-        all
+        (all, made)
+    }
+
+    /// The prepared meshes, in the order in which they were given, without their places.
+    #[must_use]
+    pub fn into_meshes(self) -> Vec<SilhouetteMesh> {
+        self.meshes
     }
 
     /// Orders the places as the leaves of a hierarchy over them have them.
@@ -183,7 +193,15 @@ impl SilhouetteInstances {
     }
 }
 
-fn place(mesh: u32, object: u32, matrix: Mat4) -> Place {
+/// The rounding of any of a mesh's places, in the mesh's own units: a power of two, so that few moves of a place change it.
+fn blur(places: &[Place], reach: Vec3) -> f32 {
+    let of_place = |place: &Place| ROUNDING * f64::from(abs(&place.matrix, reach).max_element()) * f64::from(place.shrink);
+    let most = places.iter().map(of_place).fold(0.0, f64::max) as f32;
+    let power = f32::from_bits(most.to_bits() & 0x7f80_0000);
+    if power < most { 2.0 * power } else { power }
+}
+
+fn place(mesh: u32, object: u32, matrix: Mat4, shared: &SharedMesh<'_>) -> Place {
     let inverse = matrix.as_dmat4().inverse();
     let lengths = [inverse.x_axis, inverse.y_axis, inverse.z_axis].map(|axis| axis.truncate().length_squared());
     // At most the root of the sum of squares.
@@ -191,7 +209,14 @@ fn place(mesh: u32, object: u32, matrix: Mat4) -> Place {
     let scale = matrix.x_axis.truncate().as_dvec3().length();
     let is_even = scales_evenly(&matrix, scale, EVEN);
     let shrink = if is_even { 1.002 / scale } else { shrink };
-    Place { mesh, object, matrix, inverse, shrink: shrink as f32, is_even, bounds: [Vec3::ZERO; 2] }
+    let none = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+    let [low, high] = shared.positions.iter().fold(none, |[low, high], p| {
+        let p = matrix.transform_point3(*p);
+        [low.min(p), high.max(p)]
+    });
+    // The corners of simplified forms move a little.
+    let margin = if shared.is_coarse { 0.01 * (high - low).length() } else { 0.0 };
+    Place { mesh, object, matrix, inverse, shrink: shrink as f32, is_even, bounds: [low - margin, high + margin] }
 }
 
 /// A mesh at a place.
