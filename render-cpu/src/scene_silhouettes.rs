@@ -51,7 +51,7 @@ pub struct SceneSilhouettes {
     /// The revision of each mesh's object.
     revisions: Vec<Revision>,
     instances: SilhouetteInstances,
-    /// What these were prepared from.
+    /// The meshes that these were prepared from.
     shared: Vec<Arc<Mesh>>,
     /// Objects that the instances were made of, with their numbers.
     instanced: Vec<(u32, Revision)>,

@@ -62,7 +62,10 @@ impl SharedMeshes {
         };
         let accessor = primitive.indices.or_else(|| primitive.attributes.values().next().copied());
         let corners = accessor.and_then(|index| root.accessors.get(index.value())).map_or(0, |a| a.count.0 as usize);
-        if !is_worth_sharing(corners / 3, shown.copies) || primitive.targets.is_some() || !shown.places.iter().all(Instances::is_place) {
+        if !is_worth_sharing(corners / 3, shown.copies)
+            || primitive.targets.is_some()
+            || !shown.places.iter().all(Instances::is_place)
+        {
             return Ok(None);
         }
         let key = (shown.mesh, shown.primitive);

@@ -117,7 +117,7 @@ mod tests {
             _ => None,
         });
         let shared: Vec<Option<_>> = shared.collect();
-        // What moves, or has other normals, has triangles of its own.
+        // An object that moves, or has other normals, has triangles of its own.
         assert_eq!(shared.iter().map(Option::is_some).collect::<Vec<_>>(), [true, true, true, false, false]);
         let first = shared[0].expect("is shared");
         assert!(shared.iter().flatten().all(|mesh| Arc::ptr_eq(mesh, first)));

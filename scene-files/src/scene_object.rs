@@ -53,7 +53,7 @@ struct Common<'s> {
     matrix: Mat4,
 }
 
-/// Notes which mesh files several of the `[[objects]]` show. What is wrong with any is said when it is read.
+/// Notes which mesh files several of the `[[objects]]` show. One that cannot be read is refused later, when it is read.
 pub(crate) fn count_files(objects: &[Value<'_>], path: &Path, context: &mut Context) {
     for object in objects {
         let Ok(mut table) = object.table() else { continue };

@@ -207,6 +207,14 @@ impl Hull {
         (one[0] & other[0]) | (one[1] & other[1])
     }
 
+    /// The same where planes may be off by some distances.
+    #[inline(always)]
+    pub(crate) fn cancel_within<S: Simd>(&self, simd: S, packet: &impl EdgePacket, margin: f32x8<S>) -> mask32x8<S> {
+        let one = self.faces_within(simd, packet, PLANES[0], Some(margin));
+        let other = self.faces_within(simd, packet, PLANES[1], Some(margin));
+        (one[0] & other[0]) | (one[1] & other[1])
+    }
+
     /// Which of eight edges may lie inside of the hull.
     #[inline(always)]
     pub(crate) fn meets_edges<S: Simd>(&self, simd: S, packet: &impl EdgePacket) -> mask32x8<S> {
@@ -231,11 +239,26 @@ impl Hull {
     /// Whether all receivers are certainly in front of planes, and whether all are behind them.
     #[inline(always)]
     pub(crate) fn faces<S: Simd>(&self, simd: S, packet: &impl EdgePacket, column: usize) -> [mask32x8<S>; 2] {
+        self.faces_within(simd, packet, column, None)
+    }
+
+    /// The same where planes may be off by some distances.
+    #[inline(always)]
+    fn faces_within<S: Simd>(
+        &self,
+        simd: S,
+        packet: &impl EdgePacket,
+        column: usize,
+        margin: Option<f32x8<S>>,
+    ) -> [mask32x8<S>; 2] {
         let (normal, d) = (vectors(simd, packet, column), packet.column(simd, column + 3));
         let middle = normal.dot_one(self.center) + d;
         let unsure = d.abs() * (2.0 * UNSURE) + 2.0 * UNSURE * self.reach;
         let wide = normal.abs().dot_one(self.half).min(f32x8::splat(simd, self.radius));
-        let (reach, zero) = (wide * 1.000_001 + unsure, f32x8::splat(simd, 0.0));
+        let (mut reach, zero) = (wide * 1.000_001 + unsure, f32x8::splat(simd, 0.0));
+        if let Some(margin) = margin {
+            reach += margin;
+        }
         [(middle - reach).simd_gt(zero), (middle + reach).simd_lt(zero)]
     }
 

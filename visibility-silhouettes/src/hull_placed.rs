@@ -3,7 +3,8 @@
 use crate::edge_list::{Block, CLOSED, COARSE, COLUMNS, EdgeList};
 use crate::hull::{Forms, Hull, Leaf, Memory, Region};
 use crate::placed::{Place, Placed, SilhouetteInstances};
-use fearless_simd::{Simd, mask32x8, prelude::*};
+use crate::tree::Tree;
+use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::{DMat3, DVec3, Vec3};
 
 /// More than the rounding of planes and corners that are mapped to a mesh's own coordinates, over the numbers that are added up.
@@ -44,6 +45,16 @@ impl Hull {
             reach: (center.abs() + half).element_sum(),
             scales: self.scales.filter(|_| place.is_even()),
         }
+    }
+
+    /// No less than the distance from any receiver to any edge of two trees.
+    fn farthest(&self, trees: [&Tree; 2]) -> f32 {
+        let of_tree = |tree: &Tree| {
+            let [low, high] = tree.bounds();
+            ((low - self.center).abs().max((high - self.center).abs()) + self.half).length()
+        };
+        let filled = trees.into_iter().filter(|tree| !tree.nodes().is_empty());
+        1.000_01 * filled.map(of_tree).fold(0.0, f32::max)
     }
 
     /// Appends the edges of instances that may be silhouettes inside the hull, as [`find`](Self::find) does for a mesh.
@@ -88,17 +99,17 @@ impl Hull {
         let own = self.at(placed.place, placed.mesh.blur());
         let Some(found) = own.find_leaves(simd, placed.mesh, memory, most) else { return false };
         for (forms, leaves) in &found {
-            self.edges_placed(simd, placed, base, forms.as_ref(), leaves, out);
+            self.edges_placed(simd, (placed, &own), base, forms.as_ref(), leaves, out);
         }
         true
     }
 
-    /// Appends the edges of leaves, with corners and planes of the world.
+    /// Appends the edges of leaves, with corners and planes of the world. `own` is the hull in the mesh's own coordinates.
     #[inline(always)]
     fn edges_placed<S: Simd>(
         &self,
         simd: S,
-        placed: Placed<'_>,
+        (placed, own): (Placed<'_>, &Self),
         base: u32,
         forms: Option<&Forms<'_>>,
         leaves: &[Leaf],
@@ -107,9 +118,14 @@ impl Hull {
         let mark = if forms.is_some_and(|forms| forms.is_coarse) { COARSE } else { 0 };
         let mark = if placed.mesh.is_closed() { mark | CLOSED } else { mark };
         let mut block: Block<COLUMNS> = [[0.0; 8]; COLUMNS];
+        let far = own.farthest(placed.mesh.trees());
+        let shift = f32x8::splat(simd, 2.0 * placed.mesh.blur());
         for leaf in leaves {
             let first = leaf.first as usize;
-            let (mut keep, mut sometimes) = ((1_u32 << leaf.count) - 1, 0);
+            // Most edges go by the mesh's own planes, which are at hand.
+            let lanes = placed.mesh.fetch_planes(simd, first, usize::from(leaf.count), &mut block);
+            let margin = f32x8::simd_from(simd, placed.mesh.turns(first)) * far + shift;
+            let (mut keep, mut sometimes) = (lanes & !own.cancel_within(simd, &block, margin).to_bitmask() as u32, 0);
             if let Some(forms) = forms {
                 (keep, sometimes) = forms.drawn(placed.mesh, first, keep);
             }
@@ -117,7 +133,6 @@ impl Hull {
                 continue;
             }
             placed.fetch_ends(simd, first, keep, [sometimes, mark], base, &mut block);
-            // Planes cost most: only those of edges inside.
             keep &= self.meets_edges(simd, &block).to_bitmask() as u32;
             if keep == 0 {
                 continue;

@@ -50,6 +50,8 @@ pub struct SilhouetteMesh {
     left_out: Vec<[u32; 2]>,
     /// Of a shared mesh, by how much rounding moves its corners at its places. Any of its edges may be a silhouette then.
     blur: Option<f32>,
+    /// Then, for each edge, the sine of the angle by which this turns its triangles, and a packet of zeros.
+    turns: Vec<f32>,
     /// Forms for a whole sky, made for the first one.
     levels: OnceLock<Option<Box<Levels>>>,
 }
@@ -154,6 +156,7 @@ impl SilhouetteMesh {
             own: draft.own,
             left_out: draft.left_out,
             blur: None,
+            turns: Vec::new(),
             levels: OnceLock::new(),
         }
     }
@@ -181,6 +184,7 @@ impl SilhouetteMesh {
         self.levels = OnceLock::new();
         self.fit_planes();
         self.fit_edges();
+        self.fit_turns();
         let Self { positions, triangles, planes, patches, triangle_patches, left_out, .. } = self;
         fit_patches(patches, triangle_patches, left_out, triangles, positions, planes);
         let mut trees = [take(&mut self.tree), take(&mut self.coarse_tree)];
@@ -219,6 +223,20 @@ impl SilhouetteMesh {
                 });
             edge.set_flat(flat);
         });
+    }
+
+    /// Computes by how much rounding turns the triangles of a shared mesh.
+    fn fit_turns(&mut self) {
+        let Some(blur) = self.blur else { return };
+        let turn = |t: u32| (4.0 * blur / least_height(self.corners(t))).min(1.0);
+        let turns = self.edges.par_iter().map(|edge| turn(edge.triangle()).max(edge.other().map_or(0.0, turn)));
+        self.turns = turns.chain([0.0; LANES]).collect();
+    }
+
+    /// For eight edges the sine of the angle by which rounding turns the triangles of a shared mesh.
+    #[inline(always)]
+    pub(crate) fn turns(&self, first: usize) -> [f32; LANES] {
+        self.turns.get(first..).and_then(<[f32]>::first_chunk).copied().unwrap_or_default()
     }
 
     /// The largest distance at which any of some edges of the mesh may be drawn, or the smallest one for edges of simplified forms.
@@ -268,18 +286,16 @@ impl SilhouetteMesh {
     }
 
     /// An edge for a hierarchy; none for one that is never a silhouette.
-    pub(crate) fn shape(&self, edge: usize) -> Option<Shape> {
-        let edge = self.edges[edge];
+    pub(crate) fn shape(&self, number: usize) -> Option<Shape> {
+        let edge = self.edges[number];
         if edge.is_flat() {
             return None;
         }
         let normal = |t: u32| Vec3::from_slice(&self.planes[t as usize]);
-        // The sine of the angle by which rounding turns a triangle.
-        let turn = |t: u32| self.blur.map_or(0.0, |blur| (4.0 * blur / least_height(self.corners(t))).min(1.0));
         let (one, other) = (edge.triangle(), edge.other());
         let corners = self.corners(one);
-        let turn_of_both = turn(one).max(other.map_or(0.0, turn));
-        Some((edge.ends().map(|k| corners[k]), normal(one), other.map(normal), turn_of_both))
+        let turn = self.turns.get(number).copied().unwrap_or_default();
+        Some((edge.ends().map(|k| corners[k]), normal(one), other.map(normal), turn))
     }
 
     /// Gives the object another number.
@@ -313,6 +329,7 @@ impl SilhouetteMesh {
             + size_of_val(&self.triangles[..])
             + size_of_val(&self.planes[..])
             + size_of_val(&self.edges[..])
+            + size_of_val(&self.turns[..])
             + self.tree.bytes()
             + self.coarse_tree.bytes()
             + size_of_val(&self.tags[..])
@@ -424,10 +441,13 @@ impl SilhouetteMesh {
     }
 
     /// The ends of an edge in the direction of its first triangle, and whether that is downward.
+    #[inline(always)]
     pub(crate) fn ends_of(&self, edge: usize) -> ([Vec3; 2], bool) {
         let edge = self.edges[edge];
-        let corners = self.corners(edge.triangle());
-        (edge.ends().map(|k| corners[k]), edge.is_down())
+        let corners = &self.triangles[edge.triangle() as usize];
+        let [from, to] = edge.ends();
+        let [p, q] = [self.positions[corners[from] as usize], self.positions[corners[to] as usize]];
+        ([p.truncate(), q.truncate()], edge.is_down())
     }
 
     /// The corners of a triangle.

@@ -29,6 +29,7 @@ pub(crate) struct Place {
 }
 
 impl Place {
+    #[inline(always)]
     pub(crate) fn to_world(&self, p: Vec3) -> Vec3 {
         self.matrix.transform_point3(p)
     }
@@ -121,9 +122,9 @@ impl SilhouetteInstances {
             let blur = blur(&places, reach);
             let kept = earlier(number).filter(|kept| kept.blur() == blur);
             made += usize::from(kept.is_none());
-            all.meshes.push(kept.unwrap_or_else(|| {
-                SilhouetteMesh::shared(mesh.positions, mesh.triangles, blur, mesh.is_coarse)
-            }));
+            all.meshes.push(
+                kept.unwrap_or_else(|| SilhouetteMesh::shared(mesh.positions, mesh.triangles, blur, mesh.is_coarse)),
+            );
             all.places.extend(places);
         }
         all.arrange();
@@ -195,7 +196,8 @@ impl SilhouetteInstances {
 
 /// The rounding of any of a mesh's places, in the mesh's own units: a power of two, so that few moves of a place change it.
 fn blur(places: &[Place], reach: Vec3) -> f32 {
-    let of_place = |place: &Place| ROUNDING * f64::from(abs(&place.matrix, reach).max_element()) * f64::from(place.shrink);
+    let of_place =
+        |place: &Place| ROUNDING * f64::from(abs(&place.matrix, reach).max_element()) * f64::from(place.shrink);
     let most = places.iter().map(of_place).fold(0.0, f64::max) as f32;
     let power = f32::from_bits(most.to_bits() & 0x7f80_0000);
     if power < most { 2.0 * power } else { power }
@@ -227,8 +229,10 @@ pub(crate) struct Placed<'m> {
 }
 
 impl Placed<'_> {
+    #[inline(always)]
     fn corners(&self, triangle: u32) -> [Vec3; 3] {
-        self.mesh.corners(triangle).map(|p| self.place.to_world(p))
+        let [a, b, c] = self.mesh.corners(triangle);
+        [self.place.to_world(a), self.place.to_world(b), self.place.to_world(c)]
     }
 
     /// [`SilhouetteMesh::sides`] in the world.
@@ -253,8 +257,9 @@ impl Placed<'_> {
         out: &mut Block<COLUMNS>,
     ) {
         let ends = upward(lanes, |lane| {
-            let (pair, is_down) = self.mesh.ends_of(first + lane);
-            (pair.map(|p| self.place.to_world(p).extend(0.0).to_array()), is_down)
+            let ([p, q], is_down) = self.mesh.ends_of(first + lane);
+            let [p, q] = [self.place.to_world(p), self.place.to_world(q)];
+            ([p.extend(0.0).to_array(), q.extend(0.0).to_array()], is_down)
         });
         put_ends(simd, &ends, base + first as u32, marks, out);
     }
