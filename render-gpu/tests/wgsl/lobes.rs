@@ -55,8 +55,14 @@ fn integrals_validate() {
     module(&join(&[&wgsl::CAP_BRUSHED, &wgsl::OUTLINE_BRUSHED, &wgsl::OUTLINE_PLAIN]));
 }
 
-/// Reflectance and blockers, as the paper's kernels require them.
+/// Buffers, reflectance and blockers, as the paper's kernels require them.
 const HOOKS: &str = "
+    @group(0) @binding(0) var<uniform> frame: Frame;
+    @group(0) @binding(1) var<storage, read> points: array<Receiver>;
+    @group(0) @binding(2) var<storage, read> materials: array<u32>;
+    @group(0) @binding(3) var<storage, read_write> radiance: array<vec4f>;
+    @group(0) @binding(4) var<storage, read_write> queue: Queue;
+    @group(0) @binding(9) var<storage, read> paper_tables: array<vec2f>;
     fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 { return PARTIAL; }
     fn brdf_lobe_count(material: u32) -> u32 { return materials[0]; }
     fn brdf_lobe(material: u32, at: Receiver, k: u32) -> Lobe { return Lobe(at.normal, 1.0, vec3f(1.0), 0.0); }";
