@@ -55,6 +55,7 @@
 //! (pointers of extensions, weights without targets) are left out with a warning. A broken skin is always an
 //! error.
 
+mod appearance;
 mod budget;
 mod context;
 mod decimal;
@@ -85,7 +86,6 @@ mod image_file;
 mod keys;
 mod known_errors;
 mod load;
-mod look;
 mod mesh_file;
 mod mesh_scene;
 #[cfg(test)]
