@@ -23,7 +23,7 @@ use recorder::Recorder;
 use scene::Frame;
 use shading::gpu::{GPU_SHAPE, GpuLight, GpuMaterialSet, GpuMaterials, GpuText};
 use shading::{Accuracy, LightLobes};
-use visibility_mask::{Fineness, LookAgain, MAX_DEPTH};
+use visibility_mask::{Fineness, LookAgain, mask_depth};
 use wgpu::BufferUsages;
 
 /// Points that are culled together, as in `render-cpu`.
@@ -242,7 +242,7 @@ impl GpuShader {
     ) -> Result<usize, GpuError> {
         let tolerance = accuracy.tolerance * roundness.map_or(1.0, visibility_mask::fill_factor);
         let variant = Variant {
-            depth: accuracy.depth.clamp(1, MAX_DEPTH),
+            depth: mask_depth(accuracy),
             fineness: match self.paper {
                 None => [Fineness::broad(tolerance), Fineness::narrow(tolerance)],
                 Some(_) => [Fineness::FINE; 2],
@@ -277,7 +277,7 @@ impl GpuShader {
             return Err(GpuError::Unsupported(FLAT_BY_PAPER.to_owned()));
         }
         if let Some(paper) = &mut self.paper {
-            paper.hold(&self.gpu, frame.accuracy.depth.clamp(1, MAX_DEPTH))?;
+            paper.hold(&self.gpu, mask_depth(frame.accuracy))?;
         }
         // The paper's products are products of cosine lobes.
         let set = if self.paper.is_some() { M::gpu_cosine_set(frame.materials) } else { M::gpu_set(frame.materials) };
@@ -404,7 +404,7 @@ impl GpuShader {
                 },
                 image: self.images.start(number),
                 number,
-                cells: (1_u32 << frame.accuracy.depth.clamp(1, MAX_DEPTH)) as f32,
+                cells: (1_u32 << mask_depth(frame.accuracy)) as f32,
                 look_again: self.look_again as u32,
                 rounds: 2,
             };
