@@ -1,4 +1,4 @@
-//! The documents beside the tree: links lead somewhere, and a search for what docs/architecture.md names finds one file.
+//! The documents beside the tree: links and paths lead somewhere, and a search for what docs/architecture.md names finds one file.
 
 use std::collections::HashSet;
 use std::fs;
@@ -71,6 +71,26 @@ fn links_lead_somewhere() {
         }
     }
     assert!(count > 200 && broken.is_empty(), "{count} links, broken: {broken:#?}");
+}
+
+/// Paths in backquotes, such as those of tests that keep a figure.
+#[test]
+fn files_that_are_named_are_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let (mut count, mut lost) = (0, Vec::new());
+    for document in all(&[".md"]) {
+        let text = fs::read_to_string(&document).expect("a document");
+        for name in prose(&text).flat_map(|line| line.split('`').skip(1).step_by(2)) {
+            let is_path = name.contains('/') && [".rs", ".wgsl", ".py"].iter().any(|ending| name.ends_with(ending));
+            if is_path && name.chars().all(|c| c.is_ascii_alphanumeric() || "/._-".contains(c)) {
+                count += 1;
+                if !root.join(name).exists() && !document.with_file_name(name).exists() {
+                    lost.push(format!("{}: {name}", document.display()));
+                }
+            }
+        }
+    }
+    assert!(count > 15 && lost.is_empty(), "{count} names, lost: {lost:#?}");
 }
 
 /// Each row of the table has a text that stands in the linked file alone.
