@@ -1,6 +1,7 @@
 //! The WGSL of sphere blockers without a GPU: every composed variant validates, layouts are the same as in Rust.
 
 use crate::validated::module;
+use crate::{FRAMED, QUEUED, SHADED};
 use lighting::SphereLight;
 use lobe_core::wgsl::{NO_OUTLINE, join};
 use render_gpu::wgsl::{ALL_LOBES, ARGS, CLASSIFY, FRAME, INTEGRALS};
@@ -9,11 +10,6 @@ use visibility_mask::{Fineness, wgsl as masks};
 use visibility_spheres::{BlockerSphere, wgsl};
 
 /// The buffers as in kernels that shade.
-const FRAME_OF_LIGHT: &str = "@group(0) @binding(0) var<uniform> frame: Frame;";
-const QUEUED: &str = "@group(0) @binding(4) var<storage, read_write> queue: Queue;";
-const SHADED: &str = "@group(0) @binding(1) var<storage, read> points: array<Receiver>;
-    @group(0) @binding(2) var<storage, read> materials: array<u32>;
-    @group(0) @binding(3) var<storage, read_write> radiance: array<vec4f>;";
 const BUFFERS: &str = "@group(0) @binding(16) var<storage, read> spheres: array<BlockerSphere>;
     @group(0) @binding(17) var<storage, read> spheres_bounds: array<vec4f>;
     @group(0) @binding(18) var<storage, read> spheres_lists: array<u32>;";
@@ -29,9 +25,9 @@ fn culling_validates() {
     let of_bounds = BUFFERS.replace("read> spheres_bounds", "read_write> spheres_bounds");
     let of_lists = BUFFERS.replace("read> spheres_lists", "read_write> spheres_lists");
     let bounds = module(&(join(&[&wgsl::BOUNDS]) + &of_bounds));
-    let cull = module(&(join(&[&wgsl::CULL, &FRAME]) + FRAME_OF_LIGHT + &of_lists + points));
+    let cull = module(&(join(&[&wgsl::CULL, &FRAME]) + FRAMED + &of_lists + points));
     let sizes = "@group(0) @binding(5) var<storage, read_write> args: array<u32>;";
-    let args = module(&(join(&[&ARGS]) + FRAME_OF_LIGHT + QUEUED + sizes));
+    let args = module(&(join(&[&ARGS]) + FRAMED + QUEUED + sizes));
     let groups = [(&bounds, "bounds", 64), (&cull, "cull", 64), (&args, "args_of_queue", 1)];
     for (module, name, threads) in groups {
         assert_eq!((module.entry_points[0].name.as_str(), module.entry_points[0].workgroup_size[0]), (name, threads));
@@ -45,7 +41,7 @@ fn classification_validates() {
     let (materials, reflectance) = brdf::wgsl::compose(&[lambert]);
     let pieces = [&CLASSIFY, &ALL_LOBES, &INTEGRALS, SphereLight::WGSL, &NO_OUTLINE, &wgsl::SPHERES];
     let text = join(&[pieces.as_slice(), &materials].concat())
-        + FRAME_OF_LIGHT
+        + FRAMED
         + QUEUED
         + SHADED
         + BUFFERS
@@ -60,7 +56,7 @@ fn splats_validate_at_all_depths() {
     for depth in 1..=visibility_mask::MAX_DEPTH {
         for coarse in [false, true] {
             let header = masks::header(depth, Fineness { coarse, ..Fineness::FINE });
-            module(&(join(&[&wgsl::SPHERES_SPLAT, &masks::ROUND, &FRAME]) + FRAME_OF_LIGHT + &header + BUFFERS));
+            module(&(join(&[&wgsl::SPHERES_SPLAT, &masks::ROUND, &FRAME]) + FRAMED + &header + BUFFERS));
         }
     }
 }
