@@ -33,21 +33,21 @@ fn scene(exponent: f32, half_angle: f32) -> Scene {
     // The light in direction (−½, √¾), the eye where the floor mirrors it.
     let up = Vec3::new(-0.5, 0.75_f32.sqrt(), 0.0);
     let (distance, sin) = (20.0, half_angle.to_radians().sin());
-    let ball = |along: f32, x: f32, z: f32, radius: f32| {
+    let at = |along: f32, x: f32, z: f32, radius: f32| {
         // Centres on the ray from (x, z) of the floor to the light, so the shadows' centres are known.
         Sphere { center: Vec3::new(x, 0.0, z) + up * along, radius }
     };
     // Extent of the view: some penumbra widths, at most a few units.
     let view = (9.0 * half_angle.to_radians().tan()).min(3.0);
-    let balls = vec![
-        ball(2.0, 0.30 + 0.1 * view, 0.35, 0.45 * view.max(0.6)),
-        ball(1.5, -0.1 - 0.45 * view.max(0.6), -0.2, 0.45 * view.max(0.6)),
-        ball(2.5, 0.1 * view, -0.45 * view, 0.15 * view),
-        ball(1.2, 0.25 * view, 0.3 * view, 0.06 * view),
+    let spheres = vec![
+        at(2.0, 0.30 + 0.1 * view, 0.35, 0.45 * view.max(0.6)),
+        at(1.5, -0.1 - 0.45 * view.max(0.6), -0.2, 0.45 * view.max(0.6)),
+        at(2.5, 0.1 * view, -0.45 * view, 0.15 * view),
+        at(1.2, 0.25 * view, 0.3 * view, 0.06 * view),
     ];
     let eye = Vec3::new(0.5, 0.75_f32.sqrt(), 0.0) * 12.0;
     let floor_mesh = Mesh::quad(Vec3::ZERO, Vec3::X * 40.0, Vec3::NEG_Z * 40.0);
-    let mut casters = Object::spheres("balls", balls, 0);
+    let mut casters = Object::spheres("spheres", spheres, 0);
     casters.visible = false;
     Scene {
         camera: Camera {
@@ -73,7 +73,7 @@ struct Cell {
 fn measure(scene: &Scene, samples: u32, tolerance: f32) -> Cell {
     let world = World::new(scene);
     let gbuffer = GBuffer::new(&world, scene.width, scene.height, 1);
-    let balls: Vec<Sphere> = scene
+    let spheres: Vec<Sphere> = scene
         .objects
         .iter()
         .flat_map(|o| match &o.proxy {
@@ -81,7 +81,7 @@ fn measure(scene: &Scene, samples: u32, tolerance: f32) -> Cell {
             _ => Vec::new(),
         })
         .collect();
-    let blockers = BlockerSet { objects: vec![1; balls.len()], spheres: balls, ..BlockerSet::default() };
+    let blockers = BlockerSet { objects: vec![1; spheres.len()], spheres, ..BlockerSet::default() };
 
     let spheres = SphereBlockers::new(&blockers.spheres, &blockers.objects, &blockers.self_distances);
     let mut shader = CpuShader::new(MaskVisibility::new(spheres));

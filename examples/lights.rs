@@ -58,8 +58,8 @@ fn kinds() -> Vec<Kind> {
     });
     let tube = TubeLight { ends: [ABOVE - Vec3::X * 0.6, ABOVE + Vec3::X * 0.6], radius: 0.04, radiance: Vec3::ZERO };
     let world = Sphere { center: Vec3::ZERO, radius: 6.0 };
-    let ball = Sphere { center: ABOVE, radius: 0.4 };
-    let sphere = SphereLight::new(ball, of_area(core::f32::consts::PI * 0.16));
+    let body = Sphere { center: ABOVE, radius: 0.4 };
+    let sphere = SphereLight::new(body, of_area(core::f32::consts::PI * 0.16));
     let mut all: Vec<(&str, Option<Light>)> = vec![
         ("sphere, radius 0.4", Some(sphere.into())),
         ("disc, radius 0.5", flat(FlatLight::disc(ABOVE, down, 0.5, Vec3::ONE)).ok().map(Light::from)),
@@ -70,7 +70,7 @@ fn kinds() -> Vec<Kind> {
         ("sun, 0.53°", Some(SunLight::new(-down, 0.265, Vec3::splat(IRRADIANCE), world).into())),
         ("sun, 6°", Some(SunLight::new(-down, 3.0, Vec3::splat(IRRADIANCE), world).into())),
     ];
-    let small = SphereLight::with_intensity(Sphere { radius: 0.1, ..ball }, Vec3::splat(IRRADIANCE * height * height));
+    let small = SphereLight::with_intensity(Sphere { radius: 0.1, ..body }, Vec3::splat(IRRADIANCE * height * height));
     all.push((
         "spot, radius 0.1",
         Some(SpotLight { light: small, axis: down, cos: [0.9, 0.75], range: f32::INFINITY }.into()),
@@ -156,19 +156,19 @@ fn scene(material: &Material, kind: &Kind, blocks: Blocks) -> Scene {
         let x = -0.55 + 0.22 * k as f32;
         objects.push(cuboid("slat", Vec3::new(x, 0.4, 0.55), Vec3::new(0.04, 0.4, 0.015), 0.0));
     }
-    let ball = |x: f32, z: f32, radius: f32| Sphere { center: Vec3::new(x, radius, z), radius };
-    let mut balls = vec![ball(0.75, 0.5, 0.25), ball(0.35, 0.85, 0.12)];
-    if blocks == Blocks::Balls {
+    let on_floor = |x: f32, z: f32, radius: f32| Sphere { center: Vec3::new(x, radius, z), radius };
+    let mut spheres = vec![on_floor(0.75, 0.5, 0.25), on_floor(0.35, 0.85, 0.12)];
+    if blocks == Blocks::Spheres {
         // The floor stays. A row of them, and a heap of them that touch.
         objects.truncate(1);
-        balls.extend((0..8).map(|k| ball(-1.2 + 0.25 * k as f32, 0.3, 0.09)));
+        spheres.extend((0..8).map(|k| on_floor(-1.2 + 0.25 * k as f32, 0.3, 0.09)));
         for k in 0..12 {
             let (sin, cos) = (0.9 * k as f32).sin_cos();
             let center = Vec3::new(-0.8 + 0.3 * cos, 0.2 + 0.06 * k as f32, -0.6 + 0.3 * sin);
-            balls.push(Sphere { center, radius: 0.2 });
+            spheres.push(Sphere { center, radius: 0.2 });
         }
     }
-    objects.push(Object::spheres("balls", balls, 0));
+    objects.push(Object::spheres("spheres", spheres, 0));
     Scene {
         camera: Camera {
             eye: Vec3::new(0.4, 1.6, 3.2),
@@ -192,7 +192,7 @@ enum Blocks {
     /// Furniture, and two spheres.
     All,
     /// Spheres alone.
-    Balls,
+    Spheres,
 }
 
 /// A scene with its points and its true light.
@@ -233,9 +233,9 @@ impl Case {
             ..ShadingPoints::default()
         };
         let frame = Frame::new(&scene.materials, &scene.lights, Accuracy::new(tolerance));
-        let balls: Vec<Sphere> = scene.objects.iter().filter_map(|o| as_spheres(&o.proxy)).flatten().copied().collect();
-        let of = vec![scene.objects.len() as u32 - 1; balls.len()];
-        let spheres = SphereBlockers::new(&balls, &of, &vec![1e-4; scene.objects.len()]);
+        let list: Vec<Sphere> = scene.objects.iter().filter_map(|o| as_spheres(&o.proxy)).flatten().copied().collect();
+        let of = vec![scene.objects.len() as u32 - 1; list.len()];
+        let spheres = SphereBlockers::new(&list, &of, &vec![1e-4; scene.objects.len()]);
         let mut silhouettes = SceneSilhouettes::new(scene, |_| true);
         silhouettes.refit(scene);
         let hits = SurfaceHits::new(&world, |o| o as usize + 1 < scene.objects.len());
@@ -289,7 +289,7 @@ impl Case {
 
 fn as_spheres(proxy: &Proxy) -> Option<&Vec<Sphere>> {
     match proxy {
-        Proxy::Spheres(balls) => Some(balls),
+        Proxy::Spheres(spheres) => Some(spheres),
         _ => None,
     }
 }
@@ -345,7 +345,7 @@ fn main() {
     println!("| light | 1 % | 0.5 % | 0.3 % | 0.1 % |\n|---|---|---|---|---|");
     // A sky shines from below as well, where the floor is no sphere.
     for kind in kinds.iter().filter(|kind| kind.environment.is_none()) {
-        let case = Case::new(&materials[1].1, kind, Blocks::Balls, samples);
+        let case = Case::new(&materials[1].1, kind, Blocks::Spheres, samples);
         let cells = [0.01, 0.005, 0.003, 0.001].map(|tolerance| {
             let (radiance, _) = case.shade(Strategy::Spheres, tolerance, |_| true, 1);
             case.errors(&radiance).map_or_else(String::new, |e| cell(&e))

@@ -1,7 +1,11 @@
 //! Direct lighting from area lights without noise: soft shadows and glossy highlights of scenes whose lights and objects move.
 //!
 //! [`Renderer`](renderer::Renderer) turns a [`Scene`](scene::Scene) into radiance. It integrates each light in closed form and finds
-//! the hidden part of it with a bit mask, so the same input gives the same bits, on any number of threads.
+//! the hidden part of it with a bit mask, so the same input gives the same bits, on any number of threads:
+//!
+//! ```text
+//! radiance = Σ lights Σ reflectance lobes  flux · light's radiance · ∫ lobe over the light · visible fraction
+//! ```
 //!
 //! # A scene in code
 //!

@@ -161,7 +161,7 @@ fn metals_are_as_accurate_as_promised() {
         let mut scene = floor(gold.into(), light);
         let sphere = |x: f32, y: f32, z: f32, radius: f32| Sphere { center: Vec3::new(x, y, z), radius };
         let shapes = vec![sphere(0.0, 0.9, -1.0, 0.4), sphere(0.6, 0.5, -2.0, 0.3), sphere(-0.7, 0.4, 0.3, 0.4)];
-        scene.objects.push(Object::spheres("balls", shapes, 0));
+        scene.objects.push(Object::spheres("spheres", shapes, 0));
         let set = posed(&scene);
         let world = World::new(&scene);
         let g = GBuffer::new(&world, scene.width, scene.height, 1);

@@ -41,7 +41,7 @@ fn scene(lights: Vec<Light>, material: Material) -> Scene {
             Object::mesh("floor", floor, 0, Proxy::None),
             Object::mesh("slab", Mesh::cuboid(Vec3::new(-0.5, 0.6, 0.0), Vec3::new(0.4, 0.03, 0.3)), 0, Proxy::None),
             Object::mesh("post", Mesh::cuboid(Vec3::new(0.2, 0.35, -0.3), Vec3::new(0.05, 0.35, 0.05)), 0, Proxy::None),
-            Object::spheres("ball", vec![sphere], 0),
+            Object::spheres("sphere", vec![sphere], 0),
         ],
         lights,
         ..Scene::default()

@@ -11,7 +11,7 @@ use crate::subdivide::{Divided, Lamp, Request};
 use crate::target::targets;
 use crate::texels::Texels;
 use crate::write::Writer;
-use crate::{BakeError, BakeSettings, Form, Subdivision, backs, from_scene, subdivide, vertices};
+use crate::{BakeError, BakeSettings, Baked, Form, backs, from_scene, subdivide, vertices};
 use core::f32::consts::FRAC_1_PI;
 use core::ops::ControlFlow;
 use glam::Vec3;
@@ -32,57 +32,6 @@ pub enum Stage {
 
 /// Hears the fraction of a stage that is done, in [0, 1], and may stop the work.
 pub type Listener<'a> = dyn FnMut(Stage, f32) -> ControlFlow<()> + Send + 'a;
-
-/// The result of baking.
-#[derive(Clone, Debug, Default)]
-pub struct Baked {
-    /// The binary glTF file.
-    pub glb: Vec<u8>,
-    /// Maps of irradiance, page by page: of all lights with [`Form::Lightmap`], and of each light if these are requested.
-    pub maps: Vec<Map>,
-    /// Width and height of each page.
-    pub pages: Vec<[u32; 2]>,
-    /// Texels that lie on a surface.
-    pub texels: u64,
-    /// Vertices that have light.
-    pub vertices: u64,
-    /// Surfaces that light is baked to.
-    pub surfaces: usize,
-    /// The number by which colours of vertices are darker than the light, 1 or more.
-    pub scale: f32,
-    /// Of triangles that were divided: how near their light is.
-    pub subdivision: Option<Subdivision>,
-}
-
-impl Baked {
-    /// The files of all maps, each with the end of its name, as of [`beside`]: OpenEXR, and PNG as well for those of all lights.
-    ///
-    /// # Errors
-    /// [`BakeError::Image`].
-    pub fn map_files(&self) -> Result<Vec<(String, Vec<u8>)>, BakeError> {
-        let mut all = Vec::new();
-        for map in &self.maps {
-            all.push((format!("{}.exr", map.name), map.exr()?));
-            if !map.is_single {
-                all.push((format!("{}.png", map.name), map.linear_png()?));
-            }
-        }
-        Ok(all)
-    }
-}
-
-/// The name of a file beside the baked one.
-///
-/// ```
-/// let map = bake::beside("rooms/baked.glb".as_ref(), "lightmap0.exr");
-/// assert_eq!(map, std::path::Path::new("rooms/baked.lightmap0.exr"));
-/// ```
-#[must_use]
-pub fn beside(baked: &Path, ending: &str) -> PathBuf {
-    let mut name = baked.file_stem().unwrap_or_default().to_owned();
-    name.push(format!(".{ending}"));
-    baked.with_file_name(name)
-}
 
 /// The form of a loaded file: a glTF, or a scene of which a new glTF is made.
 #[derive(Clone, Debug, PartialEq)]

@@ -32,6 +32,7 @@
 //! ```
 
 mod backs;
+mod baked;
 mod baker;
 mod blend;
 mod coverage;
@@ -62,7 +63,8 @@ mod texels;
 mod vertices;
 mod write;
 
-pub use crate::baker::{Baked, Baker, Listener, Stage, beside};
+pub use crate::baked::{Baked, beside};
+pub use crate::baker::{Baker, Listener, Stage};
 pub use crate::error::BakeError;
 pub use crate::images::Map;
 pub use crate::mesh_map::{MeshLight, MeshMap};

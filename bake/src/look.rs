@@ -9,14 +9,14 @@ use ray_tracing::{mapped_normal, vertex_tangents};
 use scene::{Scene, Surface, TexturePlace};
 use scene_files::GltfPart;
 
-/// The look of a part.
-pub(crate) struct Look<'a> {
+/// The material of a part, as far as baking needs it.
+pub(crate) struct PartMaterial<'a> {
     albedo: Vec3,
     metallic: f32,
     surface: Option<&'a Surface>,
 }
 
-impl<'a> Look<'a> {
+impl<'a> PartMaterial<'a> {
     pub(crate) fn new(scene: &'a Scene, part: &GltfPart) -> Self {
         let material = part.object.map_or(0, |object| scene.objects[object].material);
         let (albedo, metallic) = diffuse(&scene.materials[material]);

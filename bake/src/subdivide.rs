@@ -61,7 +61,7 @@ pub(crate) struct Divided {
 
 /// The light of a piece.
 #[derive(Clone, Debug, Default)]
-struct Lit {
+struct PieceLight {
     /// At its corners, with their weights: angles, or 0 inside of bodies.
     corners: [(Vec3, f64); 3],
     /// The light of its points; `None` for those inside of bodies.
@@ -87,17 +87,17 @@ fn corner(k: usize) -> [f64; 3] {
     [0, 1, 2].map(|j| if j == k { 1.0 - INSIDE * 2.0 / 3.0 } else { INSIDE / 3.0 })
 }
 
-/// All surfaces in work.
-struct Work<'a> {
+/// All surfaces while they are divided.
+struct Surfaces<'a> {
     parts: &'a [&'a GltfPart],
     edges: Edges,
     divisions: Vec<Division<'a>>,
-    lit: Vec<Vec<Lit>>,
+    lit: Vec<Vec<PieceLight>>,
     /// Between points, at most.
     step: f64,
 }
 
-impl<'a> Work<'a> {
+impl<'a> Surfaces<'a> {
     fn new(parts: &'a [&'a GltfPart], density: Option<f32>) -> Self {
         let places = parts.iter().flat_map(|part| &part.geometry.positions);
         let none = [Vec3::INFINITY, Vec3::NEG_INFINITY];
@@ -105,7 +105,7 @@ impl<'a> Work<'a> {
         let whole = f64::from((high - low).max_element().max(0.0));
         let mut edges = Edges::new(density.map_or(whole * FINEST, |density| 1.0 / f64::from(density)));
         let divisions: Vec<Division<'a>> = parts.iter().map(|part| Division::new(part, &mut edges)).collect();
-        let lit = divisions.iter().map(|division| vec![Lit::default(); division.pieces.len()]).collect();
+        let lit = divisions.iter().map(|division| vec![PieceLight::default(); division.pieces.len()]).collect();
         Self { parts, edges, divisions, lit, step: whole / ALONG }
     }
 
@@ -215,7 +215,7 @@ impl<'a> Work<'a> {
     /// whether the room left some out.
     fn marks(&self, most: f64, room: usize) -> (Marks, bool) {
         let all = || self.divisions.iter().flat_map(|division| &division.pieces);
-        let score = |piece: &Piece, lit: &Lit| {
+        let score = |piece: &Piece, lit: &PieceLight| {
             let is_open = lit.error[0] > most && self.edges.size(piece) > 0.0;
             if is_open { lit.error[0] * lit.area } else { 0.0 }
         };
@@ -252,7 +252,7 @@ impl<'a> Work<'a> {
         for (division, lit) in self.divisions.iter_mut().zip(&mut self.lit) {
             let before = core::mem::take(lit);
             division.divide(&mut self.edges, marks, |place, is_same| {
-                lit.push(if is_same { before[place].clone() } else { Lit::default() });
+                lit.push(if is_same { before[place].clone() } else { PieceLight::default() });
             });
         }
     }
@@ -327,30 +327,30 @@ pub(crate) fn all(
     mut lamp: Lamp<'_>,
     heard: &mut dyn FnMut(f32) -> ControlFlow<()>,
 ) -> Result<(Vec<Divided>, Subdivision), BakeError> {
-    let mut work = Work::new(parts, request.density);
+    let mut surfaces = Surfaces::new(parts, request.density);
     let mut mean = 0.0;
     let mut is_cut = false;
     for round in 0.. {
-        work.light(&mut lamp)?;
+        surfaces.light(&mut lamp)?;
         if round == 0 {
-            mean = work.mean();
+            mean = surfaces.mean();
         }
-        work.test();
+        surfaces.test();
         let most = f64::from(request.error) * mean;
-        let (marks, cut) = work.marks(most, request.most.saturating_sub(work.count()));
+        let (marks, cut) = surfaces.marks(most, request.most.saturating_sub(surfaces.count()));
         is_cut = cut;
         if marks.is_empty() {
             break;
         }
-        work.divide(&marks);
+        surfaces.divide(&marks);
         // Each round divides edges once more. Their number is not known before.
         if heard(1.0 - 0.85_f32.powi(round + 1)).is_break() {
             return Err(RenderError::Cancelled.into());
         }
     }
-    let summary = work.summary(mean, f64::from(request.error) * mean, is_cut);
-    let light: Vec<Vec<Vec3>> = (0..parts.len()).map(|number| work.vertices(number)).collect();
-    let divided = work.divisions.into_iter().zip(light).map(|(division, light)| {
+    let summary = surfaces.summary(mean, f64::from(request.error) * mean, is_cut);
+    let light: Vec<Vec<Vec3>> = (0..parts.len()).map(|number| surfaces.vertices(number)).collect();
+    let divided = surfaces.divisions.into_iter().zip(light).map(|(division, light)| {
         let is_divided = division.is_divided();
         let triangles = division.pieces.iter().map(|piece| piece.corners).collect();
         Divided { mesh: is_divided.then_some((division.vertices, triangles)), light }

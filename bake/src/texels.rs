@@ -4,7 +4,7 @@ use crate::BakeError;
 use crate::coverage::Grid;
 use crate::layout::Layout;
 use crate::light::Irradiance;
-use crate::look::{Look, Relief, texel_sides};
+use crate::look::{PartMaterial, Relief, texel_sides};
 use crate::mixing::{self, Spot};
 use crate::page::{Page, State, THIN};
 use crate::seams;
@@ -186,15 +186,15 @@ impl Texels<'_> {
 
     /// Makes irradiance the radiance that surfaces reflect diffusely and emit.
     fn reflect(&self, renderer: &Renderer, size: [u32; 2], points: &[Point], values: &mut [Vec3]) {
-        let looks: Vec<Look<'_>> = self
+        let part_materials: Vec<PartMaterial<'_>> = self
             .layout
             .targets
             .iter()
-            .map(|target| Look::new(renderer.scene(), &self.file.parts[target.part]))
+            .map(|target| PartMaterial::new(renderer.scene(), &self.file.parts[target.part]))
             .collect();
         for (point, value) in points.iter().zip(values) {
             let texel = self.sides(size, point);
-            let [albedo, emission] = looks[point.target as usize].at(&self.face(point), point.at, texel);
+            let [albedo, emission] = part_materials[point.target as usize].at(&self.face(point), point.at, texel);
             *value = albedo * *value * FRAC_1_PI + emission;
         }
     }

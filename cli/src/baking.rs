@@ -7,10 +7,9 @@ use crate::files;
 use crate::fingerprint::Fingerprint;
 use crate::journal::Journal;
 use crate::moment::{self, Moment};
-use bake::{Baked, Baker, Map, Stage, beside, glb_binary, glb_stamp, stamped_glb};
-use cosine_lobes::{ImageFileError, Output, sweep_unfinished};
+use bake::{Baked, Baker, Stage, beside, glb_binary, glb_stamp, stamped_glb};
+use cosine_lobes::{Output, sweep_unfinished};
 use serde_json::{Value, json};
-use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -59,8 +58,7 @@ fn bake_file(args: &BakeArgs) -> Result<(), Failure> {
             let line = stamp.line(moment.time, &baked.glb, &maps);
             baked.glb = stamped_glb(&baked.glb, &line).unwrap_or(baked.glb);
         }
-        let maps = write_maps(args, &output, &maps)?;
-        write(file, &baked.glb)?;
+        let maps = write(args, file, &output, (&baked, &maps))?;
         journal.end();
         done.frame(moment, &output, (&baked, &maps), seconds);
     }
@@ -90,21 +88,16 @@ fn bake_moment(args: &BakeArgs, baker: &mut Baker, journal: &mut Journal) -> Res
     Ok((baked, start.elapsed().as_secs_f64()))
 }
 
-fn write(output: Output, bytes: &[u8]) -> Result<(), Failure> {
-    let path = output.path().to_owned();
-    Ok(output.finish(|file| file.write_all(bytes).map_err(|source| ImageFileError::Io { path, source }))?)
-}
-
-/// Writes maps beside the output. Returns their paths.
-fn write_maps(args: &BakeArgs, output: &PathBuf, maps: &[(String, Vec<u8>)]) -> Result<Vec<PathBuf>, Failure> {
+/// Writes the file and its maps beside it. Returns the maps' paths.
+fn write(
+    args: &BakeArgs,
+    file: Output,
+    output: &PathBuf,
+    (baked, maps): (&Baked, &[(String, Vec<u8>)]),
+) -> Result<Vec<PathBuf>, Failure> {
     let paths: Vec<PathBuf> = maps.iter().map(|(ending, _)| beside(output, ending)).collect();
     files::distinct(&paths, [&args.file, output])?;
-    // All of them can be written, or none is.
-    let opened = paths.iter().map(Output::create).collect::<Result<Vec<_>, _>>()?;
-    for (output, (_, bytes)) in opened.into_iter().zip(maps) {
-        write(output, bytes)?;
-    }
-    Ok(paths)
+    Ok(baked.write(file, output, maps)?)
 }
 
 /// The origin of baked light: the version, the options, the file, its scene and animation. Frames carry it as a line, with their content.
@@ -211,25 +204,10 @@ impl Done<'_> {
     }
 }
 
+/// The report of a bake with its times.
 fn figures(baked: &Baked, maps: &[PathBuf], load: Option<f64>, seconds: f64) -> Value {
-    let scale = |map: &Map| json!({"name": map.name, "white": map.white, "cut_texels": map.cut_texels()});
-    let mut all = json!({
-        "surfaces": baked.surfaces,
-        "pages": baked.pages,
-        "texels": baked.texels,
-        "vertices": baked.vertices,
-        "maps": baked.maps.iter().map(scale).collect::<Vec<_>>(),
-        "files": maps,
-        "bytes": baked.glb.len(),
-        "scale": baked.scale,
-        "subdivision": baked.subdivision.map(|made| json!({
-            "triangles": made.triangles,
-            "mean_error": made.mean_error,
-            "beyond": made.beyond,
-            "is_cut": made.is_cut,
-        })),
-        "bake_seconds": seconds,
-    });
+    let mut all = baked.report(maps);
+    all["bake_seconds"] = seconds.into();
     if let Some(load) = load {
         all["load_seconds"] = load.into();
     }

@@ -5,9 +5,8 @@ use crate::files;
 use crate::whole_mesh::WholeMesh;
 use cosine_lobes::scene;
 use cosine_lobes::sphere_sets::{BuildOptions, SetQuality, SphereSet, Verdict, preview};
-use cosine_lobes::{ImageFileError, write_png};
+use cosine_lobes::write_png;
 use serde_json::json;
-use std::io::Write;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -90,12 +89,11 @@ pub(crate) fn run(args: &SpheresArgs) -> Result<(), Failure> {
     }
 
     if let Some(output) = output {
-        let path = output.path().to_owned();
         let text = match whole.carriers().filter(|_| args.bones) {
             Some(carriers) => set.bind(positions, triangles, &carriers).map_err(Failure::new)?.to_json(),
             None => set.to_json(),
         };
-        output.finish(|file| file.write_all(text.as_bytes()).map_err(|source| ImageFileError::Io { path, source }))?;
+        output.write(text.as_bytes())?;
     }
     if let Some(output) = picture {
         let map = preview(&set, positions, triangles, PANEL)?;

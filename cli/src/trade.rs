@@ -63,7 +63,7 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     let truth = Truth::find(args, &world, &gbuffer, &blockers)?;
     let settings = setting::all(args, &strategies, &gpu.name());
     let mut record = Record::open(&args.output, &stamp, view.console.quiet);
-    let mut stage = Stage::new(args, &world, &gbuffer, &blockers, &sets, gbuffer_times[1], gpu);
+    let mut stage = Stage::new(args, &world, (&gbuffer, gbuffer_times[1]), &blockers, &sets, gpu);
     measure(args, &mut stage, &settings, &truth, &mut record, &stamp)?;
     // Rows of other settings than this run's are kept, and shown.
     let title = scene_name(args);

@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(0.0, 5.0, 0.0), radius: 0.5 };
 
-fn ball(x: f32, y: f32, radius: f32) -> Sphere {
+fn sphere(x: f32, y: f32, radius: f32) -> Sphere {
     Sphere { center: Vec3::new(x, y, 0.0), radius }
 }
 
@@ -20,7 +20,7 @@ pub(crate) fn visible(table: &mut Table) {
     let edge = |y: f32| 0.5 * y / (25.0_f32 - 0.25).sqrt();
     let touching = |y: f32, radius: f32| {
         let tan = 0.5 / (25.0_f32 - 0.25).sqrt();
-        ball(edge(y) + radius * (1.0 + tan * tan).sqrt(), y, radius)
+        sphere(edge(y) + radius * (1.0 + tan * tan).sqrt(), y, radius)
     };
     let crowd = |count: u32| -> Vec<Sphere> {
         (0..count)
@@ -33,20 +33,20 @@ pub(crate) fn visible(table: &mut Table) {
     };
     for (name, spheres) in [
         ("none", vec![]),
-        ("before the middle", vec![ball(0.0, 2.5, 0.1)]),
-        ("half-way over the edge", vec![ball(edge(2.5), 2.5, 0.1)]),
+        ("before the middle", vec![sphere(0.0, 2.5, 0.1)]),
+        ("half-way over the edge", vec![sphere(edge(2.5), 2.5, 0.1)]),
         ("tangent to the cone from outside", vec![touching(2.5, 0.1)]),
-        ("larger than the light", vec![ball(0.0, 2.5, 0.6)]),
-        ("contains the receiver", vec![ball(0.0, 0.0, 0.3)]),
-        ("contains the light", vec![ball(0.0, 5.0, 0.7)]),
-        ("behind the light", vec![ball(0.0, 7.0, 0.4)]),
-        ("beside the light, as far", vec![ball(1.2, 5.0, 0.4)]),
-        ("half-way into the light", vec![ball(0.0, 4.5, 0.3)]),
-        ("radius 0", vec![ball(0.0, 2.5, 0.0)]),
-        ("radius 1e-6", vec![ball(0.0, 2.5, 1e-6)]),
-        ("near to the receiver, radius 1e-4", vec![ball(0.0, 1e-3, 1e-4)]),
-        ("two identical ones", vec![ball(0.05, 2.5, 0.1); 2]),
-        ("1000 identical ones", vec![ball(0.05, 2.5, 0.1); 1000]),
+        ("larger than the light", vec![sphere(0.0, 2.5, 0.6)]),
+        ("contains the receiver", vec![sphere(0.0, 0.0, 0.3)]),
+        ("contains the light", vec![sphere(0.0, 5.0, 0.7)]),
+        ("behind the light", vec![sphere(0.0, 7.0, 0.4)]),
+        ("beside the light, as far", vec![sphere(1.2, 5.0, 0.4)]),
+        ("half-way into the light", vec![sphere(0.0, 4.5, 0.3)]),
+        ("radius 0", vec![sphere(0.0, 2.5, 0.0)]),
+        ("radius 1e-6", vec![sphere(0.0, 2.5, 1e-6)]),
+        ("near to the receiver, radius 1e-4", vec![sphere(0.0, 1e-3, 1e-4)]),
+        ("two identical ones", vec![sphere(0.05, 2.5, 0.1); 2]),
+        ("1000 identical ones", vec![sphere(0.05, 2.5, 0.1); 1000]),
         ("1000 in a disc", crowd(1000)),
         ("1e5 in a disc", crowd(100_000)),
     ] {
@@ -81,8 +81,8 @@ fn truth(spheres: &[Sphere]) -> f64 {
             let v = DVec3::new(s * phi.cos(), (1.0 - s * s).sqrt(), s * phi.sin());
             // To the circle in which the receiver's tangents touch the light.
             let end = (distance * distance - radius * radius) / distance / v.y;
-            let hides = |ball: &Sphere| {
-                let (c, r) = (ball.center.as_dvec3(), f64::from(ball.radius));
+            let hides = |sphere: &Sphere| {
+                let (c, r) = (sphere.center.as_dvec3(), f64::from(sphere.radius));
                 let t = c.dot(v).clamp(0.0, end);
                 r > 0.0 && (c - v * t).length() < r
             };

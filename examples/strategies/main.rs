@@ -249,8 +249,8 @@ impl Part {
     fn of(scene: &Scene, points: &GBuffer, k: usize) -> Self {
         let at = &points.points.receivers[k];
         let whole = |l: &Light| {
-            let ball = l.bounds();
-            points.points.receivers[k].face.dot(ball.center - at.position) > ball.radius
+            let bounds = l.bounds();
+            points.points.receivers[k].face.dot(bounds.center - at.position) > bounds.radius
         };
         match scene.objects.get(at.object as usize) {
             Some(object) if !casts(object) => Self::Floor,
@@ -286,9 +286,9 @@ fn maps(scene: &Scene, points: &GBuffer) -> Result<Vec<ShadowMap>, Box<dyn Error
 /// The same scene with its spheres as triangles, which a map can show; the spheres stay their proxies.
 fn of_triangles(mut scene: Scene) -> Scene {
     for object in &mut scene.objects {
-        if let Shape::Spheres(balls) = &object.shape {
+        if let Shape::Spheres(spheres) = &object.shape {
             let mut mesh = Mesh::default();
-            balls.iter().for_each(|b| mesh.append(&ball(*b)));
+            spheres.iter().for_each(|b| mesh.append(&globe(*b)));
             object.shape = Shape::Mesh(mesh);
         }
     }
@@ -296,7 +296,7 @@ fn of_triangles(mut scene: Scene) -> Scene {
 }
 
 /// A sphere of 64 × 128 quadrilaterals that has the sphere's volume within 0.1 %.
-fn ball(of: Sphere) -> Mesh {
+fn globe(of: Sphere) -> Mesh {
     const N: u32 = 64;
     let mut mesh = Mesh::default();
     for j in 0..=N {
@@ -327,8 +327,8 @@ fn boxes(all: &[(Vec3, Vec3)]) -> Mesh {
 fn built() -> Vec<(&'static str, Scene)> {
     let light = |x: f32, y: f32, z: f32, radius: f32| Sphere { center: Vec3::new(x, y, z), radius };
     let one = |center, radius| {
-        let ball = Sphere { center, radius };
-        Object::mesh("ball", self::ball(ball), 1, Proxy::Spheres(vec![ball]))
+        let sphere = Sphere { center, radius };
+        Object::mesh("globe", globe(sphere), 1, Proxy::Spheres(vec![sphere]))
     };
     let mesh = |mesh, proxy| Object::mesh("object", mesh, 1, proxy);
     let fence = {

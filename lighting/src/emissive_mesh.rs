@@ -8,7 +8,7 @@ mod tube;
 use self::lamp::Lamp;
 use self::picture::Picture;
 use self::triangle::{Triangle, area, bounds, moments};
-use self::tube::{capsule, share};
+use self::tube::{capsule, part_of_ring};
 use crate::faces::weld;
 use crate::{FacesError, Light, faces};
 use core::f64::consts::PI;
@@ -220,12 +220,12 @@ impl Part {
                 break;
             }
             let tries = if count == 1 {
-                vec![vec![capsule(&all)], vec![share(&all)]]
+                vec![vec![capsule(&all)], vec![part_of_ring(&all)]]
             } else {
                 if pieces.is_empty() {
                     self.triangles.iter().for_each(|t| divide(t, &mut pieces));
                 }
-                vec![clusters(&pieces, count).iter().map(|cluster| share(cluster)).collect()]
+                vec![clusters(&pieces, count).iter().map(|cluster| part_of_ring(cluster)).collect()]
             };
             for lamps in tries {
                 let fit = self.measured(lamps);

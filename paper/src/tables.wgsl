@@ -1,7 +1,6 @@
 // The paper's tables and what is looked up in them: products (§4.1), light and occluder lobes (Eqs. 31, 35).
 
-// Pairs, as `Tables::pack` writes them: angles and exponents an interval; two for each row of the caps; the products.
-@group(0) @binding(9) var<storage, read> paper_tables: array<vec2f>;
+// `paper_tables` has pairs, as `Tables::pack` writes them: angles and exponents an interval; two for each row of the caps; the products.
 
 // A place between two samples.
 struct PaperPlace {

@@ -5,7 +5,7 @@ use glam::Vec3;
 use lobe_core::{Lobe, VisibilitySum};
 use shading::{Coverage, Shaft, Visibility, VisibilityLobes, VisibilityQuery};
 use std::sync::OnceLock;
-use visibility_mask::{Blockers, MAX_DEPTH, Mask, UnitSquare};
+use visibility_mask::{Blockers, MAX_DEPTH, Mask, UnitSquare, mask_depth};
 
 /// The paper's visibility (§5.3): shadow nodes of a quad-tree as least-squares lobes, for any [`Blockers`].
 ///
@@ -129,7 +129,7 @@ impl<B: Blockers> Visibility for PaperVisibility<'_, B> {
         if query.cone.one_minus_cos <= 0.0 {
             return Coverage::Dark;
         }
-        let depth = query.accuracy.depth.clamp(1, MAX_DEPTH);
+        let depth = mask_depth(query.accuracy);
         if scratch.tree.depth() != depth {
             scratch.tree = ShadowTree::uncovered(depth);
         }

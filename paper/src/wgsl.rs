@@ -9,8 +9,8 @@ use lobe_core::wgsl_numbers;
 use visibility_mask::Fineness;
 use visibility_mask::wgsl::{MASK, TOTAL};
 
-/// The tables, storage buffer of binding 9, and the lobes that come from them: `paper_product`, `paper_light_lobe`, `paper_occluder`,
-/// `paper_reflected`. The buffer is that of [`Tables::pack`](crate::Tables::pack).
+/// Lobes that come from the tables: `paper_product`, `paper_light_lobe`, `paper_occluder`, `paper_reflected`. Needs the buffer `paper_tables` (of
+/// `vec2f`), which is that of [`Tables::pack`](crate::Tables::pack).
 pub static TABLES: Piece = Piece::new(include_str!("tables.wgsl"))
     .numbers(wgsl_numbers![PAPER_CAPS = CAPS, PAPER_CAP_VALUES = VALUES, PAPER_PRODUCTS = PRODUCTS, PAPER_LAST = LAST,])
     .needs(&[&LOBE]);

@@ -192,7 +192,16 @@ impl Output {
         self.finish_at(|file, _| write(file))
     }
 
-    /// The same for who wants to know where the file is until it has its name.
+    /// Writes these bytes and gives the file its name.
+    ///
+    /// # Errors
+    /// Those of [`finish`](Self::finish).
+    pub fn write(self, bytes: &[u8]) -> Result<(), ImageFileError> {
+        let path = self.path.clone();
+        self.finish(|file| file.write_all(bytes).map_err(|source| ImageFileError::io(&path, source)))
+    }
+
+    /// [`finish`](Self::finish) for callers that need the temporary name as well.
     pub(crate) fn finish_at(
         mut self,
         write: impl FnOnce(&mut BufWriter<File>, &Path) -> Result<(), ImageFileError>,
@@ -249,8 +258,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.txt");
         for text in ["one", "two"] {
-            let output = Output::create(&path).unwrap();
-            output.finish(|f| f.write_all(text.as_bytes()).map_err(|e| ImageFileError::io(&path, e))).unwrap();
+            Output::create(&path).unwrap().write(text.as_bytes()).unwrap();
             assert_eq!(fs::read_to_string(&path).unwrap(), text);
         }
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
@@ -261,10 +269,7 @@ mod tests {
     fn links_are_followed_and_stay() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::create_dir(folder.path().join("far")).unwrap();
-        let write = |name: &str| {
-            let output = Output::create(folder.path().join(name))?;
-            output.finish(|f| f.write_all(b"picture").map_err(|e| ImageFileError::io(Path::new(name), e)))
-        };
+        let write = |name: &str| Output::create(folder.path().join(name))?.write(b"picture");
         for (link, target) in [("a.png", "far/b.png"), ("c.png", "a.png"), ("d.png", "d.png")] {
             std::os::unix::fs::symlink(target, folder.path().join(link)).unwrap();
         }

@@ -6,16 +6,14 @@ use crate::load::Choices;
 use crate::settings::{cache_folder, named};
 use crate::values;
 use crate::work::{run, warn};
-use ::bake::{BakeError, BakeSettings, Baked, Baker, Form, Stage, beside};
+use ::bake::{BakeError, BakeSettings, Baked, Baker, Form, Stage};
 use core::ops::ControlFlow;
+use cosine_lobes::Output;
 use cosine_lobes::renderer::Settings;
 use cosine_lobes::shading::Accuracy;
-use cosine_lobes::{ImageFileError, Output};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde_json::{Value, json};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// The file that a path means, however it is spelled.
@@ -33,43 +31,6 @@ fn create(input: &Path, output: &Path) -> PyResult<Output> {
         return fault("both read and written");
     }
     Output::create(output).or_raise()
-}
-
-fn write(output: Output, bytes: &[u8]) -> Result<(), ImageFileError> {
-    let path = output.path().to_owned();
-    output.finish(|file| file.write_all(bytes).map_err(|source| ImageFileError::Io { path, source }))
-}
-
-/// Writes the maps beside the file, and the file. Returns the maps' paths.
-fn write_all(file: Output, output: &Path, baked: &Baked, maps: &[(String, Vec<u8>)]) -> PyResult<Vec<PathBuf>> {
-    let paths: Vec<PathBuf> = maps.iter().map(|(ending, _)| beside(output, ending)).collect();
-    // All of them can be written, or none is.
-    let opened = paths.iter().map(Output::create).collect::<Result<Vec<_>, _>>().or_raise()?;
-    for (map, (_, bytes)) in opened.into_iter().zip(maps) {
-        write(map, bytes).or_raise()?;
-    }
-    write(file, &baked.glb).or_raise()?;
-    Ok(paths)
-}
-
-fn report(baked: &Baked, files: &[PathBuf]) -> Value {
-    let map = |map: &::bake::Map| json!({"name": map.name, "white": map.white, "cut_texels": map.cut_texels()});
-    json!({
-        "surfaces": baked.surfaces,
-        "pages": baked.pages,
-        "texels": baked.texels,
-        "vertices": baked.vertices,
-        "maps": baked.maps.iter().map(map).collect::<Vec<_>>(),
-        "files": files,
-        "bytes": baked.glb.len(),
-        "scale": baked.scale,
-        "subdivision": baked.subdivision.map(|made| json!({
-            "triangles": made.triangles,
-            "mean_error": made.mean_error,
-            "beyond": made.beyond,
-            "is_cut": made.is_cut,
-        })),
-    })
 }
 
 /// Bakes the light of a moment; the files of its maps.
@@ -153,6 +114,6 @@ pub(crate) fn bake<'py>(
     let mut baker = run(py, None, |_, _| Baker::open(&path, &options, settings, render))?.or_raise()?;
     baker.notes().iter().try_for_each(|line| warn(py, line))?;
     let (baked, maps) = light(py, &mut baker, time, progress)?;
-    let files = py.detach(|| write_all(file, &output, &baked, &maps))?;
-    values::fields(py, Ok(report(&baked, &files)))
+    let files = py.detach(|| baked.write(file, &output, &maps)).or_raise()?;
+    values::fields(py, Ok(baked.report(&files)))
 }

@@ -44,7 +44,7 @@ fn run(name: &str, scene: &Scene) {
     times.sort_by(f64::total_cmp);
     let g = GBuffer::new(&world, SIZE, SIZE, 1);
     println!(
-        "{name}: {} triangles, {} balls, hierarchy {:.1} ms; {} points in {:.2} ms (least {:.2})",
+        "{name}: {} triangles, {} spheres, hierarchy {:.1} ms; {} points in {:.2} ms (least {:.2})",
         world.triangle_count(),
         scene.spheres(),
         1e3 * built,

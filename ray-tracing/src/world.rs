@@ -249,11 +249,11 @@ mod tests {
     use lobe_core::Sphere;
     use lobe_core::oracle::Random;
     use scene::{Mesh, Shape};
-    use test_scenes::floor_and_ball;
+    use test_scenes::floor_and_sphere;
 
     /// The scene times a power of two, which changes no digit.
     fn scaled(s: f32) -> Scene {
-        let mut scene = floor_and_ball();
+        let mut scene = floor_and_sphere();
         scene.camera.eye *= s;
         scene.camera.target *= s;
         for object in &mut scene.objects {
@@ -294,8 +294,8 @@ mod tests {
     /// A sphere that makes a light visible is seen and does not hide it.
     #[test]
     fn a_lamp_does_not_hide_its_light() {
-        let mut scene = floor_and_ball();
-        let light = scene.lights[0].sphere().expect("a ball");
+        let mut scene = floor_and_sphere();
+        let light = scene.lights[0].sphere().expect("a sphere");
         let from = light.center - Vec3::Y * (light.radius + 0.1);
         let hidden = |scene: &Scene| World::new(scene).occluded(from, Vec3::Y, 1.0);
         assert!(!hidden(&scene));
@@ -308,13 +308,13 @@ mod tests {
     /// A point at an edge lies on another face, too: that face hides nothing from it.
     #[test]
     fn a_surface_does_not_hide_what_starts_on_it() {
-        let mut scene = floor_and_ball();
+        let mut scene = floor_and_sphere();
         let corners = [Vec3::new(-8.0, -8.0, -8.0), Vec3::new(8.0, 8.0, -8.0), Vec3::new(0.0, 0.0, 8.0)];
         let mesh = Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2]], ..Mesh::default() };
         let sphere = Sphere { center: Vec3::new(0.0, 40.0, 0.0), radius: 2.0 };
         scene.objects = vec![
             scene::Object::mesh("slope", mesh, 0, scene::Proxy::Count(8)),
-            scene::Object::spheres("ball", vec![sphere], 0),
+            scene::Object::spheres("sphere", vec![sphere], 0),
         ];
         let world = World::new(&scene);
         for direction in [Vec3::Y, Vec3::NEG_Y, Vec3::X] {
@@ -334,7 +334,7 @@ mod tests {
         let corners = [corner(-1000.0, 900.0), corner(1000.0, 1100.0), corner(300.0, -1000.0)];
         let mesh = Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2]], ..Mesh::default() };
         let planet = Sphere { center: (up * -1000.0).as_vec3(), radius: 1000.0 };
-        let mut scene = floor_and_ball();
+        let mut scene = floor_and_sphere();
         scene.objects = vec![scene::Object::mesh("slope", mesh, 0, scene::Proxy::Count(8))];
         let [a, b, c] = corners.map(|p| p.as_dvec3());
         let normal = (b - a).cross(c - a).normalize();
@@ -378,7 +378,7 @@ mod tests {
     fn surfaces_close_together_are_told_apart() {
         let plate = |y: f32| Mesh::quad(Vec3::Y * y, Vec3::X * 1000.0, Vec3::NEG_Z * 1000.0);
         let gap = 2e-6;
-        let mut scene = floor_and_ball();
+        let mut scene = floor_and_sphere();
         scene.objects = vec![
             scene::Object::mesh("floor", plate(0.0), 0, scene::Proxy::Count(8)),
             scene::Object::mesh("plate", plate(gap), 0, scene::Proxy::Count(8)),
@@ -401,10 +401,10 @@ mod tests {
         let (s, v) = (size, Vec3::new);
         let floor = quad([v(-0.9 * s, 0.0, -0.7 * s), v(s, 0.0, -0.6 * s), v(0.8 * s, 0.0, s), v(-s, 0.0, 0.9 * s)]);
         let wall = quad([v(-s, 0.5, -1.0), v(0.25, 0.5, -1.0), v(0.25, s, -1.0), v(-s, s, -1.0)]);
-        let mut scene = floor_and_ball();
+        let mut scene = floor_and_sphere();
         (scene.camera.eye, scene.camera.target) = (v(1.0, 2.0, 4.0), v(0.0, 0.4, 0.0));
-        let ball = test_scenes::globe(40, v(0.0, 0.5, 0.0), 0.5, false);
-        let objects = [("floor", floor), ("wall", wall), ("ball", ball)];
+        let globe = test_scenes::globe(40, v(0.0, 0.5, 0.0), 0.5, false);
+        let objects = [("floor", floor), ("wall", wall), ("globe", globe)];
         let object = |(name, mesh)| scene::Object::mesh(name, mesh, 0, scene::Proxy::None);
         scene.objects = objects.into_iter().map(object).collect();
         scene

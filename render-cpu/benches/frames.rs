@@ -116,7 +116,7 @@ fn curves(c: &mut Criterion) {
 /// The same frame by every strategy, and by shadow rays with so many samples.
 fn strategies(c: &mut Criterion) {
     let (points, lights, materials) = (points(USUAL.side), USUAL.lights(), [USUAL.material()]);
-    let balls = blob(USUAL.spheres);
+    let spheres = blob(USUAL.spheres);
     let camera = Camera {
         eye: Vec3::new(0.0, 4.0, 3.0),
         target: Vec3::ZERO,
@@ -129,16 +129,16 @@ fn strategies(c: &mut Criterion) {
         width: 64,
         height: 64,
         materials: materials.to_vec(),
-        objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::spheres("balls", balls.clone(), 0)],
+        objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::spheres("spheres", spheres.clone(), 0)],
         lights: lights.clone(),
         ..Scene::default()
     };
     let world = World::new(&scene);
     let set = BlockerSet {
-        objects: vec![1; balls.len()],
+        objects: vec![1; spheres.len()],
         self_distances: vec![0.0; 2],
         self_shadows: Vec::new(),
-        spheres: balls.clone(),
+        spheres: spheres.clone(),
     };
     let frame = Frame::new(&materials, &lights, Accuracy::new(0.005));
     let mut out = vec![Vec3::ZERO; points.receivers.len()];

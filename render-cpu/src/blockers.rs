@@ -20,7 +20,7 @@ mod tests {
     use lobe_core::Sphere;
     use scene::{Mesh, Proxy, Shape};
     use sphere_sets::{BuildOptions, SphereSet};
-    use test_scenes::floor_and_ball;
+    use test_scenes::floor_and_sphere;
 
     fn make(scene: &Scene) -> Result<BlockerSet, BlockersError> {
         blockers(scene, &mut |_, _| ControlFlow::Continue(()))
@@ -28,13 +28,13 @@ mod tests {
 
     #[test]
     fn a_lamp_does_not_hide_its_light() {
-        let mut scene = floor_and_ball();
+        let mut scene = floor_and_sphere();
         let blocking = make(&scene).unwrap().spheres.len();
-        scene.objects.push(scene::Object::spheres("lamp", vec![scene.lights[0].sphere().expect("a ball")], 0));
+        scene.objects.push(scene::Object::spheres("lamp", vec![scene.lights[0].sphere().expect("a sphere")], 0));
         assert_eq!(make(&scene).unwrap().spheres.len(), blocking);
         scene.objects.push(scene::Object::spheres(
             "shell",
-            vec![Sphere { radius: 2.0, ..scene.lights[0].sphere().expect("a ball") }],
+            vec![Sphere { radius: 2.0, ..scene.lights[0].sphere().expect("a sphere") }],
             0,
         ));
         let set = make(&scene).unwrap();
@@ -43,7 +43,7 @@ mod tests {
 
     #[test]
     fn every_kind_of_proxy() {
-        let mut scene = floor_and_ball();
+        let mut scene = floor_and_sphere();
         let set = make(&scene).unwrap();
         assert_eq!((set.spheres.len(), set.objects.as_slice(), set.self_distances.len()), (1, [1].as_slice(), 2));
         assert!(set.self_distances[1] > 0.0 && set.self_distances[1] < 1e-3);

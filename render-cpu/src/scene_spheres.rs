@@ -99,7 +99,7 @@ impl ObjectSpheres {
         }
         if revision.transform != self.made_for.revision.transform {
             match (&self.spheres, &object.shape) {
-                (Spheres::Shape, Shape::Spheres(balls)) => self.self_distance = sphere_self_distance(balls),
+                (Spheres::Shape, Shape::Spheres(spheres)) => self.self_distance = sphere_self_distance(spheres),
                 (Spheres::Listed, _) => self.self_distance = listed_distance(object),
                 _ => {}
             }
@@ -219,7 +219,7 @@ impl SceneSpheres {
         out.self_distances.clear();
         out.self_shadows.clear();
         let (mut posed, mut turned) = (Vec::new(), Vec::new());
-        let (mut balls, mut own_spheres, mut meshes) =
+        let (mut shapes, mut own_spheres, mut meshes) =
             (Duplicates::default(), Duplicates::default(), Duplicates::default());
         for (number, (object, own)) in scene.objects.iter().zip(&self.objects).enumerate() {
             let mut self_shadows = &own.self_shadows;
@@ -241,7 +241,7 @@ impl SceneSpheres {
             own_spheres.clear();
             for (i, sphere) in spheres.iter().enumerate() {
                 let first = match object.shape {
-                    Shape::Spheres(_) => balls.is_first(object, sphere),
+                    Shape::Spheres(_) => shapes.is_first(object, sphere),
                     Shape::Mesh(_) | Shape::Instances(_) => own_spheres.is_first(object, sphere),
                 };
                 if !first || scene.lights.iter().any(|l| l.is_shown_by(sphere)) {
@@ -270,8 +270,8 @@ fn make(
         (SphereSource::Nothing, _) | (SphereSource::Shape, Shape::Mesh(_) | Shape::Instances(_)) => {
             Ok(ObjectSpheres::new(Spheres::Nothing, 0.0))
         }
-        (SphereSource::Shape, Shape::Spheres(balls)) => {
-            Ok(ObjectSpheres::new(Spheres::Shape, sphere_self_distance(balls)))
+        (SphereSource::Shape, Shape::Spheres(spheres)) => {
+            Ok(ObjectSpheres::new(Spheres::Shape, sphere_self_distance(spheres)))
         }
         (SphereSource::Proxy, _) => from_proxy(number, object, animation, progress),
     }
@@ -287,8 +287,8 @@ fn from_proxy(
     let name = || object.name.clone();
     let set = match (&object.proxy, &object.shape) {
         (Proxy::None, _) => return Ok(ObjectSpheres::new(Spheres::Nothing, 0.0)),
-        (Proxy::Count(_), Shape::Spheres(balls)) => {
-            return Ok(ObjectSpheres::new(Spheres::Shape, sphere_self_distance(balls)));
+        (Proxy::Count(_), Shape::Spheres(spheres)) => {
+            return Ok(ObjectSpheres::new(Spheres::Shape, sphere_self_distance(spheres)));
         }
         (Proxy::Spheres(_), _) => return Ok(ObjectSpheres::new(Spheres::Listed, listed_distance(object))),
         (Proxy::Count(count), shape) => {
@@ -354,8 +354,8 @@ fn read_and_place(path: &Path, placement: &Mat4, object: &Object) -> Result<(Sph
     Ok((set, placed))
 }
 
-fn sphere_self_distance(balls: &[Sphere]) -> f32 {
-    let total: f32 = balls.iter().map(|b| b.radius).sum();
-    let far = balls.iter().map(|b| b.center.abs().max_element() + b.radius).fold(0.0, f32::max);
-    (1e-3 * total / balls.len().max(1) as f32).max(1e-6 * far)
+fn sphere_self_distance(spheres: &[Sphere]) -> f32 {
+    let total: f32 = spheres.iter().map(|b| b.radius).sum();
+    let far = spheres.iter().map(|b| b.center.abs().max_element() + b.radius).fold(0.0, f32::max);
+    (1e-3 * total / spheres.len().max(1) as f32).max(1e-6 * far)
 }

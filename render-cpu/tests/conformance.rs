@@ -18,7 +18,7 @@ fn scene(spheres: &[Sphere]) -> Scene {
         width: 1,
         height: 1,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
-        objects: spheres.iter().map(|sphere| Object::spheres("ball", vec![*sphere], 0)).collect(),
+        objects: spheres.iter().map(|sphere| Object::spheres("sphere", vec![*sphere], 0)).collect(),
         lights: Vec::new(),
         ..Scene::default()
     }

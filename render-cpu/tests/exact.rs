@@ -92,8 +92,9 @@ impl Known {
             [x, y, z, i, j, k].map(f32::to_bits)
         };
         let new: Vec<_> = receivers.iter().filter(|at| !self.0.contains_key(&key(at))).collect();
-        self.0
-            .par_extend(new.par_iter().map(|at| (key(at), truth.light(at, scene.lights[0].sphere().expect("a ball")))));
+        self.0.par_extend(
+            new.par_iter().map(|at| (key(at), truth.light(at, scene.lights[0].sphere().expect("a sphere")))),
+        );
         receivers.iter().map(|at| self.0[&key(at)]).collect()
     }
 }

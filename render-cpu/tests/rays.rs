@@ -205,7 +205,7 @@ fn near_the_full_mask() {
     let mut fence = Mesh::default();
     (0..31).for_each(|k| fence.append(&picket(k)));
     let light = Sphere { center: Vec3::new(-2.0, 4.0, 3.5), radius: 0.5 };
-    for (name, mesh) in [("ball", globe(48, Vec3::Y * 0.6, 0.5, true)), ("fence", fence)] {
+    for (name, mesh) in [("globe", globe(48, Vec3::Y * 0.6, 0.5, true)), ("fence", fence)] {
         let scene = scene(vec![floor(10.0), mesh], light);
         let world = World::new(&scene);
         let g = GBuffer::new(&world, 192, 144, 1);

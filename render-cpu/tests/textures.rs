@@ -39,7 +39,7 @@ fn floor(material: Material, surface: Surface) -> Scene {
 }
 
 fn sphere(center: Vec3, radius: f32) -> Object {
-    Object::spheres("ball", vec![Sphere { center, radius }], 0)
+    Object::spheres("sphere", vec![Sphere { center, radius }], 0)
 }
 
 fn flat(texel: [u8; 4], encoding: Encoding) -> TextureMap {
@@ -222,7 +222,7 @@ fn tangents_are_smooth_where_normals_are() {
     let leaning = TextureMap { ..flat([190, 128, 230, 255], Encoding::Linear) };
     let surface = Surface { normal: Some((leaning, 1.0)), ..Surface::default() };
     let mut scene = floor(Material::lambert(Vec3::ONE), surface);
-    scene.objects = vec![Object::mesh("ball", mesh, 0, Proxy::None)];
+    scene.objects = vec![Object::mesh("sphere", mesh, 0, Proxy::None)];
     (scene.width, scene.height) = (240, 160);
     let g = GBuffer::new(&World::new(&scene), 240, 160, 1);
     let mut bare = scene.clone();

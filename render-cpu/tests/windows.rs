@@ -5,14 +5,14 @@ use render_cpu::{CpuShader, GBuffer, World, blockers};
 use scene::{Frame, Shade};
 use shading::Accuracy;
 use std::ops::ControlFlow;
-use test_scenes::floor_and_ball;
+use test_scenes::floor_and_sphere;
 use visibility_mask::MaskVisibility;
 use visibility_spheres::SphereBlockers;
 
 /// Windows that cut tiles hold the bits of the whole image, whatever groups of points they make.
 #[test]
 fn windows_make_up_the_picture() {
-    let scene = floor_and_ball();
+    let scene = floor_and_sphere();
     let world = World::new(&scene);
     let set = blockers(&scene, &mut |_, _| ControlFlow::Continue(())).expect("blockers");
     let blockers = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);

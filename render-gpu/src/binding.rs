@@ -1,9 +1,11 @@
-//! The buffers of kernels: which there are, the numbers of their bindings, and how kernels use them.
+//! The buffers of kernels: their names and types in WGSL, the numbers of their bindings, and how kernels use them.
 
 /// The buffers of kernels, each with a binding of its own in group 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Slot {
     Frame,
+    /// The camera of the kernel of visible points, which has no frame.
+    View,
     Points,
     Materials,
     Radiance,
@@ -27,7 +29,7 @@ impl Slot {
     /// The number of the binding.
     pub(crate) const fn binding(self) -> u32 {
         match self {
-            Self::Frame => 0,
+            Self::Frame | Self::View => 0,
             Self::Points => 1,
             Self::Materials => 2,
             Self::Radiance => 3,
@@ -44,6 +46,35 @@ impl Slot {
             Self::Normals => 15,
             Self::Own(number) => 16 + number,
         }
+    }
+
+    /// Its declaration in WGSL; `None` for buffers of blockers, which have [declarations](crate::module::OwnBuffer::declaration) of their own.
+    pub(crate) fn declaration(self, access: Access) -> Option<String> {
+        let (name, of) = match self {
+            Self::Frame => ("frame", "Frame"),
+            Self::View => ("view", "View"),
+            Self::Points => ("points", "array<Receiver>"),
+            Self::Materials => ("materials", "array<u32>"),
+            Self::Radiance => ("radiance", "array<vec4f>"),
+            Self::Queue => ("queue", "Queue"),
+            Self::Indirect => ("args", "array<u32>"),
+            Self::Spheres => ("spheres", "array<BlockerSphere>"),
+            Self::Images => ("light_images", "array<u32>"),
+            Self::Tables => ("paper_tables", "array<vec2f>"),
+            Self::Nodes => ("nodes", "array<BvhNode>"),
+            Self::Primitives => ("primitives", "array<Primitive>"),
+            Self::Sky => ("sky_table", "array<f32>"),
+            Self::Rig => ("rig", "array<u32>"),
+            Self::Bones => ("bones", "array<f32>"),
+            Self::Normals => ("normals", "array<f32>"),
+            Self::Own(_) => return None,
+        };
+        let space = match access {
+            Access::Uniform => "uniform",
+            Access::Read => "storage, read",
+            Access::Write => "storage, read_write",
+        };
+        Some(format!("@group(0) @binding({}) var<{space}> {name}: {of};\n", self.binding()))
     }
 }
 

@@ -17,7 +17,7 @@ use crate::{Gpu, GpuError, GpuReceiver, NO_MATERIAL};
 use core::ops::Range;
 use glam::Vec3;
 use lobe_core::Receiver;
-use lobe_core::wgsl::{constant, join};
+use lobe_core::wgsl::constant;
 use scene::{Camera, Scene, ShadingPoints};
 use wgpu::BufferUsages;
 
@@ -169,15 +169,12 @@ impl GpuGBuffer {
         }
         let kernel = match self.kernel.take() {
             Some((size, kernel)) if size >= stack => self.kernel.insert((size, kernel)),
-            _ => {
-                let text = Text::new("trace", &[], &[&trace_text(stack)], BINDINGS);
-                self.kernel.insert((stack, Kernel::new(gpu, &text)?))
-            }
+            _ => self.kernel.insert((stack, Kernel::new(gpu, &trace_text(stack))?)),
         };
         let (world, points, view) = (&self.world, &self.points, &self.view);
         gpu.scoped("the search for visible points", || {
             let group = kernel.1.bind(gpu, |slot| match slot {
-                Slot::Frame => view.whole(),
+                Slot::View => view.whole(),
                 Slot::Points => points.whole(),
                 Slot::Nodes => world.nodes(),
                 Slot::Primitives => world.primitives(),
@@ -238,7 +235,7 @@ impl GpuGBuffer {
 }
 
 const BINDINGS: &[(Slot, Access)] = &[
-    (Slot::Frame, Access::Uniform),
+    (Slot::View, Access::Uniform),
     (Slot::Points, Access::Write),
     (Slot::Nodes, Access::Read),
     (Slot::Primitives, Access::Read),
@@ -247,6 +244,6 @@ const BINDINGS: &[(Slot, Access)] = &[
 
 /// The text of the kernel of visible points, for hierarchies that are no deeper than its stack.
 #[must_use]
-pub(crate) fn trace_text(stack: u32) -> String {
-    constant("STACK", &stack) + &join(&[&TRACE])
+pub(crate) fn trace_text(stack: u32) -> Text {
+    Text::new("trace", &[&TRACE], &[&constant("STACK", &stack)], BINDINGS)
 }

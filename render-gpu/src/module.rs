@@ -180,7 +180,7 @@ impl Variant {
         match self.shown {
             Shown::Cone => vec![light, &lobes::NO_OUTLINE, &wgsl::INTEGRALS],
             Shown::Outline => vec![light, &lobes::OUTLINE, &wgsl::INTEGRALS],
-            Shown::Image => vec![light, &lobes::IMAGE, &IMAGES, &wgsl::INTEGRALS_BY_CHANNEL],
+            Shown::Image => vec![light, &lobes::IMAGE, &wgsl::INTEGRALS_BY_CHANNEL],
         }
     }
 
@@ -236,9 +236,10 @@ pub(crate) struct Text {
 }
 
 impl Text {
-    /// Of pieces, and of texts that are made for this kernel alone.
+    /// Of pieces, of texts that are made for this kernel alone, and of these buffers, which it declares.
     pub(crate) fn new(entry: &'static str, pieces: &[&'static Piece], texts: &[&str], bindings: &[Binding]) -> Self {
-        let text = join(pieces) + &texts.join("\n");
+        let buffers: String = bindings.iter().filter_map(|(slot, access)| slot.declaration(*access)).collect();
+        let text = join(pieces) + &buffers + &texts.join("\n");
         Self { entry, name: entry.to_owned(), text, bindings: bindings.to_vec() }
     }
 
@@ -246,9 +247,6 @@ impl Text {
         Self { name: format!("{} ({})", self.entry, variant.name()), ..self }
     }
 }
-
-/// Declares the points for a kernel that declares nothing else of [`wgsl::POINTS`].
-pub(crate) const POINTS_ALONE: &str = "@group(0) @binding(1) var<storage, read> points: array<Receiver>;\n";
 
 /// The text of a strategy's own pass.
 pub(crate) fn pass(pass: &GpuPass, declarations: &str, bindings: &[Binding]) -> Text {
@@ -273,7 +271,6 @@ const SHADED: [Binding; 5] = [
 static OVER_CONES: Piece = Piece::new(
     "fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cap_integral(at, lobe, cone); }",
 );
-static IMAGES: Piece = Piece::new("@group(0) @binding(8) var<storage, read> light_images: array<u32>;");
 
 /// The kernel that classifies each point as lit, dark or in penumbra for a light.
 pub(crate) fn classify(variant: &Variant) -> Text {

@@ -282,7 +282,6 @@ pub(crate) fn pass_text(pass: &GpuPass, buffers: &[OwnBuffer]) -> Result<Text, G
     for (name, access) in reads.chain(pass.writes.iter().map(|name| (*name, Write))) {
         if (name, access) == ("points", Read) {
             bindings.push((Slot::Points, Read));
-            declarations.push_str(module::POINTS_ALONE);
             continue;
         }
         let buffer = buffers.iter().find(|buffer| buffer.name == name).ok_or_else(|| {

@@ -1,12 +1,13 @@
+mod from_host;
 mod on_device;
+mod recorder;
 
 use crate::binding::Slot;
-use crate::clock::{Clock, Stage};
+use crate::clock::Clock;
 use crate::images::Images;
 use crate::kernel::Kernel;
-use crate::kernels;
-use crate::kernels::queue::{CUT, QUEUE_HEADER};
-use crate::layout::{GpuFrame, GpuReceiver, NO_MATERIAL};
+use crate::kernels::queue::QUEUE_HEADER;
+use crate::layout::{GpuFrame, GpuReceiver};
 use crate::memory::Memory;
 use crate::module::{self, MaterialText, Shown, Variant};
 use crate::occlusion::{Blockers, Occlusion};
@@ -16,22 +17,17 @@ use crate::resident::{Resident, Resolve};
 use crate::sky::Sky;
 use crate::{Gpu, GpuError, GpuPose, GpuSky};
 use core::num::NonZeroU64;
-use core::ops::Range;
-use glam::{Mat4, Vec3};
+use glam::Mat4;
 use paper::Tables;
-use rayon::prelude::*;
-use scene::{Cancel, Frame, Shade, ShadeStats, ShadingPoints, Stopwatch};
+use recorder::Recorder;
+use scene::Frame;
 use shading::gpu::{GPU_SHAPE, GpuLight, GpuMaterialSet, GpuMaterials, GpuText};
 use shading::{Accuracy, LightLobes};
-use visibility_mask::{Fineness, LookAgain, MAX_DEPTH};
+use visibility_mask::{Fineness, LookAgain, mask_depth};
 use wgpu::BufferUsages;
 
 /// Points that are culled together, as in `render-cpu`.
 const TILE: u64 = (crate::TILE * crate::TILE) as u64;
-/// A tile of points as the device has it.
-type PackedTile = [GpuReceiver; TILE as usize];
-/// Tiles that a thread packs or unpacks at once, at least.
-const TASK: usize = 64;
 /// The most points of a slice. One submission works on a slice, and buffers are sized for it.
 const SLICE: u64 = 1 << 20;
 /// The same on a software device, whose kernels do not get faster with more points.
@@ -41,8 +37,6 @@ const HEADER: u64 = 4 * QUEUE_HEADER as u64;
 /// Bytes of the sizes of two dispatches: the penumbra kernel's, and those of a sky's patches.
 const INDIRECT: u64 = 24;
 const PATCHES: u64 = 12;
-/// The most workgroups of a dispatch of one a point along x, as in `queue.wgsl`.
-const WIDEST: u64 = 1 << 15;
 /// Bytes from one light's uniform to the next: a multiple of the largest alignment that a device may require.
 const FRAME_STRIDE: u64 = 512;
 const FLAT_BY_PAPER: &str = "the paper's method supports sphere lights only";
@@ -248,7 +242,7 @@ impl GpuShader {
     ) -> Result<usize, GpuError> {
         let tolerance = accuracy.tolerance * roundness.map_or(1.0, visibility_mask::fill_factor);
         let variant = Variant {
-            depth: accuracy.depth.clamp(1, MAX_DEPTH),
+            depth: mask_depth(accuracy),
             fineness: match self.paper {
                 None => [Fineness::broad(tolerance), Fineness::narrow(tolerance)],
                 Some(_) => [Fineness::FINE; 2],
@@ -283,7 +277,7 @@ impl GpuShader {
             return Err(GpuError::Unsupported(FLAT_BY_PAPER.to_owned()));
         }
         if let Some(paper) = &mut self.paper {
-            paper.hold(&self.gpu, frame.accuracy.depth.clamp(1, MAX_DEPTH))?;
+            paper.hold(&self.gpu, mask_depth(frame.accuracy))?;
         }
         // The paper's products are products of cosine lobes.
         let set = if self.paper.is_some() { M::gpu_cosine_set(frame.materials) } else { M::gpu_set(frame.materials) };
@@ -343,7 +337,7 @@ impl GpuShader {
 
     /// As [`submit`](Self::submit), but writes the commands into the caller's encoder, which the caller submits once and before any
     /// other call of this shader. Lights, materials and blockers are uploaded now, into the buffers of the last call. New kernels
-    /// are compiled here; to compile them earlier, call [`shade`](Shade::shade) with such a frame and no points.
+    /// are compiled here; to compile them earlier, call [`shade`](scene::Shade::shade) with such a frame and no points.
     ///
     /// # Errors
     /// As [`submit`](Self::submit). Commands that are then in the encoder are harmless.
@@ -410,7 +404,7 @@ impl GpuShader {
                 },
                 image: self.images.start(number),
                 number,
-                cells: (1_u32 << frame.accuracy.depth.clamp(1, MAX_DEPTH)) as f32,
+                cells: (1_u32 << mask_depth(frame.accuracy)) as f32,
                 look_again: self.look_again as u32,
                 rounds: 2,
             };
@@ -467,112 +461,6 @@ impl GpuShader {
     }
 }
 
-/// Writes the commands of a slice.
-struct Recorder<'a> {
-    shader: &'a GpuShader,
-    part: &'a Part<'a>,
-    tiles: u64,
-    queue: &'a wgpu::Buffer,
-    indirect: &'a wgpu::Buffer,
-    clock: Option<&'a mut Clock>,
-}
-
-/// The size of a pass's dispatch.
-#[derive(Clone, Copy)]
-enum Dispatch<'a> {
-    Groups(u64),
-    /// One workgroup a point.
-    Points(u64),
-    /// Of these sizes, from a byte on.
-    Indirect(&'a wgpu::Buffer, u64),
-}
-
-/// A kernel, its buffers, its stage and its dispatch.
-type Step<'a> = (&'a Kernel, wgpu::BindGroup, Stage, Dispatch<'a>);
-
-impl<'a> Recorder<'a> {
-    fn step(&self, kernel: &'a Kernel, stage: Stage, work: Dispatch<'a>) -> Step<'a> {
-        let shader = self.shader;
-        (kernel, kernel.bind(&shader.gpu, |slot| shader.resource(slot, self.part)), stage, work)
-    }
-
-    /// The passes of a light by the number of its kernels.
-    fn steps_of(&self, number: usize) -> Vec<Step<'a>> {
-        let (variant, kernels) = &self.shader.kernels[number];
-        let of_tiles = match variant.is_patch {
-            true => Dispatch::Indirect(self.indirect, PATCHES),
-            false => Dispatch::Groups(self.tiles),
-        };
-        let before = self.shader.blockers.of_tiles().map(|kernel| (Some(kernel), Stage::Cull, of_tiles));
-        let own = [
-            (Some(&kernels.classify), Stage::Classify, of_tiles),
-            (kernels.args.as_ref(), Stage::Classify, Dispatch::Groups(1)),
-            (kernels.penumbra.as_ref(), Stage::Penumbra, Dispatch::Indirect(self.indirect, 0)),
-        ];
-        let all = before.chain(own);
-        all.filter_map(|(kernel, stage, work)| kernel.map(|kernel| self.step(kernel, stage, work))).collect()
-    }
-
-    fn record(mut self, prepared: &Prepared, changes: &[bool], encoder: &mut wgpu::CommandEncoder) {
-        let Prepared { kernels, sky, .. } = prepared;
-        let mut steps: Vec<(usize, Vec<Step<'_>>)> = Vec::new();
-        for number in kernels {
-            if steps.iter().all(|(known, _)| known != number) {
-                steps.push((*number, self.steps_of(*number)));
-            }
-        }
-        let followers = self.shader.blockers.followers(changes);
-        let followers: Vec<Step<'_>> =
-            followers.map(|(kernel, groups)| self.step(kernel, Stage::Cull, Dispatch::Groups(groups))).collect();
-        let of_sky = sky.as_ref().and_then(|(number, _)| self.shader.sky.kernels(*number)).map(|[kernel, args]| {
-            [
-                self.step(kernel, Stage::Penumbra, Dispatch::Points(self.part.count)),
-                self.step(args, Stage::Classify, Dispatch::Groups(1)),
-            ]
-        });
-        encoder.clear_buffer(self.part.radiance, 16 * self.part.first, Some(16 * self.part.count));
-        encoder.clear_buffer(self.queue, 0, Some(HEADER));
-        if let Some(clock) = &mut self.clock {
-            clock.restart();
-        }
-        for step in &followers {
-            self.pass(encoder, 0, step);
-        }
-        let patches = sky.as_ref().map_or(&[][..], |(_, patches)| patches);
-        // The lobes that the sky leaves to its patches lie in the queue until these are done.
-        let others = (0..kernels.len()).filter(|light| !patches.contains(light));
-        let mut is_first = true;
-        for light in others.chain(patches.iter().copied()) {
-            if !core::mem::take(&mut is_first) {
-                encoder.clear_buffer(self.queue, 0, Some(4));
-            }
-            if patches.first() == Some(&light) {
-                of_sky.iter().flatten().for_each(|step| self.pass(encoder, light as u64, step));
-            }
-            let number = kernels[light];
-            for step in steps.iter().filter(|(known, _)| *known == number).flat_map(|(_, steps)| steps) {
-                self.pass(encoder, light as u64, step);
-            }
-        }
-    }
-
-    fn pass(&mut self, encoder: &mut wgpu::CommandEncoder, light: u64, (kernel, group, stage, work): &Step<'_>) {
-        let timestamp_writes = self.clock.as_mut().and_then(|clock| clock.next(*stage));
-        let label = Some(kernel.label());
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
-        pass.set_pipeline(kernel.pipeline());
-        let offset = [((self.part.uniforms + light) * FRAME_STRIDE) as u32];
-        pass.set_bind_group(0, group, if kernel.has_frame() { &offset } else { &[] });
-        match work {
-            Dispatch::Groups(count) => pass.dispatch_workgroups(*count as u32, 1, 1),
-            Dispatch::Points(count) => {
-                pass.dispatch_workgroups((*count).min(WIDEST) as u32, count.div_ceil(WIDEST) as u32, 1);
-            }
-            Dispatch::Indirect(buffer, from) => pass.dispatch_workgroups_indirect(buffer, *from),
-        }
-    }
-}
-
 /// A slice of points.
 struct Part<'a> {
     first: u64,
@@ -581,142 +469,4 @@ struct Part<'a> {
     uniforms: u64,
     points: &'a wgpu::Buffer,
     radiance: &'a wgpu::Buffer,
-}
-
-/// Packs groups of points into memory of the device, on all threads: each is a tile, whose places left over have no material.
-fn pack(
-    gpu: &Gpu,
-    memory: &mut Memory,
-    points: &ShadingPoints,
-    groups: &[Range<usize>],
-) -> Result<wgpu::Buffer, GpuError> {
-    let size = (groups.len() * size_of::<PackedTile>()) as u64;
-    let buffer = memory.sized(gpu, size)?.clone();
-    gpu.scoped("points", || {
-        let size = NonZeroU64::new(size)?;
-        let mut view = gpu.queue().write_buffer_with(&buffer, 0, size)?;
-        let (memory, _) = view.slice(..).into_chunks::<{ size_of::<PackedTile>() }>();
-        let memory: Vec<_> = memory.into_iter().collect();
-        memory.into_par_iter().zip(groups).with_min_len(TASK).for_each(|(memory, group)| {
-            let none = GpuReceiver { material: NO_MATERIAL, ..GpuReceiver::default() };
-            let mut packed: PackedTile = [none; TILE as usize];
-            let points = points.receivers[group.clone()].iter().zip(&points.materials[group.clone()]);
-            for (packed, (at, material)) in packed.iter_mut().zip(points) {
-                *packed = GpuReceiver::new(at, *material);
-            }
-            memory.write(bytemuck::cast(packed));
-        });
-        Some(())
-    })?;
-    Ok(buffer)
-}
-
-impl GpuShader {
-    /// As [`Shade::shade`], but looks before each slice of points whether a stop is requested, and returns `None` then. Not for
-    /// browsers: they have [`shade_async`](Self::shade_async).
-    ///
-    /// # Errors
-    /// [`GpuError`].
-    ///
-    /// # Panics
-    /// When `out` is not as long as the points.
-    pub fn shade_until<M: GpuMaterials, L: GpuLight>(
-        &mut self,
-        points: &ShadingPoints,
-        frame: &Frame<'_, M, L>,
-        out: &mut [Vec3],
-        cancel: Option<&Cancel>,
-    ) -> Result<Option<ShadeStats>, GpuError> {
-        pollster::block_on(self.shade_async(points, frame, out, cancel))
-    }
-
-    /// As [`shade_until`](Self::shade_until), for programs that may not wait: in a browser the future is ready in a later turn.
-    /// Natively its first poll waits and makes it ready.
-    ///
-    /// # Errors
-    /// [`GpuError`].
-    ///
-    /// # Panics
-    /// When `out` is not as long as the points.
-    pub async fn shade_async<M: GpuMaterials, L: GpuLight>(
-        &mut self,
-        points: &ShadingPoints,
-        frame: &Frame<'_, M, L>,
-        out: &mut [Vec3],
-        cancel: Option<&Cancel>,
-    ) -> Result<Option<ShadeStats>, GpuError> {
-        assert_eq!(points.receivers.len(), out.len(), "one output a point");
-        let watch = Stopwatch::start();
-        let mut stats = ShadeStats::default();
-        let prepared = self.prepare(frame)?;
-        let tiles = (self.slice(prepared.stride) / TILE) as usize;
-        let gpu = self.gpu.clone();
-        let mut rest = out;
-        for groups in points.groups().chunks(tiles) {
-            if cancel.is_some_and(Cancel::is_cancelled) {
-                return Ok(None);
-            }
-            let cut = |group: &Range<usize>| {
-                let (own, after) = core::mem::take(&mut rest).split_at_mut(group.len());
-                rest = after;
-                own
-            };
-            let out: Vec<&mut [Vec3]> = groups.iter().map(cut).collect();
-            let count = groups.len() as u64 * TILE;
-            let buffer = pack(&gpu, &mut self.points, points, groups)?;
-            let radiance = self.radiance.sized(&gpu, 16 * count)?.clone();
-            let part = Part { first: 0, count, uniforms: 0, points: &buffer, radiance: &radiance };
-            self.hold_uniforms(frame, &prepared, &[count])?;
-            let mut encoder = self.encoder();
-            self.write(&prepared, &part, &mut encoder, true)?;
-            let staging = self.staging.sized(&gpu, 16 * count + HEADER)?.clone();
-            let queue = self.queue.sized(&gpu, 0)?.clone();
-            gpu.scoped("the commands of a slice", || {
-                encoder.copy_buffer_to_buffer(&radiance, 0, &staging, 0, 16 * count);
-                encoder.copy_buffer_to_buffer(&queue, 0, &staging, 16 * count, HEADER);
-                if let Some(clock) = &self.clock {
-                    clock.resolve(&mut encoder);
-                }
-                gpu.queue().submit([encoder.finish()]);
-            })?;
-            let (counts, mut cut) = (&mut stats.counts, 0);
-            gpu.read(&staging, 16 * count + HEADER, |bytes| {
-                let (pixels, header) = bytes.split_at(16 * count as usize);
-                let tiles = pixels.par_chunks_exact(16 * TILE as usize).with_min_len(TASK);
-                tiles.zip(out).for_each(|(pixels, out)| {
-                    for (out, pixel) in out.iter_mut().zip(pixels.chunks_exact(16)) {
-                        let [r, g, b, _]: [f32; 4] = bytemuck::pod_read_unaligned(pixel);
-                        *out = Vec3::new(r, g, b);
-                    }
-                });
-                let header = bytemuck::cast_slice(header);
-                *counts += kernels::counts(header);
-                cut = kernels::count(header, CUT);
-            })
-            .await?;
-            if cut > 0 {
-                return Err(GpuError::LoopsCut { threads: cut });
-            }
-            if let Some(clock) = &self.clock {
-                clock.read(&gpu, &mut stats.stages).await?;
-            }
-        }
-        stats.seconds = watch.seconds();
-        Ok(Some(stats))
-    }
-}
-
-impl<M: GpuMaterials, L: GpuLight> Shade<M, L> for GpuShader {
-    type Error = GpuError;
-
-    /// # Panics
-    /// When `out` is not as long as the points.
-    fn shade(
-        &mut self,
-        points: &ShadingPoints,
-        frame: &Frame<'_, M, L>,
-        out: &mut [Vec3],
-    ) -> Result<ShadeStats, GpuError> {
-        Ok(self.shade_until(points, frame, out, None)?.unwrap_or_default())
-    }
 }

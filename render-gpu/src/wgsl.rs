@@ -1,4 +1,4 @@
-//! Pieces of this crate's own kernels.
+//! Pieces of this crate's own kernels. A kernel declares its buffers beside them.
 
 use crate::bvh::{BLOCKS, BLOCKS_ALIKE, FLAT, SPHERE, VISIBLE};
 use crate::gbuffer::view;
@@ -10,7 +10,7 @@ use lobe_core::wgsl_numbers;
 use scene::rounding;
 use visibility_mask::wgsl as masks;
 
-/// The hierarchy, its primitives, and their intersections with rays. Needs a constant `STACK`.
+/// The hierarchy, its primitives, and their intersections with rays. Needs a constant `STACK`, and the buffers `nodes` and `primitives`.
 pub static BVH: Piece = Piece::new(include_str!("kernels/bvh.wgsl"))
     .numbers(wgsl_numbers![
         SPHERE = SPHERE,
@@ -48,7 +48,7 @@ pub static DISPLAY: Piece = Piece::new(include_str!("kernels/display.wgsl")).num
     AGX = AGX,
 ]);
 
-/// One light of one frame: the uniform `frame`.
+/// One light of one frame: the struct `Frame` of the uniform `frame`.
 pub static FRAME: Piece = Piece::new(include_str!("kernels/frame.wgsl"));
 /// The queue of points in penumbra, and the counters of a frame.
 pub static QUEUE: Piece = Piece::new(include_str!("kernels/queue.wgsl"))
@@ -67,21 +67,19 @@ pub static QUEUE: Piece = Piece::new(include_str!("kernels/queue.wgsl"))
 pub static INTEGRALS: Piece = Piece::new(include_str!("kernels/integrals.wgsl")).needs(&[&QUEUE]);
 /// The same for lights that show an image.
 pub static INTEGRALS_BY_CHANNEL: Piece = Piece::new(include_str!("kernels/integrals_by_channel.wgsl")).needs(&[&QUEUE]);
-/// Points, materials, and their radiance.
-pub static POINTS: Piece = Piece::new(include_str!("kernels/points.wgsl")).needs(&[&GEOMETRY]);
 /// The parts that both kernels of classification share.
-pub static TILES: Piece = Piece::new(include_str!("kernels/tiles.wgsl")).needs(&[&QUEUE, &POINTS]);
+pub static TILES: Piece = Piece::new(include_str!("kernels/tiles.wgsl")).needs(&[&QUEUE, &GEOMETRY]);
 /// Classifies each point for one light. Needs `light_integral`, `blockers_coverage`, the light and `brdf_lobe`.
 pub static CLASSIFY: Piece = Piece::new(include_str!("kernels/classify.wgsl")).needs(&[&TILES, &LOBE]);
 /// Shades one queued point with one workgroup. Needs the same, the hooks of masks and the visible fraction of lobes.
 pub static PENUMBRA: Piece =
-    Piece::new(include_str!("kernels/penumbra.wgsl")).needs(&[&QUEUE, &POINTS, &masks::VISIBILITY]);
+    Piece::new(include_str!("kernels/penumbra.wgsl")).needs(&[&QUEUE, &GEOMETRY, &masks::VISIBILITY]);
 /// [`CLASSIFY`] by the paper's method.
 pub static PAPER_CLASSIFY: Piece =
     Piece::new(include_str!("kernels/paper_classify.wgsl")).needs(&[&TILES, &paper::wgsl::TABLES]);
 /// [`PENUMBRA`] by the paper's method.
 pub static PAPER_PENUMBRA: Piece =
-    Piece::new(include_str!("kernels/paper_penumbra.wgsl")).needs(&[&QUEUE, &POINTS, &paper::wgsl::VISIBILITY]);
+    Piece::new(include_str!("kernels/paper_penumbra.wgsl")).needs(&[&QUEUE, &GEOMETRY, &paper::wgsl::VISIBILITY]);
 /// The size of the penumbra kernel's dispatch.
 pub static ARGS: Piece = Piece::new(include_str!("kernels/args.wgsl")).needs(&[&QUEUE]);
 /// Where a sky leaves lobes to its patches.
@@ -91,10 +89,7 @@ pub static ALL_LOBES: Piece = Piece::new("fn lobes_left(point: u32) -> u32 { ret
 /// Those that a sky leaves to its patches.
 pub static LOBES_LEFT: Piece =
     Piece::new("fn lobes_left(point: u32) -> u32 { return queue.items[sky_left_place(point)]; }\n").needs(&[&SKY_LEFT]);
-/// The table of a sky.
-static SKY_TABLE: Piece = Piece::new("@group(0) @binding(11) var<storage, read> sky_table: array<f32>;\n");
 /// Sums a sky at once. Needs the functions `blockers_sky…` and `brdf_lobe`, a header of a sky, and one of `SKY_MICROFACETS` and `SKY_NO_MICROFACETS`.
-pub static SKY: Piece =
-    Piece::new(include_str!("kernels/sky.wgsl")).needs(&[&SKY_TABLE, &SKY_LEFT, &POINTS, &masks::SKY_VIEW]);
+pub static SKY: Piece = Piece::new(include_str!("kernels/sky.wgsl")).needs(&[&SKY_LEFT, &GEOMETRY, &masks::SKY_VIEW]);
 /// The size of the dispatches of a sky's patches.
 pub static SKY_ARGS: Piece = Piece::new(include_str!("kernels/sky_args.wgsl")).needs(&[&QUEUE]);

@@ -2,7 +2,6 @@ use crate::event::tell;
 use crate::{Event, Listener, RenderError};
 use pictures::{ImageFileError, Output, checksum};
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Finds a result of an earlier run by its key in a folder; returns its file and the result. A file whose content does not match
@@ -37,6 +36,6 @@ pub(crate) fn store(folder: &Path, key: &str, ending: &str, bytes: &[u8]) -> Res
     let path = folder.join(format!("{key}.{}.{ending}", checksum(bytes)));
     let failed = |source| ImageFileError::Io { path: path.clone(), source };
     fs::create_dir_all(folder).map_err(failed)?;
-    Output::create(&path)?.finish(|file| file.write_all(bytes).map_err(failed))?;
+    Output::create(&path)?.write(bytes)?;
     Ok(path)
 }

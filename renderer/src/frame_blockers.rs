@@ -224,31 +224,7 @@ impl<'a> FrameBlockers<'a> {
         let tables = tables.filter(|_| method == Method::Paper);
         #[cfg(feature = "gpu")]
         if let Backend::Gpu(gpu) = backend {
-            let silhouettes = self.gpu_silhouettes();
-            let casting = self.hides.iter().map(|hides| match hides {
-                HidesFrom::None => ShadowCasting::None,
-                HidesFrom::All => ShadowCasting::All,
-                HidesFrom::Drawn => ShadowCasting::Alike,
-            });
-            let casting: Vec<ShadowCasting> = casting.collect();
-            let traced = casting.iter().any(|casting| *casting != ShadowCasting::None);
-            let traced = traced.then_some((self.world, casting));
-            if method == Method::Lobes {
-                return Err(RenderError::NotOnGpu(crate::error::LOBES));
-            }
-            let mut blockers = Vec::with_capacity(self.custom.len());
-            for own in self.custom {
-                let fault = || RenderError::Strategy { name: own.name(), fault: crate::error::NO_WGSL.to_owned() };
-                blockers.push(own.gpu_blockers().ok_or_else(fault)?);
-            }
-            let parts = GpuParts { spheres: self.spheres, maps: self.maps.as_ref(), silhouettes: silhouettes.as_ref() };
-            let shader = gpu.occluded(tables, &parts, traced, &blockers)?;
-            let sky = self.sky.as_ref().and_then(|sky| Some((sky.packed.as_ref()?, sky.replaced.clone())));
-            shader.set_sky(sky);
-            // Software drivers would end the many loops over a map's texels.
-            let is_short = shader.gpu().is_software() && parts.maps.is_some();
-            shader.set_look_again(if is_short { LookAgain::Never } else { look_again(self.of_own) });
-            return work.with(shader).await;
+            return self.shade_on_gpu(gpu, method, tables, work).await;
         }
         #[cfg(not(feature = "gpu"))]
         let Backend::Cpu = backend;
@@ -278,6 +254,42 @@ impl<'a> FrameBlockers<'a> {
                 masked(Mixture::new(spheres, triangles), sky, form, tables, work).await
             }
         }
+    }
+
+    /// [`shade_async`](Self::shade_async) on a GPU.
+    #[cfg(feature = "gpu")]
+    async fn shade_on_gpu<W: ShaderTask>(
+        self,
+        gpu: &mut crate::backend::GpuBackend,
+        method: Method,
+        tables: Option<&Tables>,
+        work: W,
+    ) -> Result<W::Output, RenderError> {
+        let silhouettes = self.gpu_silhouettes();
+        let casting = self.hides.iter().map(|hides| match hides {
+            HidesFrom::None => ShadowCasting::None,
+            HidesFrom::All => ShadowCasting::All,
+            HidesFrom::Drawn => ShadowCasting::Alike,
+        });
+        let casting: Vec<ShadowCasting> = casting.collect();
+        let traced = casting.iter().any(|casting| *casting != ShadowCasting::None);
+        let traced = traced.then_some((self.world, casting));
+        if method == Method::Lobes {
+            return Err(RenderError::NotOnGpu(crate::error::LOBES));
+        }
+        let mut blockers = Vec::with_capacity(self.custom.len());
+        for own in self.custom {
+            let fault = || RenderError::Strategy { name: own.name(), fault: crate::error::NO_WGSL.to_owned() };
+            blockers.push(own.gpu_blockers().ok_or_else(fault)?);
+        }
+        let parts = GpuParts { spheres: self.spheres, maps: self.maps.as_ref(), silhouettes: silhouettes.as_ref() };
+        let shader = gpu.occluded(tables, &parts, traced, &blockers)?;
+        let sky = self.sky.as_ref().and_then(|sky| Some((sky.packed.as_ref()?, sky.replaced.clone())));
+        shader.set_sky(sky);
+        // Software drivers would end the many loops over a map's texels.
+        let is_short = shader.gpu().is_software() && parts.maps.is_some();
+        shader.set_look_again(if is_short { LookAgain::Never } else { look_again(self.of_own) });
+        work.with(shader).await
     }
 }
 

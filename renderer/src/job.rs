@@ -13,7 +13,7 @@ use crate::{
 use paper::Tables;
 use pictures::Window;
 use render_cpu::{SceneSilhouettes, World};
-use scene::{Cancel, Frame};
+use scene::{Cancel, Frame, Scene};
 use shading::Accuracy;
 use visibility_shadowmap::{ReceiverBounds, ShadowMap};
 
@@ -56,22 +56,10 @@ impl Job<'_> {
         let State { backend, chosen, is_advised, points, canvas, maps: kept_maps, sky } = state;
         let (scene, spheres) = (world.scene(), self.spheres.get());
         let mut bands = Bands::new(world, settings, parts, points, cancel);
-        let mut maps = Vec::new();
-        if plan.wants_maps(scene)
-            && let Some(receivers) = bands.bounds()?
-        {
-            let request = MapRequest { receivers, resolution: settings.map_resolution, room: backend.room_for_maps() };
-            let coarser;
-            (maps, coarser) = seconds(&mut clocks.maps, || kept_maps.update(plan, scene, request, cancel))?;
-            if !core::mem::replace(is_advised, true) {
-                advise(&maps, coarser, &receivers, listener)?;
-            }
-        }
+        let room = backend.room_for_maps();
+        let maps = self.maps(scene, &mut bands, (kept_maps, is_advised), room, (&mut clocks.maps, listener))?;
         let materials = &scene.materials;
         let lights = self.alone.map_or(&scene.lights[..], |place| &scene.lights[place..=place]);
-        if let Some(place) = self.alone.filter(|place| *place < maps.len()) {
-            maps = maps.drain(place..=place).collect();
-        }
         let mut frame = Frame { materials, lights, accuracy: settings.accuracy, threshold: settings.threshold };
         match (*chosen, settings.time_budget) {
             (Some(accuracy), _) => frame.accuracy = accuracy,
@@ -112,6 +100,30 @@ impl Job<'_> {
         stats.triangles = world.triangle_count();
         (stats.map_resolutions, stats.map_bytes) = (map_resolutions, map_bytes);
         Ok(stats)
+    }
+
+    /// The maps of the picture's lights; none where nothing blocks through maps, or no receiver is seen.
+    fn maps(
+        &self,
+        scene: &Scene,
+        bands: &mut Bands<'_>,
+        (kept, is_advised): (&mut KeptMaps, &mut bool),
+        room: u64,
+        (time, listener): (&mut f64, &mut Listener<'_>),
+    ) -> Result<Vec<ShadowMap>, RenderError> {
+        if !self.plan.wants_maps(scene) {
+            return Ok(Vec::new());
+        }
+        let Some(receivers) = bands.bounds()? else { return Ok(Vec::new()) };
+        let request = MapRequest { receivers, resolution: self.settings.map_resolution, room };
+        let (mut maps, coarser) = seconds(time, || kept.update(self.plan, scene, request, self.cancel))?;
+        if !core::mem::replace(is_advised, true) {
+            advise(&maps, coarser, &receivers, listener)?;
+        }
+        if let Some(place) = self.alone.filter(|place| *place < maps.len()) {
+            maps = maps.drain(place..=place).collect();
+        }
+        Ok(maps)
     }
 }
 

@@ -9,11 +9,11 @@ use scene::{Animation, Cancel, Object, Proxy, Scene, Strategy};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
-use test_scenes::{floor_and_ball, globe};
+use test_scenes::{floor_and_sphere, globe};
 
 /// A scene that shades slowly: a mesh in penumbra under several wide lights.
 fn slow(width: u32, height: u32) -> Scene {
-    let mut scene = floor_and_ball();
+    let mut scene = floor_and_sphere();
     (scene.width, scene.height) = (width, height);
     let mesh = globe(60, Vec3::new(-0.8, 0.8, 0.4), 0.5, true);
     let inner = Sphere { center: Vec3::new(-0.8, 0.8, 0.4), radius: 0.48 };

@@ -9,7 +9,7 @@ use renderer::{EditError, Method, RenderError, Renderer, Settings, Upkeep};
 use scene::{Animation, Camera, KeyFrame, KeyFrames, Mesh, Object, Proxy, Scene, Strategy, Surface};
 use shading::Accuracy;
 use std::sync::Arc;
-use test_scenes::{floor_and_ball, globe};
+use test_scenes::{floor_and_sphere, globe};
 
 fn lamp(x: f32) -> Light {
     SphereLight::new(Sphere { center: Vec3::new(x, 4.0, 1.0), radius: 0.5 }, Vec3::splat(4.0)).into()
@@ -22,7 +22,7 @@ fn mesh_object(x: f32) -> Object {
 }
 
 fn stage() -> Scene {
-    let mut scene = floor_and_ball();
+    let mut scene = floor_and_sphere();
     (scene.width, scene.height) = (48, 27);
     scene.objects.push(mesh_object(-1.0));
     scene.objects.push(mesh_object(1.2));

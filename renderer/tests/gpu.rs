@@ -9,7 +9,7 @@ use lobe_core::Sphere;
 use renderer::{Cancel, Device, LayerSet, RenderError, Renderer, Settings, Window};
 use scene::{Animation, Instances, Object, Proxy, Scene, Shape, Strategy};
 use std::sync::Arc;
-use test_scenes::{floor_and_ball, globe};
+use test_scenes::{floor_and_sphere, globe};
 
 fn main() {
     let is_there = renderer::Backend::open(Device::Gpu).is_ok();
@@ -36,7 +36,7 @@ fn main() {
 }
 
 fn stage() -> Scene {
-    let mut scene = floor_and_ball();
+    let mut scene = floor_and_sphere();
     (scene.width, scene.height) = (48, 27);
     let center = Vec3::new(-0.9, 0.8, 0.5);
     scene.objects.push(Object::mesh("globe", globe(6, center, 0.5, true), 0, Proxy::Count(8)));

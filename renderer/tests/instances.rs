@@ -7,7 +7,7 @@ use lobe_core::{Random, Sphere};
 use renderer::{Renderer, Settings};
 use scene::{Animation, Instances, Mesh, Object, Proxy, Scene, Shape, Strategy};
 use std::sync::Arc;
-use test_scenes::floor_and_ball;
+use test_scenes::floor_and_sphere;
 
 /// Matrices in a field: turned, some scaled unequally or mirrored.
 fn places(random: &mut Random, count: usize, offset: Vec3) -> Vec<Mat4> {
@@ -48,7 +48,7 @@ fn shape(smooth: bool) -> Mesh {
 
 fn scene(smooth: bool, lights: Vec<Light>, offset: Vec3) -> Scene {
     let mut random = Random::new(11);
-    let mut scene = floor_and_ball();
+    let mut scene = floor_and_sphere();
     (scene.width, scene.height) = (96, 64);
     scene.materials.push(Lambert { albedo: Vec3::new(0.7, 0.5, 0.3) }.into());
     let mut mesh = shape(smooth);

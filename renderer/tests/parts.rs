@@ -6,12 +6,12 @@ use lighting::SphereLight;
 use lobe_core::{Random, Sphere};
 use renderer::{Band, Event, LayerSet, Layers, PixelSamples, RenderError, Renderer, Settings, Window};
 use scene::{Animation, Object, Proxy, Scene, Strategy};
-use test_scenes::{floor_and_ball, globe};
+use test_scenes::{floor_and_sphere, globe};
 
 const SIZE: [usize; 2] = [75, 46];
 
 fn stage() -> Scene {
-    let mut scene = floor_and_ball();
+    let mut scene = floor_and_sphere();
     (scene.width, scene.height) = (SIZE[0] as u32, SIZE[1] as u32);
     let center = Vec3::new(-0.9, 0.8, 0.5);
     scene.objects.push(Object::mesh("globe", globe(6, center, 0.5, true), 0, Proxy::Count(8)));

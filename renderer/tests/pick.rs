@@ -7,11 +7,11 @@ use lobe_core::{Random, Receiver, Sphere};
 use ray_tracing::World;
 use renderer::{LayerSet, LightHandle, Renderer, Settings, Window};
 use scene::{Animation, Mesh, Object, Projection, Proxy, Scene, Strategy};
-use test_scenes::{floor_and_ball, globe, material};
+use test_scenes::{floor_and_sphere, globe, material};
 
 /// A floor, a sphere, a mesh, and lamps, two of which are visible.
 fn stage() -> Scene {
-    let mut scene = floor_and_ball();
+    let mut scene = floor_and_sphere();
     (scene.width, scene.height) = (96, 54);
     scene.materials.push(material());
     let center = Vec3::new(-0.9, 0.8, 0.5);
@@ -166,7 +166,7 @@ fn sampled(scene: &Scene, at: &Receiver, light: &Light, n: u32) -> f64 {
 
 #[test]
 fn fractions_are_those_of_ray_tracing() {
-    let mut scene = floor_and_ball();
+    let mut scene = floor_and_sphere();
     let center = Vec3::new(-0.9, 0.8, 0.5);
     scene.objects.push(Object::mesh("globe", globe(24, center, 0.5, false), 0, Proxy::Count(8)));
     let panel = FlatLight::rectangle(Vec3::new(-1.0, 3.0, 0.0), Vec3::X * 0.6, Vec3::Z * 0.4, Vec3::ONE);
@@ -275,7 +275,7 @@ fn masks_show_the_visible_fraction() {
 #[test]
 fn shadow_maps_of_lights() {
     // Maps are drawn where all lights are spheres.
-    let mut scene = floor_and_ball();
+    let mut scene = floor_and_sphere();
     (scene.width, scene.height) = (96, 54);
     let globe = globe(24, Vec3::new(0.4, 1.6, 0.2), 0.4, true);
     scene.objects.push(Object::mesh("caster", globe, 0, Proxy::Count(8)));

@@ -6,13 +6,13 @@ use lobe_core::{NO_OBJECT, Random, Receiver, Sphere};
 use ray_tracing::{GBuffer, World};
 use renderer::{LayerSet, RenderError, Renderer, Settings};
 use scene::{Animation, Cancel, Mesh, Object, Proxy, Scene, ShadingPoints, Strategy};
-use test_scenes::{floor_and_ball, globe, material};
+use test_scenes::{floor_and_sphere, globe, material};
 
 const LIGHTS: LayerSet = LayerSet { unshadowed: true, lights: true, ..LayerSet::NONE };
 
 /// A floor, a sphere and a mesh under a sphere light and a rectangle.
 fn stage() -> Scene {
-    let mut scene = floor_and_ball();
+    let mut scene = floor_and_sphere();
     (scene.width, scene.height) = (96, 54);
     scene.materials.push(material());
     let center = Vec3::new(-0.9, 0.8, 0.5);
@@ -81,7 +81,7 @@ fn points_of_the_picture_have_its_light() {
 /// Under a sphere of radiance L the irradiance is π L (r/d)², whatever the tolerance is.
 #[test]
 fn white_points_have_the_irradiance_over_pi() {
-    let mut scene = floor_and_ball();
+    let mut scene = floor_and_sphere();
     let lamp = Sphere { center: Vec3::new(7.0, 2.0, 0.0), radius: 0.5 };
     scene.lights = vec![SphereLight::new(lamp, Vec3::splat(3.0)).into()];
     let mut renderer = renderer(scene, None);
@@ -97,7 +97,7 @@ fn white_points_have_the_irradiance_over_pi() {
 /// beside a wall without end sees half of it.
 #[test]
 fn ambient_light_is_hidden() {
-    let mut scene = floor_and_ball();
+    let mut scene = floor_and_sphere();
     let radius = 0.5;
     scene.objects.truncate(1);
     let center = Vec3::new(0.0, 1.5, 0.0);

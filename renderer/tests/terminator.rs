@@ -57,7 +57,7 @@ fn light_ends_as_on_the_surface_that_is_meant() {
 #[test]
 fn flat_things_stay_as_they_are() {
     let [exact, smooth] = [Terminator::Exact, Terminator::Smooth].map(|terminator| {
-        let mut scene = test_scenes::floor_and_ball();
+        let mut scene = test_scenes::floor_and_sphere();
         let flat = Object::mesh("flat", globe(8, Vec3::new(1.5, 0.7, 0.5), 0.5, false), 0, Proxy::None);
         scene.objects.push(flat);
         scene.objects.iter_mut().for_each(|object| object.terminator = terminator);

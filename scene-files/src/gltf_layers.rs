@@ -1,8 +1,8 @@
 //! Extensions of glTF materials that the document reader does not know: KHR_materials_anisotropy and KHR_materials_clearcoat.
 
+use crate::appearance::Appearance;
 use crate::gltf_buffers::Buffers;
 use crate::gltf_texture::{Images, Reference};
-use crate::look::Look;
 use crate::unit::unit;
 use brdf::Material;
 use gltf::json::Value;
@@ -11,13 +11,13 @@ use gltf::json::material::NormalTexture;
 use gltf::json::texture::Info;
 use scene::{Channel, Encoding, Surface};
 
-/// A look with the clear coat that an extension's object says; numbers out of range are taken as the nearest that are not.
+/// An appearance with the clear coat that an extension's object says; numbers out of range are taken as the nearest that are not.
 pub(crate) fn coated(
     clearcoat: &Value,
-    look: Look,
+    appearance: Appearance,
     buffers: &Buffers<'_>,
     images: &mut Images<'_>,
-) -> Result<Look, String> {
+) -> Result<Appearance, String> {
     let fault = |e: String| format!("KHR_materials_clearcoat: {e}");
     let [weight, roughness] = [number(clearcoat, "clearcoatFactor"), number(clearcoat, "clearcoatRoughnessFactor")];
     let (weight, roughness) = (unit(weight.map_err(fault)?), unit(roughness.map_err(fault)?));
@@ -38,27 +38,27 @@ pub(crate) fn coated(
         return Err(fault(format!("normal texture has scale {scale}")));
     }
     let of_normal = images.map(buffers, reference, Encoding::Linear).map_err(fault)?;
-    let Material::MetallicRoughness(metal) = look.material else { return Ok(look) };
+    let Material::MetallicRoughness(metal) = appearance.material else { return Ok(appearance) };
     let metal = metal.with_clearcoat(weight, roughness).map_err(|e| fault(e.to_string()))?;
     if metal.clearcoat().is_none() {
-        return Ok(Look { material: metal.into(), ..look });
+        return Ok(Appearance { material: metal.into(), ..appearance });
     }
     let surface = Surface {
         clearcoat: of_weight,
         clearcoat_roughness: of_roughness,
         clearcoat_normal: of_normal.map(|map| (map, scale)),
-        ..look.surface
+        ..appearance.surface
     };
-    Ok(Look { material: metal.into(), surface, ..look })
+    Ok(Appearance { material: metal.into(), surface, ..appearance })
 }
 
-/// A look with the anisotropy that an extension's object says, in the same way.
+/// An appearance with the anisotropy that an extension's object says, in the same way.
 pub(crate) fn brushed(
     anisotropy: &Value,
-    look: Look,
+    appearance: Appearance,
     buffers: &Buffers<'_>,
     images: &mut Images<'_>,
-) -> Result<Look, String> {
+) -> Result<Appearance, String> {
     let fault = |e: String| format!("KHR_materials_anisotropy: {e}");
     let strength = unit(number(anisotropy, "anisotropyStrength").map_err(fault)?);
     let turn = number(anisotropy, "anisotropyRotation").map_err(fault)?;
@@ -68,13 +68,13 @@ pub(crate) fn brushed(
         images.map(buffers, Some(Reference::from(info)), Encoding::Linear)
     });
     let map = map.transpose().map_err(fault)?.flatten();
-    let Material::MetallicRoughness(metal) = look.material else { return Ok(look) };
+    let Material::MetallicRoughness(metal) = appearance.material else { return Ok(appearance) };
     let metal = metal.with_anisotropy(strength).map_err(|e| fault(e.to_string()))?;
     if metal.anisotropy() == 0.0 {
-        return Ok(Look { material: metal.into(), ..look });
+        return Ok(Appearance { material: metal.into(), ..appearance });
     }
-    let surface = Surface { anisotropy: map, anisotropy_turn: turn, follows_u: true, ..look.surface };
-    Ok(Look { material: metal.into(), surface, ..look })
+    let surface = Surface { anisotropy: map, anisotropy_turn: turn, follows_u: true, ..appearance.surface };
+    Ok(Appearance { material: metal.into(), surface, ..appearance })
 }
 
 /// A number; 0 without one.

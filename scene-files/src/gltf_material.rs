@@ -1,9 +1,9 @@
 //! Materials of a glTF document.
 
+use crate::appearance::Appearance;
 use crate::gltf_buffers::Buffers;
 use crate::gltf_layers;
 use crate::gltf_texture::{Images, Reference};
-use crate::look::Look;
 use crate::unit::unit;
 use brdf::{Material, MaterialError, MetallicRoughness};
 use glam::Vec3;
@@ -20,20 +20,21 @@ pub(crate) fn read_material(
     extensions: Option<&Value>,
     buffers: &Buffers<'_>,
     images: &mut Images<'_>,
-) -> Result<Look, String> {
+) -> Result<Appearance, String> {
     let material = root.materials.get(index).ok_or_else(|| format!("there is no material {index}"))?;
     let mut of_material = || {
-        let look = look(material, buffers, images)?;
+        let appearance = appearance(material, buffers, images)?;
         // Not of surfaces that are not lit.
-        let of = |name| extensions.filter(|_| !look.surface.is_unlit).and_then(|e| e.get(name));
+        let of = |name| extensions.filter(|_| !appearance.surface.is_unlit).and_then(|e| e.get(name));
         let (anisotropy, clearcoat) = (of("KHR_materials_anisotropy"), of("KHR_materials_clearcoat"));
-        let look = anisotropy.map_or(Ok(look.clone()), |own| gltf_layers::brushed(own, look, buffers, images))?;
-        clearcoat.map_or(Ok(look.clone()), |own| gltf_layers::coated(own, look, buffers, images))
+        let appearance =
+            anisotropy.map_or(Ok(appearance.clone()), |own| gltf_layers::brushed(own, appearance, buffers, images))?;
+        clearcoat.map_or(Ok(appearance.clone()), |own| gltf_layers::coated(own, appearance, buffers, images))
     };
     of_material().map_err(|e: String| format!("material {index}: {e}"))
 }
 
-fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> Result<Look, String> {
+fn appearance(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> Result<Appearance, String> {
     let limit = alpha_limit(material, images)?;
     check_textures(material, images)?;
     let pbr = &material.pbr_metallic_roughness;
@@ -44,7 +45,7 @@ fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> 
     let base = Vec3::new(unit(r), unit(g), unit(b));
     if extensions.is_some_and(|e| e.unlit.is_some()) {
         let surface = Surface { emission: base, emission_map: color, is_unlit: true, ..Surface::default() };
-        return Ok(Look { material: Material::lambert(Vec3::ZERO), surface, cut_out });
+        return Ok(Appearance { material: Material::lambert(Vec3::ZERO), surface, cut_out });
     }
     let numbers = images.map(buffers, pbr.metallic_roughness_texture.as_ref().map(Into::into), Encoding::Linear)?;
     let channel = |index| numbers.clone().map(|map| Channel { map, index });
@@ -72,7 +73,7 @@ fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> 
         emission_map,
         ..Surface::default()
     };
-    Ok(Look { material: metal.into(), surface, cut_out })
+    Ok(Appearance { material: metal.into(), surface, cut_out })
 }
 
 /// The alpha below which surfaces are cut out; `None` for opaque ones.

@@ -1,5 +1,6 @@
 //! Meshes of the nodes of a glTF document, as parts.
 
+use crate::appearance::Appearance;
 use crate::context::Context;
 use crate::gltf_buffers::Buffers;
 use crate::gltf_document::GltfPart;
@@ -10,7 +11,6 @@ use crate::gltf_material::read_material;
 use crate::gltf_mesh::{Influences, Shapes, read_influences, read_primitive, read_skin};
 use crate::gltf_shared::{SharedMeshes, Shown};
 use crate::gltf_texture::Images;
-use crate::look::Look;
 use crate::part::Part;
 use glam::Mat4;
 use gltf::json::Root;
@@ -51,7 +51,7 @@ pub(crate) struct Reader<'a> {
     /// For each node whether the clip moves it.
     pub(crate) moving: Vec<bool>,
     /// The materials that were used so far.
-    materials: HashMap<usize, Look>,
+    materials: HashMap<usize, Appearance>,
     /// For each mesh how many nodes show it.
     uses: Vec<usize>,
     /// Primitives, by mesh and number, that are cut out for all nodes.
@@ -165,7 +165,7 @@ impl Reader<'_> {
         let primitives = &self.root.meshes[m].primitives;
         let material = self.material(&primitives[p]).map_err(fault)?;
         let name = if primitives.len() == 1 { of.name.clone() } else { format!("{} {p}", of.name) };
-        let cut_out = material.as_ref().and_then(|(_, look)| look.cut_out.as_ref());
+        let cut_out = material.as_ref().and_then(|(_, appearance)| appearance.cut_out.as_ref());
         let copies = of.copies.as_deref();
         if let Some(places) = self.places(node, of.skin.is_none(), copies) {
             let all = self.uses[m].max(places.len());
@@ -232,7 +232,7 @@ impl Reader<'_> {
     }
 
     /// The material of a primitive and its number, read once.
-    fn material(&mut self, primitive: &Primitive) -> Result<Option<(usize, Look)>, String> {
+    fn material(&mut self, primitive: &Primitive) -> Result<Option<(usize, Appearance)>, String> {
         let Some(index) = primitive.material else { return Ok(None) };
         let index = index.value();
         let known = match self.materials.get(&index) {

@@ -1,10 +1,10 @@
 //! Meshes that several nodes or instances show: read once.
 
 use crate::Normals;
+use crate::appearance::Appearance;
 use crate::context::Context;
 use crate::gltf_buffers::Buffers;
 use crate::gltf_mesh::read_primitive;
-use crate::look::Look;
 use crate::normals::turn_strays;
 use crate::part::{Part, Repaired};
 use glam::Mat4;
@@ -42,7 +42,7 @@ pub(crate) struct Shown<'a> {
     pub(crate) copies: usize,
     /// Those of one node.
     pub(crate) places: Vec<Mat4>,
-    pub(crate) material: Option<&'a (usize, Look)>,
+    pub(crate) material: Option<&'a (usize, Appearance)>,
 }
 
 impl SharedMeshes {
@@ -100,7 +100,7 @@ impl SharedMeshes {
         }
         context.files.budget.take_mesh(&part.mesh, 1, shown.name)?;
         self.broken += shapes.broken;
-        if let Some(cut_out) = shown.material.and_then(|(_, look)| look.cut_out.as_ref()) {
+        if let Some(cut_out) = shown.material.and_then(|(_, appearance)| appearance.cut_out.as_ref()) {
             context.cut_out(shown.path, shown.name, cut_out, (&mut part.mesh, &shapes.alphas), false);
         }
         let dropped = part.clean();

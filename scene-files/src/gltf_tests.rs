@@ -305,7 +305,7 @@ fn punctual_lights_are_read() {
 }
 
 /// The parts of a document, and its warnings.
-fn told(text: &str) -> (Vec<Part>, Vec<String>) {
+fn parts_of(text: &str) -> (Vec<Part>, Vec<String>) {
     let mut context = Context::default();
     let file = gltf_file::parse(Path::new("m.gltf"), text.as_bytes(), None, &mut context).unwrap();
     (file.parts, context.warnings)
@@ -342,7 +342,7 @@ fn instances_stand_where_nodes_would() {
     let nodes = r#"[{"translation": [10, 0, 0], "children": [1]}, {"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing":
         {"attributes": {"TRANSLATION": 1, "ROTATION": 2, "_ID": 99}}}}]"#;
     let text = with_floats(&triangle(nodes, ""), &[(&places, "VEC3"), (&turn, "VEC4")]);
-    let (parts, warnings) = told(&text);
+    let (parts, warnings) = parts_of(&text);
     assert!(warnings.is_empty(), "{warnings:?}");
     let got = &parts[0].mesh;
     assert_eq!((parts.len(), got.triangles.len(), got.positions.len()), (1, 3, 9));
@@ -408,7 +408,7 @@ fn extensions_that_change_the_picture_are_told() {
         let unlisted =
             format!(", \"extras\": {{\"extensions\": {{\"NOT_one\": {{}}}}}}, \"extensions\": {{\"{name}\": {{}}}}");
         for more in [listed, unlisted] {
-            let (_, warnings) = told(&triangle(r#"[{"mesh": 0}]"#, &more));
+            let (_, warnings) = parts_of(&triangle(r#"[{"mesh": 0}]"#, &more));
             assert_eq!(warnings.len(), usize::from(is_told), "{name}: {warnings:?}");
             assert!(warnings.iter().all(|line| line.contains(name)), "{warnings:?}");
         }
@@ -428,12 +428,12 @@ fn the_alpha_of_vertex_colours_cuts_all_nodes_of_a_mesh() {
         )
     };
     for nodes in [r#"[{"mesh": 0}]"#, r#"[{"mesh": 0}, {"mesh": 0, "translation": [0, 0, 3]}]"#] {
-        let (parts, warnings) = told(&document(nodes, "0.5"));
+        let (parts, warnings) = parts_of(&document(nodes, "0.5"));
         assert!(warnings.is_empty(), "{warnings:?}");
         assert!(parts.iter().all(|part| (part.mesh.area() - 0.375).abs() < 1e-5), "{}", parts[0].mesh.area());
         assert_eq!(parts[0].mesh.positions[0].z, 0.0);
         assert_eq!(parts.last().map(|part| part.mesh.positions[0].z), Some(if parts.len() == 2 { 3.0 } else { 0.0 }));
-        let (parts, _) = told(&document(nodes, "1.1"));
+        let (parts, _) = parts_of(&document(nodes, "1.1"));
         assert!(parts.iter().all(|part| part.mesh.triangles.is_empty()));
     }
 }

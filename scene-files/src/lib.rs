@@ -55,6 +55,7 @@
 //! (pointers of extensions, weights without targets) are left out with a warning. A broken skin is always an
 //! error.
 
+mod appearance;
 mod budget;
 mod context;
 mod decimal;
@@ -86,7 +87,6 @@ mod kept_meshes;
 mod keys;
 mod known_errors;
 mod load;
-mod look;
 mod mesh_file;
 mod mesh_scene;
 #[cfg(test)]

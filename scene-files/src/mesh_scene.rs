@@ -1,11 +1,11 @@
 //! A mesh file as a scene of its own: with a floor, and lights and a camera where it has none.
 
+use crate::appearance::Appearance;
 use crate::context::Context;
 use crate::defaults::{DEFAULT_SIZE, DEFAULT_SPHERES, default_camera, default_material};
 use crate::emission::light_up;
 use crate::gltf_file::Read;
 use crate::gltf_light::PlacedLight;
-use crate::look::Look;
 use crate::mesh_file::near_parts;
 use crate::part::share_out;
 use brdf::ModifiedPhong;
@@ -19,7 +19,7 @@ pub(crate) const MESH_OR_SCENE: &str = ".toml, .obj, .ply, .gltf or .glb";
 /// The contents of a mesh file, without the floor and the lights that [`bare`] adds. The objects are not posed yet.
 pub(crate) struct Bare {
     pub(crate) objects: Vec<Object>,
-    looks: Vec<Look>,
+    appearances: Vec<Appearance>,
     pub(crate) animation: Animation,
     camera: Option<Camera>,
     lights: Vec<PlacedLight>,
@@ -32,19 +32,19 @@ pub(crate) fn bare_objects(path: &Path, file: Read, context: &mut Context) -> Ba
     animation.movers = parts.iter_mut().map(|part| part.place(context.normals, &here)).collect();
     context.tell_smoothed(path, &parts, context.normals, false);
     let floor = ModifiedPhong { kd: Vec3::splat(0.32), ks: Vec3::splat(0.18), exponent: 50.0 };
-    let mut looks: Vec<Look> = vec![floor.into(), default_material().into()];
+    let mut appearances: Vec<Appearance> = vec![floor.into(), default_material().into()];
     let mut keys: Vec<(usize, usize)> = Vec::new();
     let counts = share_out(DEFAULT_SPHERES, &parts);
     let mut objects = Vec::new();
     for (mut part, count) in parts.into_iter().zip(counts) {
         let material = match part.material.take() {
             None => 1,
-            Some((key, look)) => match keys.iter().find(|(k, _)| *k == key) {
+            Some((key, appearance)) => match keys.iter().find(|(k, _)| *k == key) {
                 Some(&(_, index)) => index,
                 None => {
-                    looks.push(look);
-                    keys.push((key, looks.len() - 1));
-                    looks.len() - 1
+                    appearances.push(appearance);
+                    keys.push((key, appearances.len() - 1));
+                    appearances.len() - 1
                 }
             },
         };
@@ -64,7 +64,7 @@ pub(crate) fn bare_objects(path: &Path, file: Read, context: &mut Context) -> Ba
             terminator: context.terminator,
         });
     }
-    Bare { objects, looks, animation, camera, lights }
+    Bare { objects, appearances, animation, camera, lights }
 }
 
 /// The box that holds the objects at all times, approximated by its union over several moments.
@@ -84,7 +84,7 @@ fn swept_bounds(animation: &Animation, objects: &mut [Object]) -> Bounds {
 /// A mesh file as a scene of its own. Floor, light and camera suit the whole animation.
 pub(crate) fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
     let file = near_parts(path, clip, context, MESH_OR_SCENE)?;
-    let Bare { mut objects, looks, mut animation, camera, lights: own } = bare_objects(path, file, context);
+    let Bare { mut objects, appearances, mut animation, camera, lights: own } = bare_objects(path, file, context);
     let bounds = swept_bounds(&animation, &mut objects);
     let radius = bounds.radius();
     let (width, height) = DEFAULT_SIZE;
@@ -108,7 +108,7 @@ pub(crate) fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Re
         })
         .collect();
     let camera = camera.unwrap_or_else(|| default_camera(bounds, width, height));
-    let (materials, surfaces) = Look::parted(looks);
+    let (materials, surfaces) = Appearance::parted(appearances);
     let mut scene = Scene { camera, width, height, materials, surfaces, objects, lights, ..Scene::default() };
     light_up(path, &mut scene, &mut animation, context);
     if scene.lights.is_empty() && !is_kept {

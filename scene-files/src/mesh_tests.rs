@@ -74,9 +74,9 @@ fn libraries_are_read_as_programs_write_them() {
     ];
     for library in libraries {
         let (parts, warnings) = with_library("a", &library);
-        let (_, look) = parts[0].material.as_ref().expect("the material");
+        let (_, appearance) = parts[0].material.as_ref().expect("the material");
         assert!(warnings.is_empty(), "{warnings:?}");
-        assert_eq!(look.material, Lambert { albedo: Vec3::new(0.5, 0.25, 1.0) }.into());
+        assert_eq!(appearance.material, Lambert { albedo: Vec3::new(0.5, 0.25, 1.0) }.into());
     }
     // A backslash at the end of a name is a part of that.
     let (_, warnings) = with_library("a", b"newmtl a\nmap_Kd C:\\maps\\\nKd 1 0 0\n");

@@ -21,11 +21,12 @@ fn close(a: Vec3, b: Vec3) -> bool {
     (a - b).length() < 1e-5
 }
 
-const BALL: &str = "[[objects]]\nsphere = { center = [2, 0, 0], radius = 0.5 }\n";
+const SPHERE: &str = "[[objects]]\nsphere = { center = [2, 0, 0], radius = 0.5 }\n";
 
 #[test]
 fn an_orbit_is_a_rotation_of_what_lies_aside() {
-    let text = format!("{BALL}keys = [{{ time = 1 }}, {{ time = 3, rotate = {{ axis = [0, 1, 0], degrees = 720 }} }}]");
+    let text =
+        format!("{SPHERE}keys = [{{ time = 1 }}, {{ time = 3, rotate = {{ axis = [0, 1, 0], degrees = 720 }} }}]");
     let (mut scene, animation) = parse(&text);
     assert!(!animation.is_still() && animation.duration() == 3.0 && animation.fps() == 24.0);
     for (time, degrees) in
@@ -72,7 +73,7 @@ fn keys_leave_out_what_does_not_change() {
 
 #[test]
 fn normals_follow_the_inverse_transpose() {
-    let text = "[[objects]]\nmesh = \"ball.obj\"\nkeys = [{ time = 0 }, { time = 1, scale = [1, 3, 0.5], \
+    let text = "[[objects]]\nmesh = \"globe.obj\"\nkeys = [{ time = 0 }, { time = 1, scale = [1, 3, 0.5], \
         rotate = { axis = [1, 1, 0], degrees = 70 } }]";
     let folder = tempfile::tempdir().unwrap();
     let spine: Vec<Vec3> =
@@ -86,7 +87,7 @@ fn normals_follow_the_inverse_transpose() {
         let [a, b, c] = t.map(|i| i + 1);
         obj += &format!("f {a}//{a} {b}//{b} {c}//{c}\n");
     }
-    std::fs::write(folder.path().join("ball.obj"), obj).unwrap();
+    std::fs::write(folder.path().join("globe.obj"), obj).unwrap();
     std::fs::write(folder.path().join("s.toml"), text).unwrap();
     let (mut scene, animation, _) = load_animated(folder.path().join("s.toml")).unwrap();
     let Shape::Mesh(first) = scene.objects[0].shape.clone() else { panic!() };
@@ -107,7 +108,7 @@ fn normals_follow_the_inverse_transpose() {
 fn lights_and_the_camera_move() {
     let text = format!(
         "[animation]\nduration = 10\nfps = 30\n[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\n\
-        keys = [{{ time = 0 }}, {{ time = 2, eye = [2, 0, 5], fov = 55 }}]\n{BALL}[[lights]]\nkind = \"spheres\"\n\
+        keys = [{{ time = 0 }}, {{ time = 2, eye = [2, 0, 5], fov = 55 }}]\n{SPHERE}[[lights]]\nkind = \"spheres\"\n\
         spheres = [[0, 3, 0, 0.1], [1, 3, 0, 0.2]]\nflux = 1\nkeys = [{{ time = 0, translate = [0, 0, 1] }}, \
         {{ time = 1, translate = [0, 0, 3], rotate = {{ axis = [0, 1, 0], degrees = 90 }} }}]"
     );
@@ -126,7 +127,7 @@ fn lights_and_the_camera_move() {
 
 #[test]
 fn a_scene_without_keys_is_still() {
-    let (scene, animation) = parse(BALL);
+    let (scene, animation) = parse(SPHERE);
     assert!(animation.is_still() && animation.duration() == 0.0 && animation.clips().is_empty());
     let mut moved = scene.clone();
     animation.seek(3.0, &mut moved);
@@ -137,7 +138,7 @@ fn a_scene_without_keys_is_still() {
 fn the_loaded_scene_is_the_first_moment() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("s.toml");
-    std::fs::write(&file, format!("{BALL}keys = [{{ time = 1, translate = [1, 2, 3] }}, {{ time = 2, scale = 2 }}]"))
+    std::fs::write(&file, format!("{SPHERE}keys = [{{ time = 1, translate = [1, 2, 3] }}, {{ time = 2, scale = 2 }}]"))
         .unwrap();
     let (scene, animation, _) = load_animated(&file).unwrap();
     let mut moved = scene.clone();
@@ -153,7 +154,7 @@ fn the_loaded_scene_is_the_first_moment() {
 
 #[test]
 fn bad_keys_are_refused_in_one_line_with_their_place() {
-    let with = |more: &str| format!("{BALL}{more}");
+    let with = |more: &str| format!("{SPHERE}{more}");
     refused(&with("keys = []"), 3, &["at least one key"]);
     refused(&with("keys = 3"), 3, &["found a number"]);
     refused(&with("loop = true"), 3, &["loop: there are no keys"]);

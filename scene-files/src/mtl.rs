@@ -1,11 +1,11 @@
 //! Wavefront MTL: the materials of OBJ files.
 
+use crate::appearance::Appearance;
 use crate::context::Context;
 use crate::files::extension;
 use crate::hdr_header::RGB_OF_XYZ;
 use crate::height::{self, Source};
 use crate::image_file;
-use crate::look::Look;
 use brdf::{Lambert, Material, MetallicRoughness, Phong};
 use core::f32::consts::FRAC_1_PI;
 use glam::{Affine2, Mat2, Vec2, Vec3};
@@ -22,10 +22,10 @@ use std::path::{Path, PathBuf};
 /// `d`, `Tr` and `map_d` cut surfaces out where their opacity is below a half; `d` wins, and `Tr 1` without it is opaque, with a warning.
 /// Names of images may have blanks, quotes and backslashes, and letters large or small. `bump` is a height, of white as many texels as `-bm` says, or
 /// a normal map where its colours are normals.
-pub(crate) fn parse(path: &Path, context: &mut Context) -> Result<HashMap<String, Look>, SceneError> {
+pub(crate) fn parse(path: &Path, context: &mut Context) -> Result<HashMap<String, Appearance>, SceneError> {
     let text = decoded(&context.files.read(path)?);
     let mut reader = Reader { path, context, textures: HashMap::new(), unread: Vec::new(), inverted: 0 };
-    let (mut all, mut entry): (HashMap<String, Look>, Option<Entry>) = (HashMap::new(), None);
+    let (mut all, mut entry): (HashMap<String, Appearance>, Option<Entry>) = (HashMap::new(), None);
     let unified = text.replace("\r\n", "\n").replace('\r', "\n");
     let mut lines = unified.split('\n').enumerate();
     while let Some((number, line)) = lines.next() {
@@ -50,7 +50,7 @@ pub(crate) fn parse(path: &Path, context: &mut Context) -> Result<HashMap<String
         let names = if inverted == 1 { "a material says".to_owned() } else { format!("{inverted} materials say") };
         context.warn(path, format!("{names} `Tr 1` and no `d`: surfaces are opaque, not invisible"));
     }
-    if all.values().any(|look| look.cut_out.is_some()) {
+    if all.values().any(|appearance| appearance.cut_out.is_some()) {
         context.warn(path, "surfaces that are not opaque are cut out where their opacity is below a half");
     }
     if !unread.is_empty() {
@@ -98,7 +98,7 @@ struct Entry {
 }
 
 impl Entry {
-    fn finish(self) -> (String, Look) {
+    fn finish(self) -> (String, Appearance) {
         let Self { name, kd, ks, ns, opacity, transparency, opacity_map, is_matte, roughness, metallic, mut surface } =
             self;
         let white = |map: &Option<TextureMap>| if map.is_some() { Vec3::ONE } else { Vec3::ZERO };
@@ -126,7 +126,7 @@ impl Entry {
         let factor = unit(opacity.unwrap_or(1.0 - transparency.unwrap_or(0.0)));
         let is_whole = opacity_map.is_none() && factor == 1.0;
         let cut_out = (!is_whole).then_some(CutOut { map: opacity_map, factor, limit: 0.5 });
-        (name, Look { material, surface, cut_out })
+        (name, Appearance { material, surface, cut_out })
     }
 }
 
@@ -186,7 +186,7 @@ pub(crate) fn without_comment(line: &str) -> &str {
 
 impl Reader<'_> {
     /// A material that is whole. Some programs write opacity as `Tr`: a surface that is invisible would make no sense.
-    fn finish(&mut self, mut entry: Entry) -> (String, Look) {
+    fn finish(&mut self, mut entry: Entry) -> (String, Appearance) {
         if entry.opacity.is_none() && entry.opacity_map.is_none() && entry.transparency.is_some_and(|t| t >= 1.0) {
             entry.transparency = None;
             self.inverted += 1;

@@ -1,7 +1,7 @@
 //! Wavefront OBJ: positions, normals, smoothing groups, texture coordinates, colours, polygons by material. Lines and curves are ignored.
 
+use crate::appearance::Appearance;
 use crate::context::{Context, counted};
-use crate::look::Look;
 use crate::mtl::without_comment;
 use crate::obj_libraries::Libraries;
 use crate::obj_lines::{self, Run};
@@ -58,9 +58,9 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
     let (mut lists, groups, [short, infinite]) = read(path, text, context)?;
     let Groups { names, lists: mut groups, libraries, .. } = groups;
     let has_libraries = libraries.are_there();
-    let looks = libraries.looks(path, context)?;
+    let appearances = libraries.appearances(path, context)?;
     if has_libraries {
-        tell_unknown(path, &names, &groups, &looks, context);
+        tell_unknown(path, &names, &groups, &appearances, context);
     }
     let mut left_out = vec![
         counted(short, "face", "fewer than three corners"),
@@ -82,23 +82,24 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
     let mut unnamed: Vec<Face> = Vec::new();
     let mut parts: Vec<Part> = Vec::new();
     for (number, (material, corners)) in names.into_iter().zip(groups).enumerate() {
-        match looks.get(&material) {
-            Some(look) if !corners.is_empty() => {
-                let cut_out = look.cut_out.as_ref();
-                let wants_uvs = look.surface.has_textures() || cut_out.is_some_and(|cut_out| cut_out.map.is_some());
+        match appearances.get(&material) {
+            Some(appearance) if !corners.is_empty() => {
+                let cut_out = appearance.cut_out.as_ref();
+                let wants_uvs =
+                    appearance.surface.has_textures() || cut_out.is_some_and(|cut_out| cut_out.map.is_some());
                 let mut mesh = assemble(&lists, &corners, wants_uvs, has_colors);
                 if let Some(cut_out) = cut_out {
                     context.cut_out(path, &material, cut_out, (&mut mesh, &[]), false);
                 }
-                parts.push(Part::fixed(material, mesh, Some((number + 1, look.clone()))));
+                parts.push(Part::fixed(material, mesh, Some((number + 1, appearance.clone()))));
             }
             _ => unnamed.extend(corners),
         }
     }
     if !unnamed.is_empty() {
-        let look = has_colors.then(|| (0, Lambert { albedo: Vec3::ONE }.into()));
+        let appearance = has_colors.then(|| (0, Lambert { albedo: Vec3::ONE }.into()));
         let mesh = assemble(&lists, &unnamed, true, has_colors);
-        parts.insert(0, Part::fixed(name.clone(), mesh, look));
+        parts.insert(0, Part::fixed(name.clone(), mesh, appearance));
     }
     parts.iter_mut().for_each(|part| part.is_bare = is_bare);
     let take = |part: &Part| context.files.budget.take_mesh(&part.mesh, 1, &part.name);
@@ -114,11 +115,12 @@ fn tell_unknown(
     path: &Path,
     names: &[String],
     groups: &[Vec<Face>],
-    looks: &HashMap<String, Look>,
+    appearances: &HashMap<String, Appearance>,
     context: &mut Context,
 ) {
     let used = names.iter().zip(groups).filter(|(name, faces)| !name.is_empty() && !faces.is_empty());
-    let unknown: Vec<&str> = used.filter(|(name, _)| !looks.contains_key(*name)).map(|(name, _)| &name[..]).collect();
+    let unknown: Vec<&str> =
+        used.filter(|(name, _)| !appearances.contains_key(*name)).map(|(name, _)| &name[..]).collect();
     match unknown[..] {
         [] => {}
         [name] => context.warn(path, format!("no library has the material {name}: its faces have the default one")),

@@ -1,7 +1,7 @@
 //! The material libraries of an OBJ file.
 
+use crate::appearance::Appearance;
 use crate::context::Context;
-use crate::look::Look;
 use crate::mtl;
 use scene::SceneError;
 use std::collections::{HashMap, HashSet};
@@ -65,10 +65,14 @@ impl Libraries {
     }
 
     /// The materials of all of them, each read once.
-    pub(crate) fn looks(self, path: &Path, context: &mut Context) -> Result<HashMap<String, Look>, SceneError> {
-        let mut looks = HashMap::new();
+    pub(crate) fn appearances(
+        self,
+        path: &Path,
+        context: &mut Context,
+    ) -> Result<HashMap<String, Appearance>, SceneError> {
+        let mut appearances = HashMap::new();
         for file in &self.found {
-            looks.extend(mtl::parse(file, context)?);
+            appearances.extend(mtl::parse(file, context)?);
         }
         let consequence = "faces have the default material";
         match &self.missing[..] {
@@ -79,7 +83,7 @@ impl Libraries {
                 context.warn(path, format!("{count} material libraries do not exist ({first}, …): {consequence}"));
             }
         }
-        Ok(looks)
+        Ok(appearances)
     }
 }
 
@@ -116,7 +120,7 @@ mod tests {
         let mut many = Libraries::default();
         (0..1000).for_each(|i| many.add(Path::new("t.obj"), &format!("m.mtl x{}.mtl", i % 3), &context));
         assert_eq!(many.found.len(), 1);
-        assert_eq!(many.looks(Path::new("t.obj"), &mut context).expect("a library").len(), 1);
+        assert_eq!(many.appearances(Path::new("t.obj"), &mut context).expect("a library").len(), 1);
         assert_eq!(context.warnings.len(), 1);
     }
 }

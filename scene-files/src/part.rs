@@ -1,13 +1,13 @@
-//! A mesh of a file before it is an object: its look, its rig and its place.
+//! A mesh of a file before it is an object: its appearance, its rig and its place.
 
 use crate::Normals;
+use crate::appearance::Appearance;
 use crate::kept_meshes::own_copy;
-use crate::look::Look;
 use glam::{Mat4, Vec3};
 use scene::motion::{Body, Carrier, Deformer, Mover, Placement};
 use scene::{Bounds, Instances, Mesh, SceneError, Shape};
 
-/// A mesh of a file, with the look that the file gives it: a number that is the same for the same look, and it.
+/// A mesh of a file, with the appearance that the file gives it: a number that is the same for the same appearance, and it.
 #[derive(Clone)]
 pub(crate) struct Part {
     pub(crate) name: String,
@@ -15,7 +15,7 @@ pub(crate) struct Part {
     /// A shared mesh in place of `mesh`, which is empty then.
     pub(crate) instances: Option<Instances>,
     pub(crate) repaired: Repaired,
-    pub(crate) material: Option<(usize, Look)>,
+    pub(crate) material: Option<(usize, Appearance)>,
     /// The joints that move it, if its file has any.
     pub(crate) rig: Option<(Deformer, Carrier)>,
     /// Whether its file says nothing about its normals.
@@ -36,7 +36,7 @@ pub(crate) struct Repaired {
 }
 
 impl Part {
-    pub(crate) fn fixed(name: String, mesh: Mesh, material: Option<(usize, Look)>) -> Self {
+    pub(crate) fn fixed(name: String, mesh: Mesh, material: Option<(usize, Appearance)>) -> Self {
         let is_bare = mesh.normals.is_empty();
         let repaired = Repaired::default();
         Self { name, mesh, instances: None, repaired, material, rig: None, is_bare, source: None }

@@ -1,8 +1,8 @@
 //! The triangles of a PLY file as parts: by image, with texture coordinates and colours that its faces have of their own.
 
+use crate::appearance::Appearance;
 use crate::context::Context;
 use crate::files::extension;
-use crate::look::Look;
 use crate::part::Part;
 use crate::{image_file, polygon, vertex_colors};
 use brdf::Lambert;
@@ -127,15 +127,15 @@ impl PlyMesh {
             if mesh.triangles.is_empty() {
                 continue;
             }
-            let white: Look = Lambert { albedo: Vec3::ONE }.into();
+            let white: Appearance = Lambert { albedo: Vec3::ONE }.into();
             let color = self.images.get(image).map(|file| texture(file, path, context)).transpose()?.flatten();
-            let look = match color {
-                Some(map) => Some(Look { surface: Surface { color: Some(map), ..Surface::default() }, ..white }),
+            let appearance = match color {
+                Some(map) => Some(Appearance { surface: Surface { color: Some(map), ..Surface::default() }, ..white }),
                 None => has_colors.then_some(white),
             };
             let name = if self.owners.is_empty() { name.clone() } else { format!("{name} {image}") };
             context.files.budget.take_mesh(&mesh, 1, &name)?;
-            parts.push(Part { is_bare, ..Part::fixed(name, mesh, look.map(|look| (image, look))) });
+            parts.push(Part { is_bare, ..Part::fixed(name, mesh, appearance.map(|appearance| (image, appearance))) });
         }
         Ok(parts)
     }

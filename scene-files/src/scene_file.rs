@@ -1,9 +1,9 @@
 //! The scene file.
 
+use crate::appearance::Appearance;
 use crate::context::Context;
 use crate::defaults::{DEFAULT_FOV, DEFAULT_SIZE, default_camera};
 use crate::keys::Keys;
-use crate::look::Look;
 use crate::scene_light::{Around, SceneLights};
 use crate::scene_material::{ImageFiles, Materials, read_material};
 use crate::scene_object::{count_files, read_object};
@@ -99,10 +99,10 @@ fn read_materials(value: Value<'_>, path: &Path, context: &mut Context) -> Resul
     let mut materials = Materials::default();
     let mut images = ImageFiles::new(&context.files);
     for entry in value.table()?.entries() {
-        let look = read_material(entry.table()?, path, &mut images, context)?;
-        look.material.validate().map_err(|e| entry.error(e))?;
+        let appearance = read_material(entry.table()?, path, &mut images, context)?;
+        appearance.material.validate().map_err(|e| entry.error(e))?;
         materials.names.insert(entry.name().to_owned(), materials.all.len());
-        materials.all.push(look);
+        materials.all.push(appearance);
     }
     Ok(materials)
 }
@@ -235,7 +235,7 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
         camera: camera_keys.map(|keys| CameraMover::Keys(Box::new(keys))),
         ..context.animation()
     };
-    let (materials, surfaces) = Look::parted(materials.all);
+    let (materials, surfaces) = Appearance::parted(materials.all);
     let lights = lit.lights;
     let scene = Scene { camera, width, height, background, environment, materials, surfaces, objects, lights };
     scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;

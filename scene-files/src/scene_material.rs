@@ -1,10 +1,10 @@
 //! The materials of a scene file.
 
+use crate::appearance::Appearance;
 use crate::context::Context;
 use crate::defaults::default_material;
 use crate::files::{Source, extension};
 use crate::image_file;
-use crate::look::Look;
 use crate::toml_reader::{Table, Value};
 use brdf::{
     HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Lambert, MAX_FITTED, Material, Merl, MetallicRoughness,
@@ -45,14 +45,14 @@ impl ImageFiles {
 /// The materials so far, by number and by name.
 #[derive(Default)]
 pub(crate) struct Materials {
-    pub(crate) all: Vec<Look>,
+    pub(crate) all: Vec<Appearance>,
     pub(crate) names: HashMap<String, usize>,
     default: Option<usize>,
 }
 
 impl Materials {
-    pub(crate) fn push(&mut self, look: Look) -> usize {
-        self.all.push(look);
+    pub(crate) fn push(&mut self, appearance: Appearance) -> usize {
+        self.all.push(appearance);
         self.all.len() - 1
     }
 
@@ -87,7 +87,7 @@ pub(crate) fn read_material(
     path: &Path,
     images: &mut ImageFiles,
     context: &mut Context,
-) -> Result<Look, SceneError> {
+) -> Result<Appearance, SceneError> {
     let mut reader = Reader { t, surface: Surface::default(), maps: Maps { path, images } };
     reader.common()?;
     let model = reader.t.require("model")?;
@@ -112,7 +112,7 @@ pub(crate) fn read_material(
     let Reader { mut t, surface, .. } = reader;
     let cut_out = t.get("alpha_cutoff").map(|v| cut_out(v, surface.color.as_ref())).transpose()?;
     t.finish()?;
-    Ok(Look { material, surface, cut_out })
+    Ok(Appearance { material, surface, cut_out })
 }
 
 /// The table of a material, and the surface that it describes so far.

@@ -38,8 +38,8 @@ pub fn builtin() -> Scene {
         Object::mesh("floor", floor, 0, Proxy::None),
         Object::mesh("wall", wall(), 5, Proxy::None),
         Object::mesh("knot", knot, 1, Proxy::Spheres(spine)),
-        Object::spheres("brass balls", brass, 2),
-        Object::spheres("clay balls", clay, 4),
+        Object::spheres("brass spheres", brass, 2),
+        Object::spheres("clay spheres", clay, 4),
         Object::spheres("pearls", pearls(), 3),
     ];
     let light =
@@ -192,7 +192,7 @@ mod tests {
             o.shape.bounds().min.y
         };
         assert_eq!(lowest("floor"), 0.0);
-        assert!(lowest("brass balls").abs() < 1e-6);
+        assert!(lowest("brass spheres").abs() < 1e-6);
         assert!((lowest("knot") - 0.24).abs() < 0.01);
         let pearls = scene.objects.iter().find(|o| o.name == "pearls").unwrap().shape.bounds();
         assert!(pearls.min.y.abs() < 1e-6 && pearls.max.y > 2.0, "{pearls:?}");

@@ -11,7 +11,7 @@ use std::collections::{HashMap, HashSet};
 /// use lobe_core::Sphere;
 /// use scene::{Duplicates, Object};
 /// let sphere = Sphere { radius: 1.0, ..Sphere::default() };
-/// let object = Object::spheres("ball", vec![sphere; 2], 0);
+/// let object = Object::spheres("lamp", vec![sphere; 2], 0);
 /// let mut duplicates = Duplicates::default();
 /// assert!(duplicates.is_first(&object, &sphere));
 /// assert!(!duplicates.is_first(&object, &sphere));

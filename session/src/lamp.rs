@@ -59,13 +59,13 @@ pub fn size(light: &Light) -> Option<f32> {
 pub fn resized(light: &Light, to: f32) -> Light {
     let Some(from) = size(light).filter(|from| *from > 0.0 && to > 0.0 && to.is_finite()) else { return light.clone() };
     let factor = to / from;
-    let ball = |light: SphereLight| {
+    let sphere = |light: SphereLight| {
         let sphere = Sphere { radius: to, ..light.sphere };
         SphereLight { sphere, radiance: light.radiance / (factor * factor) }
     };
     match light {
-        Light::Sphere(light) => ball(*light).into(),
-        Light::Spot(spot) => SpotLight { light: ball(spot.light), ..*spot }.into(),
+        Light::Sphere(light) => sphere(*light).into(),
+        Light::Spot(spot) => SpotLight { light: sphere(spot.light), ..*spot }.into(),
         Light::Flat(flat) => {
             let radiance = flat.radiance / (factor * factor);
             flat.clone().scaled(factor).with_radiance(radiance).into()

@@ -180,9 +180,9 @@ fn every_change_is_read_back() {
     }
     let objects: Vec<_> = editor.scene().objects.iter().map(|item| (item.handle, item.bounds.center())).collect();
     editor.set_transform(objects[1].0, Mat4::from_translation(Vec3::new(0.0, 0.25, -0.5)));
-    let (ball, middle) = objects[2];
+    let (sphere, middle) = objects[2];
     let turn = Mat4::from_scale_rotation_translation(Vec3::splat(0.5), Quat::from_rotation_y(0.4), Vec3::X);
-    editor.set_transform(ball, Mat4::from_translation(middle) * turn * Mat4::from_translation(-middle));
+    editor.set_transform(sphere, Mat4::from_translation(middle) * turn * Mat4::from_translation(-middle));
     editor.set_strategy(objects[1].0, Some(Strategy::Rays));
     let materials = editor.scene().materials.clone();
     editor.set_material(materials[0].handle, gloss::with(&materials[0].material, 200.0));

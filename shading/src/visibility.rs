@@ -71,10 +71,6 @@ impl<'a> VisibilityQuery<'a> {
 /// use glam::Vec3;
 /// use lobe_core::*;
 /// use shading::*;
-/// use shading::*;
-/// use shading::*;
-/// use shading::*;
-/// use shading::*;
 ///
 /// /// Frosted glass before every light: half of the light passes.
 /// struct Veil;
@@ -191,10 +187,6 @@ pub trait VisibilityLobes: Visibility {
 /// ```
 /// use glam::Vec3;
 /// use lobe_core::*;
-/// use shading::*;
-/// use shading::*;
-/// use shading::*;
-/// use shading::*;
 /// use shading::*;
 /// let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z);
 /// let light = Sphere { center: Vec3::new(0.0, 0.0, 5.0), radius: 1.0 };

@@ -54,9 +54,9 @@ impl SphereSet {
             .spheres
             .par_iter()
             .enumerate()
-            .map(|(i, ball)| {
+            .map(|(i, sphere)| {
                 let offset = self.self_shadows.get(i).map_or(Vec3::ZERO, |own| own.offset);
-                bind_pose.carry(ball, offset, surface.to_unit(*ball), &samples)
+                bind_pose.carry(sphere, offset, surface.to_unit(*sphere), &samples)
             })
             .collect();
         let targets = (0..carriers.targets.len()).map(|k| bound.iter().map(|(_, morphs)| morphs[k]).collect());
@@ -138,8 +138,8 @@ impl<'a> BindPose<'a> {
     }
 
     /// The joints that carry a sphere, given in the world and in unit space, and the offset of its near sphere.
-    fn carry(&self, ball: &Sphere, offset: Vec3, unit: Vec4, samples: &[Sample]) -> (BoundSphere, Vec<Morph>) {
-        let (center, radius) = (ball.center.as_dvec3(), ball.radius);
+    fn carry(&self, from: &Sphere, offset: Vec3, unit: Vec4, samples: &[Sample]) -> (BoundSphere, Vec<Morph>) {
+        let (center, radius) = (from.center.as_dvec3(), from.radius);
         let patch = patch(unit, samples);
         // Per joint: its part of the patch, and the moment of that part in bind space.
         let mut shares = vec![(0.0_f64, DVec3::ZERO); self.joints.len()];

@@ -151,11 +151,11 @@ impl Gradient {
 
 /// The gradient of the set's volume outside the mesh by sphere `i` (centre, radius): an integral over the exposed part of
 /// its surface.
-fn bulging(spheres: &[Vec4], i: usize, solid: &Solid, sphere: &[Vec3; BULGE_POINTS]) -> Vec4 {
-    let ball = spheres[i];
-    let center = ball.truncate();
+fn bulging(spheres: &[Vec4], i: usize, solid: &Solid, directions: &[Vec3; BULGE_POINTS]) -> Vec4 {
+    let sphere = spheres[i];
+    let center = sphere.truncate();
     // The depth changes no faster than one goes, but for the voxels' interpolation.
-    if solid.depth_near(center) > ball.w + 2.0 * solid.cell() {
+    if solid.depth_near(center) > sphere.w + 2.0 * solid.cell() {
         return Vec4::ZERO;
     }
     let hides = |p: Vec3| {
@@ -163,8 +163,8 @@ fn bulging(spheres: &[Vec4], i: usize, solid: &Solid, sphere: &[Vec3; BULGE_POIN
         spheres.iter().enumerate().any(holds)
     };
     let mut sum = Vec4::ZERO;
-    for &out in sphere {
-        let p = center + out * ball.w;
+    for &out in directions {
+        let p = center + out * sphere.w;
         if solid.is_deep(p) {
             continue;
         }
@@ -173,7 +173,7 @@ fn bulging(spheres: &[Vec4], i: usize, solid: &Solid, sphere: &[Vec3; BULGE_POIN
             sum += out.extend(1.0) * height;
         }
     }
-    sum * (2.0 * TAU * ball.w * ball.w / BULGE_POINTS as f32)
+    sum * (2.0 * TAU * sphere.w * sphere.w / BULGE_POINTS as f32)
 }
 
 /// Collects the discs that may hide a part of disc `i`'s boundary, relative to its centre. False if one hides all of it.

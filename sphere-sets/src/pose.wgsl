@@ -1,9 +1,7 @@
-// `BoundSet::pose` on the GPU: spheres follow the bones that carry them, one sphere a thread.
-@group(0) @binding(6) var<storage, read_write> spheres: array<BlockerSphere>;
-// `SphereRig::words`: the number of spheres, then RIG_WORDS for each, then the morph targets' offsets.
-@group(0) @binding(12) var<storage, read> rig: array<u32>;
-// `SphereRig::bones`: for each set its joints, three rows of four a joint, and the weights of its morph targets.
-@group(0) @binding(13) var<storage, read> bones: array<f32>;
+// `BoundSet::pose` on the GPU: `spheres` follow the bones that carry them, one sphere a thread.
+//
+// `rig` is `SphereRig::words`: the number of spheres, then RIG_WORDS for each, then the morph targets' offsets.
+// `bones` is `SphereRig::bones`: for each set its joints, three rows of four a joint, and the weights of its morph targets.
 
 fn rig_f32(word: u32) -> f32 {
     return bitcast<f32>(rig[word]);

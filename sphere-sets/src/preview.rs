@@ -35,10 +35,10 @@ pub fn preview(set: &SphereSet, positions: &[Vec3], triangles: &[[u32; 3]], size
     picture.fill(Color::WHITE);
     // (right, up) on the screen.
     let panels = [(Vec3::X, Vec3::Y), (Vec3::NEG_Z, Vec3::Y), (Vec3::X, Vec3::NEG_Z)];
-    let balls = || spheres.iter().map(|sphere| (sphere.truncate(), sphere.w));
+    let all = || spheres.iter().map(|sphere| (sphere.truncate(), sphere.w));
     for (panel, (right, up)) in panels.into_iter().enumerate() {
         let corners = surface.triangles.iter().flatten().map(|p| (*p, 0.0));
-        let frame = Frame::with_axes(right, -up, corners.chain(balls()), 0.01, side);
+        let frame = Frame::with_axes(right, -up, corners.chain(all()), 0.01, side);
         let origin = [GAP + panel * (side + GAP), GAP];
         fill(&mut picture, origin, side, &frame, &surface.triangles, &spheres);
         outline(&mut picture, origin, &frame, &spheres);

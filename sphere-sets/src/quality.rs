@@ -92,8 +92,8 @@ impl SetQuality {
                 || (BitImage::new(PIXELS), BitImage::new(PIXELS)),
                 |(mesh, set), i| {
                     let corners = surface.triangles.iter().flatten().map(|p| (*p, 0.0));
-                    let balls = spheres.iter().map(|sphere| (sphere.truncate(), sphere.w));
-                    let frame = Frame::new(fibonacci(i, DIRECTIONS), corners.chain(balls), 1e-3, PIXELS);
+                    let all = spheres.iter().map(|sphere| (sphere.truncate(), sphere.w));
+                    let frame = Frame::new(fibonacci(i, DIRECTIONS), corners.chain(all), 1e-3, PIXELS);
                     mesh.clear();
                     set.clear();
                     frame.draw_mesh(&surface.triangles, mesh);

@@ -302,8 +302,8 @@ fn progress_rises_and_can_stop() {
 #[test]
 fn the_preview_shows_where_mesh_and_set_differ() {
     let (positions, triangles) = cube();
-    let ball = Sphere { center: Vec3::new(0.5, 0.0, 0.0), radius: 0.5 };
-    let set = SphereSet::measure(&positions, &triangles, &[ball]).expect("a mesh with area");
+    let sphere = Sphere { center: Vec3::new(0.5, 0.0, 0.0), radius: 0.5 };
+    let set = SphereSet::measure(&positions, &triangles, &[sphere]).expect("a mesh with area");
     let picture = preview(&set, &positions, &triangles, 150).expect("a picture");
     // The first panel looks along −z: x from −0.5 to 1 over its width, with a margin of 1 % of D on either side.
     let scale = 150.0 / (1.5 + 0.02 * 3.0_f32.sqrt());

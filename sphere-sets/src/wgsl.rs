@@ -6,8 +6,8 @@ use lobe_core::wgsl::{Piece, SPECIAL};
 use lobe_core::wgsl_numbers;
 use visibility_spheres::wgsl::PACKED;
 
-/// Bindings 6, 12 and 13, and the entry point `pose_spheres`, one sphere a thread, 64 a workgroup: a kernel of its own that
-/// wants no `frame`.
+/// The entry point `pose_spheres`, one sphere a thread, 64 a workgroup: a kernel of its own. Needs the buffers `spheres` (of `BlockerSphere`),
+/// `rig` (`u32`) and `bones` (`f32`), and no `frame`.
 pub static POSE: Piece = Piece::new(include_str!("pose.wgsl"))
     .numbers(wgsl_numbers![RIG_WORDS = RIG_WORDS, MORPH_WORDS = MORPH_WORDS, CARRIERS = CARRIERS])
     .needs(&[&SPECIAL, &PACKED]);

@@ -19,7 +19,7 @@ pub fn material() -> Material {
 
 /// A horizontal square of half side 4 at height 0, a sphere of radius 0.5 above its middle, one light above both.
 #[must_use]
-pub fn floor_and_ball() -> Scene {
+pub fn floor_and_sphere() -> Scene {
     let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z) * 4.0;
     let mesh = Mesh {
         positions: vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)],
@@ -27,7 +27,7 @@ pub fn floor_and_ball() -> Scene {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..Mesh::default()
     };
-    let ball = Sphere { center: Vec3::Y, radius: 0.5 };
+    let sphere = Sphere { center: Vec3::Y, radius: 0.5 };
     let object = |name: &str, shape, proxy| Object {
         name: name.into(),
         shape,
@@ -49,7 +49,7 @@ pub fn floor_and_ball() -> Scene {
         materials: vec![material()],
         objects: vec![
             object("floor", Shape::Mesh(mesh), Proxy::None),
-            object("ball", Shape::Spheres(vec![ball]), Proxy::Spheres(vec![ball])),
+            object("sphere", Shape::Spheres(vec![sphere]), Proxy::Spheres(vec![sphere])),
         ],
         lights: vec![
             SphereLight::new(Sphere { center: Vec3::new(1.0, 5.0, 0.5), radius: 0.7 }, Vec3::splat(3.0)).into(),

@@ -164,8 +164,8 @@ fn advice_does_not_follow_the_cache() {
     let folder = folder.path();
     let cache = folder.with_extension("cache").join("cosine-lobes");
     fs::write(folder.join("pole.obj"), turned(|t| (if t % 1.0 == 0.0 { 0.0 } else { 0.1 }, 4.0 * t))).unwrap();
-    fs::write(folder.join("ball.obj"), turned(|t| (3.2 * t * (1.0 - t), 1.6 * t))).unwrap();
-    for (mesh, reason) in [("pole.obj", "thin"), ("ball.obj", "compact")] {
+    fs::write(folder.join("globe.obj"), turned(|t| (3.2 * t * (1.0 - t), 1.6 * t))).unwrap();
+    for (mesh, reason) in [("pole.obj", "thin"), ("globe.obj", "compact")] {
         let proxy = "proxy = { spheres = 8 }\nvisibility = \"spheres\"";
         fs::write(folder.join("all.toml"), format!("{SCENE}\n[[objects]]\nmesh = \"{mesh}\"\n{proxy}\n")).unwrap();
         let advice = || {

@@ -110,7 +110,7 @@ impl App {
             if !editor.picture().is_empty() {
                 let truth = editor.session().reference();
                 let crossed = desk.crossed().cloned();
-                self.darkroom.order(Order { picture: editor.picture().clone(), truth, crossed, look: desk.look });
+                self.darkroom.order(Order { picture: editor.picture().clone(), truth, crossed, viewing: desk.viewing });
             }
         }
         if let Some(print) = self.darkroom.take() {
@@ -167,7 +167,7 @@ impl App {
         for (modifiers, is_back) in [(Modifiers::SHIFT, true), (Modifiers::NONE, false)] {
             if pressed(modifiers, Key::V) {
                 let lights = desk.editor.scene().lights.len().min(panel::LIGHTS);
-                desk.look.view = desk.look.view.beside(lights, is_back);
+                desk.viewing.view = desk.viewing.view.beside(lights, is_back);
             }
         }
         if pressed(Modifiers::SHIFT, Key::Delete) {
@@ -179,7 +179,7 @@ impl App {
             (desk.selected, desk.probed) = (None, None);
         }
         if pressed(Modifiers::NONE, Key::R) {
-            desk.look.split = if desk.look.split.is_some() { None } else { Some(0.5) };
+            desk.viewing.split = if desk.viewing.split.is_some() { None } else { Some(0.5) };
         }
         if pressed(Modifiers::NONE, Key::Space) {
             desk.is_playing = !desk.is_playing && desk.editor.scene().duration > 0.0;

@@ -1,8 +1,8 @@
 //! Turns pictures into colours for the screen, on a thread of its own.
 
 use crate::false_color;
-use crate::look::{Look, View};
 use crate::screen::Enlarger;
+use crate::viewing::{View, Viewing};
 use cosine_lobes::session::{Picture, Truth};
 use cosine_lobes::{
     Comparison, Display, Picture as Pixels, ShadowErrors, Window, glam::Vec3, luminance, signed_difference,
@@ -23,7 +23,7 @@ pub(crate) struct Order {
     pub(crate) truth: Arc<Truth>,
     /// The pixels in which outlines were found, where they are looked at and there.
     pub(crate) crossed: Option<Arc<Vec<u32>>>,
-    pub(crate) look: Look,
+    pub(crate) viewing: Viewing,
 }
 
 impl Order {
@@ -32,7 +32,7 @@ impl Order {
         is_same
             && Arc::ptr_eq(&self.picture, &other.picture)
             && Arc::ptr_eq(&self.truth, &other.truth)
-            && self.look == other.look
+            && self.viewing == other.viewing
     }
 }
 
@@ -145,14 +145,14 @@ fn next(shared: &Shared) -> Option<Order> {
 }
 
 fn develop(order: &Order, enlarger: Option<&Enlarger>) -> Print {
-    let Order { picture, truth, crossed, look } = order;
+    let Order { picture, truth, crossed, viewing } = order;
     // One that shows an older scene, or other pixels, is none of this picture.
     let truth = (truth.edits >= picture.seen && truth.size == picture.size && truth.samples > 0).then_some(truth);
     let reference =
-        truth.filter(|_| look.split.is_some()).map(|truth| photo(truth.size, &truth.radiance, look.display));
-    let figures = truth.filter(|_| look.wants_reference()).and_then(|truth| figures(picture, truth));
+        truth.filter(|_| viewing.split.is_some()).map(|truth| photo(truth.size, &truth.radiance, viewing.display));
+    let figures = truth.filter(|_| viewing.wants_reference()).and_then(|truth| figures(picture, truth));
     let beside = Beside { truth: truth.map(|truth| &**truth), crossed: crossed.as_deref() };
-    let image = sheet(picture, &beside, look, enlarger);
+    let image = sheet(picture, &beside, viewing, enlarger);
     Print { picture: Arc::clone(picture), image, reference, figures }
 }
 
@@ -163,12 +163,12 @@ struct Beside<'a> {
 }
 
 /// The pixels of a view. A picture on the window's GPU stays there where it is shown as it is.
-fn sheet(picture: &Picture, beside: &Beside<'_>, look: &Look, enlarger: Option<&Enlarger>) -> Sheet {
-    let on_gpu = || enlarger?.show(picture.on_gpu.as_ref()?, &look.display);
-    match image(picture, beside, look) {
+fn sheet(picture: &Picture, beside: &Beside<'_>, viewing: &Viewing, enlarger: Option<&Enlarger>) -> Sheet {
+    let on_gpu = || enlarger?.show(picture.on_gpu.as_ref()?, &viewing.display);
+    match image(picture, beside, viewing) {
         Some(image) => Sheet::Uploaded(image),
         None => on_gpu()
-            .map_or_else(|| Sheet::Uploaded(photo(picture.size, &radiance(picture), look.display)), Sheet::OnGpu),
+            .map_or_else(|| Sheet::Uploaded(photo(picture.size, &radiance(picture), viewing.display)), Sheet::OnGpu),
     }
 }
 
@@ -179,20 +179,20 @@ fn radiance(picture: &Picture) -> Cow<'_, [Vec3]> {
 }
 
 /// The pixels of a view; none where it shows the picture itself.
-fn image(picture: &Picture, beside: &Beside<'_>, look: &Look) -> Option<Arc<ColorImage>> {
+fn image(picture: &Picture, beside: &Beside<'_>, viewing: &Viewing) -> Option<Arc<ColorImage>> {
     let layers = &picture.layers;
     let whole = picture.size[0] * picture.size[1];
-    let colors = match look.view {
+    let colors = match viewing.view {
         View::Reference => match beside.truth {
-            Some(truth) => return Some(photo(truth.size, &truth.radiance, look.display)),
+            Some(truth) => return Some(photo(truth.size, &truth.radiance, viewing.display)),
             None => Vec::new(),
         },
-        View::Difference => return Some(difference(picture, beside.truth, look.display)),
+        View::Difference => return Some(difference(picture, beside.truth, viewing.display)),
         View::Unshadowed if layers.unshadowed.len() == whole => {
-            return Some(photo(picture.size, &layers.unshadowed, look.display));
+            return Some(photo(picture.size, &layers.unshadowed, viewing.display));
         }
         View::Light(number) => match layers.lights.get(number).filter(|light| light.len() == whole) {
-            Some(light) => return Some(photo(picture.size, light, look.display)),
+            Some(light) => return Some(photo(picture.size, light, viewing.display)),
             None => Vec::new(),
         },
         View::Classes => false_color::classes(&picture.radiance, &layers.unshadowed),

@@ -1,8 +1,8 @@
 //! The scene that is open, and what is done with it.
 
-use crate::look::{Look, View};
 use crate::map_window::MapView;
 use crate::opening::{Opened, name_of};
+use crate::viewing::{View, Viewing};
 use cosine_lobes::Display;
 use cosine_lobes::glam::{Mat4, Vec2, Vec3};
 use cosine_lobes::lighting::Light;
@@ -79,7 +79,7 @@ pub(crate) struct Desk {
     pub(crate) first_size: [u32; 2],
     /// Half the diagonal of its box, floors and walls left out.
     pub(crate) extent: f32,
-    pub(crate) look: Look,
+    pub(crate) viewing: Viewing,
     pub(crate) selected: Option<Thing>,
     pub(crate) motion: Option<Motion>,
     /// The pixel that is looked into, and what was found.
@@ -126,7 +126,7 @@ type Measured = (Scene, Animation, Settings);
 impl Desk {
     pub(crate) fn new(opened: Opened) -> Self {
         let display = Display { exposure: opened.exposure, ..Display::default() };
-        let look = Look { view: View::Picture, display, split: None };
+        let viewing = Viewing { view: View::Picture, display, split: None };
         Self {
             editor: Editor::new(opened.session),
             path: opened.path,
@@ -134,7 +134,7 @@ impl Desk {
             saved: None,
             first_size: [0; 2],
             extent: 1.0,
-            look,
+            viewing,
             selected: None,
             motion: None,
             probed: None,
@@ -176,14 +176,14 @@ impl Desk {
             self.saved = Some(self.editor.scene().clone());
             self.extent = self.editor.scene().bounds().radius().max(1e-6);
         }
-        let samples = if self.look.wants_reference() { SAMPLES } else { 0 };
-        if self.requested != Some((self.look.view, samples)) {
-            self.requested = Some((self.look.view, samples));
-            self.editor.session().set_layers(self.look.view.layers());
+        let samples = if self.viewing.wants_reference() { SAMPLES } else { 0 };
+        if self.requested != Some((self.viewing.view, samples)) {
+            self.requested = Some((self.viewing.view, samples));
+            self.editor.session().set_layers(self.viewing.view.layers());
             self.editor.session().set_reference(samples);
         }
         if let Some(exposure) = self.metering.as_ref().and_then(|metered| metered.try_recv().ok()) {
-            (self.look.display.exposure, self.metered, self.metering) = (exposure, exposure, None);
+            (self.viewing.display.exposure, self.metered, self.metering) = (exposure, exposure, None);
         }
         let mut error = self.editor.take_errors().pop().map(|error| error.to_string());
         if let Some(Err(fault)) = self.trade.as_ref().and_then(Trade::end).inspect(|_| self.is_measuring = false) {
@@ -456,14 +456,14 @@ impl Desk {
             self.crossing = None;
         }
         let is_there = self.crossed.as_ref().is_some_and(|(of, _)| *of == edits);
-        if self.look.view == View::Edges && !is_there && self.crossing.is_none() && self.editor.is_finished() {
+        if self.viewing.view == View::Edges && !is_there && self.crossing.is_none() && self.editor.is_finished() {
             self.crossing = Some((edits, self.editor.session().crossed()));
         }
     }
 
     /// The pixels in which outlines were found, once they are those of the picture that is seen.
     pub(crate) fn crossed(&self) -> Option<&Arc<Vec<u32>>> {
-        let is_own = |of: u64| self.look.view == View::Edges && of == self.editor.picture().edits;
+        let is_own = |of: u64| self.viewing.view == View::Edges && of == self.editor.picture().edits;
         self.crossed.as_ref().filter(|(of, _)| is_own(*of)).map(|(_, found)| found)
     }
 

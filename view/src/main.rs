@@ -7,7 +7,6 @@ mod darkroom;
 mod desk;
 mod false_color;
 mod inspector;
-mod look;
 mod map_window;
 mod opening;
 mod panel;
@@ -18,6 +17,7 @@ mod smoke;
 mod stage;
 mod status;
 mod trade;
+mod viewing;
 
 use std::process::ExitCode;
 

@@ -2,7 +2,7 @@
 
 use crate::darkroom::Figures;
 use crate::desk::{Desk, Thing};
-use crate::look::View;
+use crate::viewing::View;
 use crate::{shot, trade};
 use core::ops::RangeInclusive;
 use cosine_lobes::ToneMap;
@@ -77,24 +77,24 @@ fn rests(response: &Response, desk: &mut Desk) {
 
 fn view(ui: &mut Ui, desk: &mut Desk, figures: Option<&Figures>) {
     let lights = desk.editor.scene().lights.len();
-    let list = ComboBox::from_id_salt("view").selected_text(desk.look.view.name()).width(220.0);
+    let list = ComboBox::from_id_salt("view").selected_text(desk.viewing.view.name()).width(220.0);
     let shown = list.show_ui(ui, |ui| {
         for view in View::ALL {
-            ui.selectable_value(&mut desk.look.view, view, view.name());
+            ui.selectable_value(&mut desk.viewing.view, view, view.name());
         }
         for number in 0..lights.min(LIGHTS) {
             let view = View::Light(number);
-            ui.selectable_value(&mut desk.look.view, view, view.name());
+            ui.selectable_value(&mut desk.viewing.view, view, view.name());
         }
     });
     shown.response.on_hover_text("V: the next one; Shift+V: the one before");
-    let legend = desk.look.view.legend();
+    let legend = desk.viewing.view.legend();
     if !legend.is_empty() {
         ui.label(RichText::new(legend).weak());
     }
-    let mut is_split = desk.look.split.is_some();
+    let mut is_split = desk.viewing.split.is_some();
     if ui.checkbox(&mut is_split, "reference beside it").on_hover_text("R; drag the line").changed() {
-        desk.look.split = is_split.then_some(0.5);
+        desk.viewing.split = is_split.then_some(0.5);
     }
     let spheres = ui.checkbox(&mut desk.shows_spheres, "spheres that block");
     spheres.on_hover_text("those of all objects whose shadows are by spheres; yellow: the selected object's");
@@ -102,7 +102,7 @@ fn view(ui: &mut Ui, desk: &mut Desk, figures: Option<&Figures>) {
     map.on_hover_text("the depths that the selected light's shadow map has, layer by layer");
     ui.horizontal(|ui| {
         let range = desk.metered - 8.0..=desk.metered + 8.0;
-        ui.add(slider(&mut desk.look.display.exposure, range).step_by(0.1).text("exposure"));
+        ui.add(slider(&mut desk.viewing.display.exposure, range).step_by(0.1).text("exposure"));
         if ui.small_button("meter").clicked() {
             desk.meter();
         }
@@ -111,10 +111,10 @@ fn view(ui: &mut Ui, desk: &mut Desk, figures: Option<&Figures>) {
         ui.label("tone");
         let tones = [ToneMap::Linear, ToneMap::Soft, ToneMap::Neutral, ToneMap::Agx];
         for (tone, name) in tones.into_iter().zip(["linear", "soft", "neutral", "AgX"]) {
-            ui.selectable_value(&mut desk.look.display.tone, tone, name);
+            ui.selectable_value(&mut desk.viewing.display.tone, tone, name);
         }
     });
-    if desk.look.wants_reference() {
+    if desk.viewing.wants_reference() {
         show_figures(ui, desk, figures);
     }
 }

@@ -95,7 +95,7 @@ impl Stage {
         };
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(picture.id(), rect, whole, Color32::WHITE);
-        if let Some(split) = desk.look.split {
+        if let Some(split) = desk.viewing.split {
             self.show_reference(&painter, rect, split);
         }
         let hands = Hands { projection: desk.projection(glam(rect.size())), rect, room: room.shrink(16.0) };
@@ -187,7 +187,7 @@ impl Hands {
     }
 
     fn is_on_line(&self, desk: &Desk, pointer: Vec2) -> bool {
-        desk.look.split.is_some_and(|split| (pointer.x - split * self.rect.width()).abs() <= LINE)
+        desk.viewing.split.is_some_and(|split| (pointer.x - split * self.rect.width()).abs() <= LINE)
     }
 
     fn follow(&self, ui: &Ui, response: &Response, desk: &mut Desk) {
@@ -275,7 +275,7 @@ impl Hands {
             }
             Some(Motion::Split) => {
                 let split = (pointer.x - self.rect.left()) / self.rect.width();
-                desk.look.split = Some(split.clamp(0.02, 0.98));
+                desk.viewing.split = Some(split.clamp(0.02, 0.98));
             }
             Some(Motion::Light(..) | Motion::Object(..)) => desk.drag_to(self.local(pointer)),
             None => {}

@@ -44,8 +44,15 @@ pub(crate) fn crowding(query: &VisibilityQuery<'_>) -> f32 {
     (1.0 + cos) / (2.0 * cos * cos)
 }
 
-/// The depth of an accuracy.
-pub(crate) fn depth(accuracy: Accuracy) -> u32 {
+/// The depth of masks that an accuracy sets, at least 1 and at most [`MAX_DEPTH`].
+///
+/// ```
+/// use shading::Accuracy;
+/// use visibility_mask::mask_depth;
+/// assert_eq!([0, 3, 9].map(|depth| mask_depth(Accuracy::default().with_depth(depth))), [1, 3, 6]);
+/// ```
+#[must_use]
+pub fn mask_depth(accuracy: Accuracy) -> u32 {
     accuracy.depth.clamp(1, MAX_DEPTH)
 }
 

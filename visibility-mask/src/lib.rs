@@ -77,7 +77,7 @@ mod visible_fraction;
 pub mod wgsl;
 mod window_masks;
 
-pub use crate::accuracy::fill_factor;
+pub use crate::accuracy::{fill_factor, mask_depth};
 pub use crate::blockers::Blockers;
 pub use crate::contour::Contour;
 pub use crate::dyn_blockers::{DynBlockers, DynMixture};

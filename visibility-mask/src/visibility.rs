@@ -1,4 +1,4 @@
-use crate::accuracy::{CROWDED, crowding, depth, evenly, tolerance, zoom_sigmas};
+use crate::accuracy::{CROWDED, crowding, evenly, mask_depth, tolerance, zoom_sigmas};
 use crate::contour;
 use crate::counts::Counts;
 use crate::near_masks::is_faint;
@@ -207,7 +207,7 @@ impl<B: Blockers> MaskVisibility<B> {
     fn depth(&self, query: &VisibilityQuery<'_>) -> u32 {
         let crowding = if self.is_single { 1.0 } else { crowding(query) };
         let more = u32::from(crowding >= CROWDED) + u32::from(crowding >= 4.0 * CROWDED);
-        (depth(query.accuracy) + more).min(MAX_DEPTH)
+        (mask_depth(query.accuracy) + more).min(MAX_DEPTH)
     }
 
     /// Draws the masks of a window of narrow lobes; draws them again around the lit part if that was done for the whole light.
@@ -271,7 +271,7 @@ impl<B: Blockers> MaskVisibility<B> {
         let coverage = self.blockers.select(query, &mut scratch);
         let square = Self::whole(query, self.across(query, &scratch));
         let mut mask = Mask::default();
-        mask.reset_to(&square, depth(query.accuracy), query.at.normal, query.outline);
+        mask.reset_to(&square, mask_depth(query.accuracy), query.at.normal, query.outline);
         match coverage {
             Coverage::Lit => {}
             Coverage::Dark => (0..mask.side()).for_each(|row| mask.block_span(row, f32::NEG_INFINITY, f32::INFINITY)),

@@ -164,7 +164,7 @@ impl WindowMasks {
     }
 
     /// The lit fraction of the emitting area.
-    fn share(&self) -> f32 {
+    fn lit_fraction(&self) -> f32 {
         let area = |masks: &[Mask], count: fn(&Mask) -> u32| {
             masks.iter().map(|mask| count(mask) as f32 * mask.sample_area()).sum::<f32>()
         };
@@ -188,7 +188,7 @@ impl WindowMasks {
             let sums = sums(mask, &self.window, at, &lobe, counts);
             [if near || is_uneven { sums * (mask.sample_area() / whole) } else { sums }]
         });
-        total.ratio(|| self.share())
+        total.ratio(|| self.lit_fraction())
     }
 }
 
@@ -208,7 +208,7 @@ pub(crate) fn microfacet_fractions(
         let sums = near.total(|mask, _| microfacet_sums(mask, at, facets, None, near_counts));
         total = [total[0] + sums[0], total[1] + sums[1]];
     }
-    total.map(|sums| sums.ratio(|| whole.share()))
+    total.map(|sums| sums.ratio(|| whole.lit_fraction()))
 }
 
 /// The visible fraction of an image's light, by channel: from the masks of the whole light and, if given, those `near` of a part,
@@ -236,7 +236,7 @@ pub(crate) fn image_fractions(
         let sums = near.total(|mask, _| image_sums(mask, at, &of_near, &shown, None, counts));
         total = core::array::from_fn(|k| total[k] + sums[k]);
     }
-    Vec3::from_array(total.map(|sums| sums.ratio(|| whole.share())))
+    Vec3::from_array(total.map(|sums| sums.ratio(|| whole.lit_fraction())))
 }
 
 #[cfg(test)]

@@ -147,9 +147,9 @@ fn thin_bars() {
 }
 
 /// A strategy as a user would write it: spheres that only test whether they hide a direction.
-struct Balls(Vec<Sphere>);
+struct Spheres(Vec<Sphere>);
 
-impl Blockers for Balls {
+impl Blockers for Spheres {
     type Scratch = Contour;
 
     fn scratch(&self) -> Contour {
@@ -163,10 +163,10 @@ impl Blockers for Balls {
     fn splat(&self, query: &VisibilityQuery<'_>, contour: &mut Contour, mask: &mut Mask) {
         let light = query.cone.distance * query.cone.cos();
         contour.block(mask, |v| {
-            self.0.iter().any(|ball| {
-                let to = ball.center - query.at.position;
+            self.0.iter().any(|sphere| {
+                let to = sphere.center - query.at.position;
                 let along = to.dot(v);
-                let half_sq = ball.radius * ball.radius - (to - v * along).length_squared();
+                let half_sq = sphere.radius * sphere.radius - (to - v * along).length_squared();
                 half_sq > 0.0 && along > 0.0 && along - half_sq.sqrt() < light
             })
         });
@@ -175,7 +175,7 @@ impl Blockers for Balls {
 
 #[test]
 fn a_strategy_of_questions_conforms() {
-    let subject = |s: &Setting<'_>| MaskVisibility::new(Balls(s.spheres.to_vec()));
+    let subject = |s: &Setting<'_>| MaskVisibility::new(Spheres(s.spheres.to_vec()));
     let limits = Limits { several_mean: 0.001, several: 0.01, turn: 0.005, jump: 0.0035, ..Limits::default() };
     let measured = check(&subject, &limits).unwrap_or_else(|e| panic!("{e}"));
     println!("{measured:?}");

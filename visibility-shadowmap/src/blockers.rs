@@ -5,7 +5,7 @@ use crate::polygon_union::PolygonUnion;
 use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
 use shading::{Coverage, LightId, Shaft, VisibilityQuery};
-use visibility_mask::{Blockers, MAX_DEPTH, Mask, UnitSquare, facet_coverage};
+use visibility_mask::{Blockers, Mask, UnitSquare, facet_coverage, mask_depth};
 
 /// The most nodes, about, that a group of receivers starts from.
 const FRONTIER: usize = 48;
@@ -215,7 +215,7 @@ impl Blockers for ShadowMapBlockers {
             return Coverage::Lit;
         }
         let square = UnitSquare::facing(query.cone, Vec3::ZERO);
-        let cell = 2.0 * square.half / (1 << query.accuracy.depth.clamp(1, MAX_DEPTH)) as f32;
+        let cell = 2.0 * square.half / (1 << mask_depth(query.accuracy)) as f32;
         let ShadowMapScratch { frontier, views, stack, visited, .. } = scratch;
         Self::look(map, query, &square, cell, views);
         stack.clear();

@@ -1,25 +1,25 @@
 use crate::beside::Beside;
-use crate::clip::{Ball, Behind, Chord, Front};
-use crate::count::{Counter, Fewest};
+use crate::clip::{Behind, LightSphere};
 use crate::fit::{is_flat, side};
 use crate::hull::Fineness;
 use crate::levels::Levels;
 use crate::lists::{Lists, Meshes};
-use crate::near_light::NearLights;
 use crate::penumbra::narrowest;
-use crate::project::{Crossing, View, project};
-use crate::select::{Silhouettes, add_edges, silhouettes};
+use crate::project::View;
+use crate::select::{add_edges, silhouettes};
 use crate::topology::normal;
-use crate::{SilhouetteInstances, SilhouetteMesh};
+use crate::{AnyHit, SilhouetteInstances, SilhouetteMesh};
 use fearless_simd::{Level, Simd, dispatch};
-use glam::{Vec2, Vec3};
-use lobe_core::{Cone, Outline, Receiver, Sphere};
+use glam::Vec3;
+use lobe_core::{Outline, Receiver, Sphere};
+use scratch::{Alike, Plane};
 use shading::{Coverage, Shaft, VisibilityQuery};
 use visibility_mask::{Blockers, Edges, Mask, facet_coverage};
 
 mod openings;
+mod scratch;
 
-use openings::Openings;
+pub use scratch::SilhouetteScratch;
 
 /// The size of details that a tolerance leaves out: this fraction of it, in radii of the light. A root mean square, measured so
 /// that masks differ by less than a quarter of the tolerance in the mean.
@@ -30,36 +30,6 @@ const ALONG: f64 = 0.999_9;
 
 /// The widest disc, `1 − cos θ`, in front of which edges are summed.
 pub(crate) const WIDEST_DISC: f32 = 0.9;
-
-/// Traces the rays that outlines leave open: whether a ray meets any triangle.
-///
-/// It must have the same triangles as the meshes.
-pub trait AnyHit: Sync {
-    /// Working memory, one a thread.
-    type Scratch: Send;
-
-    /// New working memory.
-    fn scratch(&self) -> Self::Scratch;
-
-    /// Called before a group of receivers and one light: all following rays are inside `shaft` until the next call. Returns `false`
-    /// if no ray in the shaft meets a triangle.
-    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> bool {
-        let _ = (shaft, scratch);
-        true
-    }
-
-    /// The start of rays that leave a surface: just far enough off it that the surface does not hide itself.
-    fn leave(&self, position: Vec3, face: Vec3) -> Vec3;
-
-    /// Whether a triangle lies on the ray nearer than `distance`. `direction` has length 1.
-    fn is_hit(&self, origin: Vec3, direction: Vec3, distance: f32, scratch: &mut Self::Scratch) -> bool;
-
-    /// Calls `visit` for all triangles that may meet a sphere, with their corners in the order of the mesh.
-    fn triangles_meeting(&self, ball: Sphere, visit: &mut dyn FnMut([Vec3; 3]));
-
-    /// Whether the triangles of an object are included.
-    fn has(&self, object: u32) -> bool;
-}
 
 /// The `silhouettes` strategy: triangle meshes block exactly, and the cost follows their outlines. Wrap it in
 /// [`MaskVisibility`](visibility_mask::MaskVisibility).
@@ -223,70 +193,7 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
         let outline = query.outline.map(Beside::new);
         let outline = outline.as_ref();
         scratch.is_coarse =
-            silhouettes(simd, x, (query.cone, outline), list, sides, is_drawn, &mut scratch.silhouettes);
-    }
-}
-
-/// Working memory of [`SilhouetteBlockers`].
-#[derive(Clone, Debug)]
-pub struct SilhouetteScratch<H> {
-    /// Whether the current shaft comes from the caller; otherwise each receiver has its own.
-    entered: bool,
-    lists: Lists,
-    /// Whether rays in the shaft may meet anything.
-    is_met: bool,
-    /// One result for all receivers of the shaft on one face; searched after the first of them.
-    alike: Option<Alike>,
-    /// Whether the receivers of a group are on one side of all triangles near them.
-    plane: Option<Plane>,
-    /// The triangles near the lights; whether some reach into the light of the shaft, and whether its outlines are exact because of these.
-    near: NearLights,
-    is_clipped: bool,
-    is_exact: bool,
-    light: Sphere,
-    /// Start of the current receiver's rays, and its cone to the light.
-    origin: Vec3,
-    cone: Cone,
-    /// The normal of the receiver's facet, if it hides a part of the light.
-    facet: Option<Vec3>,
-    silhouettes: Silhouettes,
-    /// Whether any of them may belong to a simplified form.
-    is_coarse: bool,
-    /// Their parts outside the light, the arcs in which it cuts triangles, and whether both are those of the current receiver.
-    outside: Silhouettes,
-    arcs: Vec<Chord>,
-    is_outside_known: bool,
-    crossings: Vec<Crossing>,
-    counter: Counter,
-    fewest: Fewest,
-    next: Fewest,
-    openings: Openings,
-    /// Ends of openings, and a mask for those between rows.
-    marks: Vec<[Vec2; 2]>,
-    turned: Mask,
-    hits: H,
-}
-
-/// Receivers of a shaft on one face of an object, and their common coverage, if they have one.
-#[derive(Clone, Copy, Debug)]
-struct Alike {
-    object: u32,
-    face: Vec3,
-    coverage: Option<Coverage>,
-}
-
-/// Receivers on one face of an object, and whether they are on one side of all triangles near them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Plane {
-    origins: Sphere,
-    object: u32,
-    face: Vec3,
-    is_plane: bool,
-}
-
-impl Alike {
-    fn of(self, at: &Receiver) -> Option<Coverage> {
-        self.coverage.filter(|_| (self.object, self.face) == (at.object, at.face))
+            silhouettes(simd, x, (query.cone, outline), list, (sides, is_drawn), &mut scratch.silhouettes);
     }
 }
 
@@ -294,34 +201,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
     type Scratch = SilhouetteScratch<H::Scratch>;
 
     fn scratch(&self) -> Self::Scratch {
-        SilhouetteScratch {
-            entered: false,
-            lists: Lists::default(),
-            is_met: true,
-            alike: None,
-            plane: None,
-            is_clipped: false,
-            is_exact: false,
-            // A light that no caller can mean.
-            light: Sphere { center: Vec3::NAN, radius: 0.0 },
-            near: NearLights::default(),
-            origin: Vec3::ZERO,
-            cone: Cone { axis: Vec3::Z, one_minus_cos: 0.0, distance: 0.0 },
-            facet: None,
-            silhouettes: Silhouettes::default(),
-            is_coarse: false,
-            outside: Silhouettes::default(),
-            arcs: Vec::new(),
-            is_outside_known: false,
-            crossings: Vec::new(),
-            counter: Counter::default(),
-            fewest: Fewest::default(),
-            next: Fewest::default(),
-            openings: Openings::default(),
-            marks: Vec::new(),
-            turned: Mask::default(),
-            hits: self.hits.scratch(),
-        }
+        SilhouetteScratch::new(self.hits.scratch())
     }
 
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
@@ -422,8 +302,8 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         if let Some(face) = scratch.facet {
             mask.block_below(face);
         }
-        let ball = scratch.cross(query, &mut view, mask);
-        if self.is_any_open(&view, ball, scratch) {
+        let light = scratch.cross(query, &mut view, mask);
+        if self.is_any_open(&view, light, scratch) {
             for j in (0..view.rows).step_by(8) {
                 mask.keep_rows(j, scratch.fewest.rows(j));
             }
@@ -444,57 +324,12 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
     }
 }
 
-impl<H> SilhouetteScratch<H> {
-    /// Counts the surfaces before the samples of a mask, but for a number that all of them have. Returns the light if triangles reach into it.
-    fn cross(&mut self, query: &VisibilityQuery<'_>, view: &mut View, mask: &Mask) -> Option<Ball> {
-        let ball = self.project_outlines(query, view);
-        let Self { crossings, counter, fewest, .. } = self;
-        dispatch!(Level::new(), simd => {
-            counter.count(simd, view, crossings, mask);
-            counter.fewest(fewest);
-        });
-        ball
-    }
-
-    /// Lists the crossings of outlines with the rows of a mask. Returns the light if triangles reach into it.
-    fn project_outlines(&mut self, query: &VisibilityQuery<'_>, view: &mut View) -> Option<Ball> {
-        let Self { origin, silhouettes, outside, arcs, crossings, near, light, .. } = self;
-        crossings.clear();
-        // If triangles reach into the light, surfaces count as far as its front side; else as far as its plane.
-        let is_flat = query.outline.is_some();
-        let ball = (self.is_clipped && !is_flat).then(|| Ball::new(*light, *origin));
-        if let Some(ball) = &ball
-            && !self.is_outside_known
-        {
-            // The same for all windows of the receiver.
-            arcs.clear();
-            let front = Front { axis: query.cone.axis, distance: view.far };
-            for corners in near.current().map_or(&[][..], |near| &near.cutting) {
-                ball.clip(&front, corners.map(|p| p - *origin), || side(*corners, *origin), arcs);
-            }
-            ball.outside(silhouettes, outside);
-            self.is_outside_known = true;
-        }
-        let is_cut = ball.is_some() || is_flat && !arcs.is_empty();
-        if is_cut {
-            crossings.extend(arcs.iter().filter_map(|(a, b, step)| Crossing::of_segment(view, *a, *b, *step)));
-        }
-        if is_cut && is_flat {
-            // The plane has cut the silhouettes too.
-            view.clip = f32::INFINITY;
-        }
-        let drawn = if is_cut { &*outside } else { &*silhouettes };
-        dispatch!(Level::new(), simd => project(simd, drawn, view, crossings));
-        ball
-    }
-}
-
 impl<H: AnyHit> SilhouetteBlockers<'_, H> {
     /// Whether a ray in a direction meets nothing before the light's plane, or before the light if triangles reach into it.
     fn is_open(
         &self,
         (direction, plane): (Vec3, f32),
-        light: Option<Ball>,
+        light: Option<LightSphere>,
         origin: Vec3,
         hits: &mut H::Scratch,
     ) -> bool {
@@ -503,9 +338,14 @@ impl<H: AnyHit> SilhouetteBlockers<'_, H> {
     }
 
     /// Whether the samples with the fewest surfaces before them are open, by rays. Where their number is doubtful, those that are open are added.
-    fn is_any_open(&self, view: &View, ball: Option<Ball>, scratch: &mut SilhouetteScratch<H::Scratch>) -> bool {
+    fn is_any_open(
+        &self,
+        view: &View,
+        light: Option<LightSphere>,
+        scratch: &mut SilhouetteScratch<H::Scratch>,
+    ) -> bool {
         let SilhouetteScratch { origin, is_coarse, counter, fewest, next, hits, .. } = scratch;
-        let mut is_ray_open = |row: usize, sample: usize| self.is_open(view.ray(row, sample), ball, *origin, hits);
+        let mut is_ray_open = |row: usize, sample: usize| self.is_open(view.ray(row, sample), light, *origin, hits);
         let mut any = fewest.middle.is_some_and(|(row, sample)| is_ray_open(row, sample));
         if *is_coarse {
             // This ray may meet a detail that simplified forms leave out, so two of three rays decide.

@@ -18,7 +18,7 @@ const ROUNDING: f64 = 1e-5;
 
 /// A light seen from a receiver.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ball {
+pub(crate) struct LightSphere {
     center: DVec3,
     radius: f64,
 }
@@ -60,7 +60,7 @@ enum Inside {
     All,
 }
 
-impl Ball {
+impl LightSphere {
     /// A light seen from `origin`.
     pub(crate) fn new(light: Sphere, origin: Vec3) -> Self {
         Self { center: light.center.as_dvec3() - origin.as_dvec3(), radius: f64::from(light.radius) }
@@ -107,11 +107,11 @@ impl Ball {
 
     /// Whether the light's surface may cut a triangle, seen from any receiver: nearly cutting counts too.
     pub(crate) fn may_clip(light: Sphere, corners: [Vec3; 3]) -> bool {
-        let ball = |scale: f64| {
-            let ball = Self::new(light, Vec3::ZERO);
-            Self { radius: ball.radius * scale, ..ball }
+        let scaled = |scale: f64| {
+            let sphere = Self::new(light, Vec3::ZERO);
+            Self { radius: sphere.radius * scale, ..sphere }
         };
-        let [small, large] = [ball(0.999), ball(1.001)];
+        let [small, large] = [scaled(0.999), scaled(1.001)];
         if corners.iter().all(|p| small.holds(*p)) {
             return false;
         }
@@ -249,7 +249,7 @@ impl Behind {
         self.axis.dot(p.as_dvec3()) > self.depth
     }
 
-    /// As [`Ball::inside`].
+    /// As [`LightSphere::inside`].
     fn inside(&self, a: Vec3, b: Vec3) -> Inside {
         let cut = |a: Vec3, b: Vec3| {
             let (p, q) = (a.as_dvec3(), b.as_dvec3());
@@ -271,7 +271,7 @@ impl Behind {
         keep_outside(silhouettes, |a, b| self.inside(a, b), out);
     }
 
-    /// The outline in which the plane cuts a triangle, as [`Ball::clip`].
+    /// The outline in which the plane cuts a triangle, as [`LightSphere::clip`].
     pub(crate) fn clip(&self, corners: [Vec3; 3], side: impl Fn() -> f32) -> Option<Chord> {
         let held = corners.map(|p| self.holds(p));
         if held[0] == held[1] && held[1] == held[2] {

@@ -53,6 +53,7 @@
 //!
 //! Out of scope: tracing rays, and choosing the objects that cast shadows.
 
+mod any_hit;
 mod beside;
 mod blockers;
 mod clip;
@@ -80,7 +81,8 @@ mod topology;
 mod tree;
 mod wgsl;
 
-pub use crate::blockers::{AnyHit, SilhouetteBlockers, SilhouetteScratch};
+pub use crate::any_hit::AnyHit;
+pub use crate::blockers::{SilhouetteBlockers, SilhouetteScratch};
 pub use crate::gpu::GpuSilhouettes;
 pub use crate::mesh::SilhouetteMesh;
 pub use crate::near_light::meets_plane;

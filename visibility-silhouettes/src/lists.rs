@@ -21,11 +21,11 @@ const SHAFT_TIMES: usize = 12;
 /// Receivers in a sphere then share a list: its radius is this many times the distance to the nearest neighbour.
 const NEIGHBOURS: f32 = 2.5;
 /// The same limits for a sphere. If it has no list, so many receivers have lists of their own before the next try.
-const BALL_LEAVES: usize = 128;
-const BALL_TIMES: usize = 4;
+const NEARBY_LEAVES: usize = 128;
+const NEARBY_TIMES: usize = 4;
 const ALONE: u32 = 16;
 /// Number of spheres whose lists are kept.
-const BALLS: usize = 16;
+const KEPT: usize = 16;
 
 /// Meshes whose edges are numbered consecutively.
 #[derive(Debug)]
@@ -124,7 +124,7 @@ pub(crate) struct Lists {
     edges: EdgeList,
     is_whole: bool,
     cells: Vec<Cell>,
-    balls: Vec<Ball>,
+    nearby: Vec<Nearby>,
     /// Spheres of this shaft so far.
     made: usize,
     /// Receivers of this shaft so far.
@@ -142,8 +142,9 @@ struct Cell {
     is_listed: bool,
 }
 
+/// Receivers in a sphere and their list.
 #[derive(Clone, Debug, Default)]
-struct Ball {
+struct Nearby {
     receivers: Sphere,
     edges: EdgeList,
 }
@@ -157,7 +158,7 @@ impl Default for Lists {
             edges: EdgeList::default(),
             is_whole: true,
             cells: vec![Cell::default(); CELLS.pow(3)],
-            balls: vec![Ball::default(); BALLS],
+            nearby: vec![Nearby::default(); KEPT],
             made: 0,
             seen: Vec::new(),
             single: 0,
@@ -235,8 +236,8 @@ impl Lists {
         let cell = &mut self.cells[(place[0] * CELLS + place[1]) * CELLS + place[2]];
         if !cell.is_listed {
             let middle = low + (Vec3::from_array(place.map(|x| x as f32)) + 0.5) * size;
-            let ball = Sphere { center: middle, radius: 0.5 * size.length() };
-            let shaft = self.shaft.from_receivers(ball).in_box(0.5 * size);
+            let sphere = Sphere { center: middle, radius: 0.5 * size.length() };
+            let shaft = self.shaft.from_receivers(sphere).in_box(0.5 * size);
             Hull::new(&shaft, self.margin, self.fineness).narrow(simd, &self.edges, &mut cell.edges);
             cell.is_listed = true;
         }
@@ -245,22 +246,22 @@ impl Lists {
 
     /// The list of a sphere that contains a receiver.
     fn around(&mut self, meshes: &Meshes<'_>, at: Vec3) -> &EdgeList {
-        let is_in = |ball: &Ball| {
-            let radius = ball.receivers.radius;
-            ball.receivers.center.distance_squared(at) <= radius * radius
+        let is_in = |list: &Nearby| {
+            let radius = list.receivers.radius;
+            list.receivers.center.distance_squared(at) <= radius * radius
         };
-        let known = self.balls[..self.made.min(BALLS)].iter().position(is_in);
+        let known = self.nearby[..self.made.min(KEPT)].iter().position(is_in);
         let number = known.unwrap_or_else(|| self.add(meshes, at));
         self.seen.push(at);
-        &self.balls[number].edges
+        &self.nearby[number].edges
     }
 
     /// Makes a list for a receiver and for its neighbours, if these are known to be near.
     #[cold]
     fn add(&mut self, meshes: &Meshes<'_>, at: Vec3) -> usize {
-        let number = self.made % BALLS;
+        let number = self.made % KEPT;
         self.made += 1;
-        let mut edges = core::mem::take(&mut self.balls[number].edges);
+        let mut edges = core::mem::take(&mut self.nearby[number].edges);
         let near = self.seen.iter().map(|p| p.distance_squared(at)).filter(|d| *d > 0.0).fold(f32::INFINITY, f32::min);
         let is_alone = self.alone > 0 || near == f32::INFINITY;
         self.alone = self.alone.saturating_sub(1);
@@ -270,13 +271,13 @@ impl Lists {
             let hull = Hull::new(&shaft.from_receivers(receivers), margin, fineness);
             meshes.list(&hull, most, &mut self.memory, &mut edges)
         };
-        let most = BALL_LEAVES.max(BALL_TIMES * self.single);
+        let most = NEARBY_LEAVES.max(NEARBY_TIMES * self.single);
         if is_alone || list(receivers, most).is_none() {
             self.alone = if is_alone { self.alone } else { ALONE };
             receivers.radius = 0.0;
             self.single = list(receivers, usize::MAX).unwrap_or_default();
         }
-        self.balls[number] = Ball { receivers, edges };
+        self.nearby[number] = Nearby { receivers, edges };
         number
     }
 }

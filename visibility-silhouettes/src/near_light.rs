@@ -1,6 +1,6 @@
 //! Triangles near lights, and those of them that cut a light or are cut by its plane.
 
-use crate::clip::{Ball, Behind};
+use crate::clip::{Behind, LightSphere};
 use glam::Vec3;
 use lobe_core::{Sphere, orthonormal_basis};
 use shading::{LightExtent, Shaft};
@@ -94,7 +94,7 @@ impl NearLight {
         });
         visit(light, &mut |corners| {
             is_clipped = true;
-            if Ball::may_clip(light, corners) {
+            if LightSphere::may_clip(light, corners) {
                 cutting.push(corners);
             }
         });

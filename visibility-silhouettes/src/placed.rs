@@ -348,7 +348,7 @@ mod tests {
         let mut found = Silhouettes::default();
         let cone = Cone::of_sphere(x, shaft.light);
         dispatch!(Level::new(), simd => {
-            silhouettes(simd, x, (&cone, None), &list, |edge| meshes.sides(edge, x), |_| true, &mut found)
+            silhouettes(simd, x, (&cone, None), &list, (|edge| meshes.sides(edge, x), |_| true), &mut found)
         });
         let mut bits: Vec<_> =
             (0..found.len()).map(|i| core::array::from_fn(|c| (found.get(c, i) + 0.0).to_bits())).collect();

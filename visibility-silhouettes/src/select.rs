@@ -31,8 +31,7 @@ pub(crate) fn silhouettes<S: Simd>(
     x: Vec3,
     (cone, outline): (&Cone, Option<&Beside>),
     edges: &EdgeList,
-    sides: impl Fn(u32) -> [f32; 2],
-    is_drawn: impl Fn(u32) -> bool,
+    (sides, is_drawn): (impl Fn(u32) -> [f32; 2], impl Fn(u32) -> bool),
     out: &mut Silhouettes,
 ) -> bool {
     out.clear();

@@ -1,11 +1,11 @@
 //! Silhouettes before a whole sky.
 
-use crate::blockers::{AnyHit, SilhouetteBlockers};
 use crate::edge_list::{CLOSED, COARSE, Columns, ENDS, EdgeList, ID, MARKS, PLANES, SOMETIMES};
 use crate::hull::{Fineness, Hull, Memory};
 use crate::lists::Meshes;
 use crate::look::{LookMemory, Looker};
 use crate::select::{drawn, steps};
+use crate::{AnyHit, SilhouetteBlockers};
 use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
 use lobe_core::Receiver;
@@ -188,7 +188,7 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
         let scale = scale.unwrap_or_default();
         let (horizon, origin) = (tile.horizons[number], scratch.origins[number]);
         let SkySilhouetteScratch { edges, parts, found, arcs, look: memory, .. } = scratch;
-        let look = Look { meshes: rest, meridians: tile.meridians, horizon, origin, scale };
+        let look = SkyOutlines { meshes: rest, meridians: tile.meridians, horizon, origin, scale };
         let looker = Looker { origin, horizon, meridians: tile.meridians, scale };
         let Part { known, open, .. } = &parts[part];
         arcs.clear();
@@ -304,7 +304,7 @@ impl<'a> Sift<'a> {
 }
 
 /// One receiver's silhouettes.
-struct Look<'a, 'm> {
+struct SkyOutlines<'a, 'm> {
     meshes: &'a Meshes<'m>,
     meridians: &'a Meridians,
     horizon: Horizon,
@@ -312,7 +312,7 @@ struct Look<'a, 'm> {
     scale: f32,
 }
 
-impl Look<'_, '_> {
+impl SkyOutlines<'_, '_> {
     /// Lists the silhouettes among some edges, seen from the receiver.
     #[inline(always)]
     fn find<S: Simd>(&self, simd: S, list: &EdgeList, out: &mut Columns<KNOWN>) {

@@ -27,16 +27,26 @@ static WALK: Piece = Piece::new(include_str!("silhouettes_walk.wgsl")).needs(&[&
 /// `silhouettes_coverage`.
 pub(crate) static COVERAGE: Piece = Piece::new(include_str!("silhouettes_coverage.wgsl")).needs(&[&SILHOUETTES]);
 
+/// Sums of the directions of edges.
+static SUM: Piece = Piece::new(include_str!("silhouettes_sum.wgsl"))
+    .numbers(wgsl_numbers![SILHOUETTES_BESIDE = select::BESIDE])
+    .needs(&[&SILHOUETTES, &EDGES]);
+
+/// The number of surfaces before each sample.
+static COUNT: Piece = Piece::new(include_str!("silhouettes_count.wgsl"))
+    .numbers(wgsl_numbers![SILHOUETTES_NEAR = project::NEAR, SILHOUETTES_FAR_OUTSIDE = project::FAR_OUTSIDE])
+    .needs(&[&SILHOUETTES, &MASK, &PLACES]);
+
+/// The silhouettes of a receiver, which are summed or counted.
+static LIST: Piece = Piece::new(include_str!("silhouettes_list.wgsl")).needs(&[&WALK, &SUM, &COUNT]);
+
+/// Openings between samples.
+static OPENINGS: Piece = Piece::new(include_str!("silhouettes_openings.wgsl")).needs(&[&LIST]);
+
 /// `silhouettes_splat` and `silhouettes_edges`.
 pub(crate) static SPLAT: Piece = Piece::new(include_str!("silhouettes_splat.wgsl"))
-    .numbers(wgsl_numbers![
-        SILHOUETTES_NEAR = project::NEAR,
-        SILHOUETTES_FAR_OUTSIDE = project::FAR_OUTSIDE,
-        SILHOUETTES_BESIDE = select::BESIDE,
-        SILHOUETTES_WIDEST = blockers::WIDEST_DISC,
-        SILHOUETTES_FEW = count::FEW,
-    ])
-    .needs(&[&SILHOUETTES, &WALK, &MASK, &PLACES, &EDGES, &TOTAL]);
+    .numbers(wgsl_numbers![SILHOUETTES_WIDEST = blockers::WIDEST_DISC, SILHOUETTES_FEW = count::FEW])
+    .needs(&[&OPENINGS, &TOTAL]);
 
 /// `silhouettes_sky`, `silhouettes_sky_hides` and `silhouettes_sky_has_facet`.
 pub(crate) static SKY: Piece = Piece::new(include_str!("silhouettes_sky.wgsl"))

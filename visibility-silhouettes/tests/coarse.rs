@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Rays, Soup, ball};
+use common::{Rays, Soup, globe};
 use glam::Vec3;
 use lobe_core::{Cone, FlatShape, Lobe, Outline, Receiver, Sphere};
 use shading::{Accuracy, LightCoverage, LightExtent, LightId, LightVisibility, Shaft, Visibility};
@@ -13,9 +13,9 @@ const LIGHT: Sphere = Sphere { center: Vec3::new(1.0, 6.0, 0.5), radius: 1.5 };
 
 /// A lumpy body from two spheres, with 13 000 triangles.
 fn body() -> Soup {
-    let mut soup = ball(Vec3::Y * 2.0, 1.0, 48);
-    soup.append(&ball(Vec3::new(0.5, 0.4, 0.0), 0.4, 24));
-    soup.append(&ball(Vec3::new(-0.5, 0.4, 0.0), 0.4, 24));
+    let mut soup = globe(Vec3::Y * 2.0, 1.0, 48);
+    soup.append(&globe(Vec3::new(0.5, 0.4, 0.0), 0.4, 24));
+    soup.append(&globe(Vec3::new(-0.5, 0.4, 0.0), 0.4, 24));
     for p in &mut soup.positions {
         let q = *p * 5.0;
         *p += Vec3::new(q.y.sin(), q.z.sin(), q.x.sin()) * 0.06;

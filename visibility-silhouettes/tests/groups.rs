@@ -28,12 +28,13 @@ impl AnyHit for Counted<'_> {
         self.0.is_hit(origin, direction, distance, &mut ())
     }
 
-    fn triangles_meeting(&self, ball: Sphere, visit: &mut dyn FnMut([Vec3; 3])) {
+    fn triangles_meeting(&self, sphere: Sphere, visit: &mut dyn FnMut([Vec3; 3])) {
         let meets = |[a, b, c]: &[Vec3; 3]| {
             let (low, high) = (a.min(*b).min(*c), a.max(*b).max(*c));
             let n = (*b - *a).as_dvec3().cross((*c - *a).as_dvec3()).normalize_or_zero();
-            let away = n.dot((ball.center - *a).as_dvec3()).abs();
-            ball.center.clamp(low, high).distance(ball.center) <= ball.radius && away <= f64::from(ball.radius) * 1.0001
+            let away = n.dot((sphere.center - *a).as_dvec3()).abs();
+            sphere.center.clamp(low, high).distance(sphere.center) <= sphere.radius
+                && away <= f64::from(sphere.radius) * 1.0001
         };
         self.0.0.corners().filter(meets).for_each(visit);
     }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::soups::{soup, vec};
-use common::{Rays, Soup, ball, turn};
+use common::{Rays, Soup, globe, turn};
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
 use lobe_core::{Cone, Receiver, Sphere};
@@ -149,7 +149,7 @@ fn masks_do_not_depend_on_the_hierarchy() {
     let mut random = Random::new(5);
     let mut partly = 0;
     for case in 0..300 {
-        let old = ball(Vec3::ZERO, 0.5, 9);
+        let old = globe(Vec3::ZERO, 0.5, 9);
         let mut new = old.clone();
         let (turn, stretch) = (turn(&mut random), vec(&mut random, 0.4) + Vec3::ONE);
         for p in &mut new.positions {
@@ -185,7 +185,7 @@ fn masks_do_not_depend_on_the_hierarchy() {
 /// Triangles without area block as soon as they have one.
 #[test]
 fn what_was_flat_may_grow() {
-    let grown = ball(Vec3::ZERO, 0.5, 9);
+    let grown = globe(Vec3::ZERO, 0.5, 9);
     let mut line = grown.clone();
     line.positions.iter_mut().for_each(|p| *p *= Vec3::Y);
     // Equal corners of rings stay equal: spread them along the line.
@@ -230,7 +230,7 @@ fn masks_do_not_depend_on_the_group() {
     let mut random = Random::new(19);
     let mut partly = 0;
     for case in 0..120 {
-        let soup = if case % 3 == 0 { ball(Vec3::ZERO, 0.6, 20) } else { soup(case % 6, &mut random) };
+        let soup = if case % 3 == 0 { globe(Vec3::ZERO, 0.6, 20) } else { soup(case % 6, &mut random) };
         if soup.triangles.is_empty() {
             continue;
         }

@@ -72,8 +72,8 @@ fn cull(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
         // A receiver that is not finite gets no light, but must not take it from its neighbours.
         here = points[point].material != NO_MATERIAL && all(abs(position) < vec3f(1e18));
     }
-    let ball = tile_sphere(lane, position, here);
-    let test = shaft_test(ball, frame.light);
+    let tile_bounds = tile_sphere(lane, position, here);
+    let test = shaft_test(tile_bounds, frame.light);
     var count = 0u;
     let rounds = (arrayLength(&spheres_bounds) + (TILE - 1u)) / TILE;
     for (var round = 0u; round < rounds; round++) {
@@ -89,7 +89,7 @@ fn cull(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
         }
         if (lane == 0u) {
             // Where no point is there is nothing to look at, and one sphere that hides the light from all is enough.
-            plan = vec2u(slot.y, select(0u, 1u, ball.w < 0.0 || atomicLoad(&dark) != 0u));
+            plan = vec2u(slot.y, select(0u, 1u, tile_bounds.w < 0.0 || atomicLoad(&dark) != 0u));
         }
         let now = workgroupUniformLoad(&plan);
         if (now.y != 0u) {

@@ -15,7 +15,7 @@ fn light_sphere(cone: Cone) -> LightSphere {
     return LightSphere(sin, cos, cone.distance * sin, cone.distance * cone.distance * (cos * cos));
 }
 
-struct Look {
+struct SeenSphere {
     blocked: BlockedCone,
     // LIT where it hides nothing.
     coverage: u32,
@@ -38,17 +38,17 @@ fn sphere_before_plane(to: vec3f, radius: f32, plane: vec4f) -> u32 {
 }
 
 // The part of a light that one sphere hides.
-fn spheres_look(index: u32, at: Receiver, cone: Cone, light: LightSphere) -> Look {
+fn spheres_look(index: u32, at: Receiver, cone: Cone, light: LightSphere) -> SeenSphere {
     var blocked = spheres_blocked(index, at);
     let to = blocked.to;
     let radius = blocked.radius;
     if (blocked.empty) {
-        return Look(blocked, LIT);
+        return SeenSphere(blocked, LIT);
     }
     if (light_is_flat()) {
         let order = sphere_before_plane(to, radius, light_plane());
         if (order == LIT) {
-            return Look(blocked, LIT);
+            return SeenSphere(blocked, LIT);
         }
         blocked.meets_light = order == PARTIAL;
     } else {
@@ -56,13 +56,13 @@ fn spheres_look(index: u32, at: Receiver, cone: Cone, light: LightSphere) -> Loo
         let both = radius + light.radius;
         if (dot(between, between) >= both * both) {
             if (dot(to, to) - radius * radius >= light.power) {
-                return Look(blocked, LIT);
+                return SeenSphere(blocked, LIT);
             }
         } else {
             blocked.meets_light = true;
         }
     }
-    return Look(blocked, blocked_cover(blocked, cone.axis, light.sin, light.cos));
+    return SeenSphere(blocked, blocked_cover(blocked, cone.axis, light.sin, light.cos));
 }
 
 // How much of the light the receiver's own facet hides, and its horizon does not.

@@ -308,7 +308,7 @@ fn order_is_the_rays() {
             assert_eq!(
                 got,
                 entry < bright,
-                "distance {distance} light {light_radius} ball {sphere_radius} at {apart}: {entry} {bright}"
+                "distance {distance} light {light_radius} sphere {sphere_radius} at {apart}: {entry} {bright}"
             );
         }
     }

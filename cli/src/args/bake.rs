@@ -1,7 +1,7 @@
 use super::clock::ClockArgs;
 use super::console::ConsoleArgs;
 use super::model::ModelArgs;
-use super::values::{frames, positive, share, tolerance, whole};
+use super::values::{fraction, frames, positive, tolerance, whole};
 use clap::{Args, ValueEnum};
 use cosine_lobes::renderer::Settings;
 use cosine_lobes::shading::Accuracy;
@@ -64,7 +64,7 @@ pub(crate) struct BakeArgs {
     pub(crate) per_light: bool,
 
     /// With --as vertex-colors: divide triangles until light between their vertices is off by at most this part of the mean light
-    #[arg(long, value_name = "ERROR", value_parser = share)]
+    #[arg(long, value_name = "ERROR", value_parser = fraction)]
     pub(crate) subdivide: Option<f32>,
 
     /// The most vertices that --subdivide makes, up to 2 million; the largest errors are mended first

@@ -1,4 +1,4 @@
-use super::values::{seed, share, whole};
+use super::values::{fraction, seed, whole};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -18,7 +18,7 @@ pub(crate) struct SpheresArgs {
 
     /// As few spheres as have this silhouette error, a fraction of the silhouette's area, above 0, at most 1. Neither with
     /// --draft nor with --bounding, which do not follow the silhouette
-    #[arg(long, value_name = "T", value_parser = share, conflicts_with = "draft")]
+    #[arg(long, value_name = "T", value_parser = fraction, conflicts_with = "draft")]
     pub(crate) tolerance: Option<f32>,
 
     /// The glTF file's clip of that name or number (from 0) at whose first moment the set is fitted, instead of its first

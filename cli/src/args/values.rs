@@ -34,7 +34,7 @@ pub(super) fn exposure(text: &str) -> Result<f32, String> {
     number(text, "from -32 to 32", |x| x.abs() <= 32.0)
 }
 
-pub(super) fn share(text: &str) -> Result<f32, String> {
+pub(super) fn fraction(text: &str) -> Result<f32, String> {
     number(text, "above 0, at most 1", |x| x > 0.0 && x <= 1.0)
 }
 

@@ -2,12 +2,11 @@
 //!
 //! Shared with `examples/results_table`.
 
+use cosine_lobes::Output;
 use cosine_lobes::lobe_core::{SelfShadow, Sphere};
 use cosine_lobes::scene::{BlockerSet, Mesh, obj_mesh};
 use cosine_lobes::sphere_sets::{BuildOptions, SphereSet};
-use cosine_lobes::{ImageFileError, Output};
 use glam::Mat4;
-use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -57,13 +56,7 @@ pub(crate) fn fitted(
     // Kept where that can be; fitted again elsewhere.
     if let Some(path) = path {
         let _ = path.parent().map(std::fs::create_dir_all);
-        let write = |output: Output| {
-            output.finish(|f| {
-                f.write_all(set.to_json().as_bytes())
-                    .map_err(|source| ImageFileError::Io { path: path.clone(), source })
-            })
-        };
-        let _ = Output::create(&path).and_then(write);
+        let _ = Output::create(&path).and_then(|output| output.write(set.to_json().as_bytes()));
     }
     Ok(set)
 }

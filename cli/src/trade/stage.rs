@@ -69,10 +69,9 @@ impl<'a> Stage<'a> {
     pub(super) fn new(
         args: &'a TradeArgs,
         world: &'a World<'a>,
-        gbuffer: &'a GBuffer,
+        (gbuffer, gbuffer_seconds): (&'a GBuffer, f64),
         blockers: &'a BlockerSet,
         sets: &[(Visibility, BlockerSet)],
-        gbuffer_seconds: f64,
         gpu: Backend,
     ) -> Self {
         let kept = |(visibility, set): &(Visibility, BlockerSet)| {

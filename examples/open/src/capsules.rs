@@ -26,11 +26,11 @@ impl Capsule {
     fn meets(&self, x: Vec3, cone: &Cone) -> bool {
         let [a, b] = self.ends;
         let radius = 0.5 * a.distance(b) + self.radius;
-        let ball = Cone::of_sphere(x, Sphere { center: 0.5 * (a + b), radius });
+        let around = Cone::of_sphere(x, Sphere { center: 0.5 * (a + b), radius });
         let along = (b - a) / a.distance_squared(b).max(f32::MIN_POSITIVE);
         let nearest = (a + (b - a) * (x - a).dot(along).clamp(0.0, 1.0)).distance(x) - self.radius;
-        let reach = ball.cos().clamp(-1.0, 1.0).acos() + cone.cos().acos();
-        nearest < cone.distance && (ball.one_minus_cos > 1.0 || ball.axis.angle_between(cone.axis) <= reach + 1e-4)
+        let reach = around.cos().clamp(-1.0, 1.0).acos() + cone.cos().acos();
+        nearest < cone.distance && (around.one_minus_cos > 1.0 || around.axis.angle_between(cone.axis) <= reach + 1e-4)
     }
 }
 
@@ -46,7 +46,7 @@ fn roots(a: f32, b: f32, c: f32) -> Span {
 }
 
 /// A sphere: `(c·d)² ≥ (c² − r²)·d²`, before the receiver.
-fn ball(c: Vec3, radius: f32, y: f32) -> Span {
+fn sphere(c: Vec3, radius: f32, y: f32) -> Span {
     let (power, along) = (c.length_squared() - radius * radius, c.y * y + c.z);
     if power <= 0.0 {
         return (f32::NEG_INFINITY, f32::INFINITY);
@@ -65,7 +65,7 @@ fn ball(c: Vec3, radius: f32, y: f32) -> Span {
 /// A capsule from `p` to `q`: the hull of its two spheres and of where the tube between them ends.
 fn capsule(p: Vec3, q: Vec3, radius: f32, y: f32) -> Span {
     let hull = |a: Span, b: Span| (a.0.min(b.0), a.1.max(b.1));
-    let both = hull(ball(p, radius, y), ball(q, radius, y));
+    let both = hull(sphere(p, radius, y), sphere(q, radius, y));
     let length = p.distance(q);
     if length <= 1e-6 * radius {
         return both;

@@ -8,7 +8,7 @@ fn capsules_roots(a: f32, b: f32, c: f32) -> vec2f {
     return vec2f(min(q / a, c / q), max(q / a, c / q));
 }
 
-fn capsules_ball(c: vec3f, radius: f32, y: f32) -> vec2f {
+fn capsules_sphere(c: vec3f, radius: f32, y: f32) -> vec2f {
     let power = dot(c, c) - radius * radius;
     let along = c.y * y + c.z;
     if power <= 0.0 {
@@ -33,8 +33,8 @@ fn capsules_ball(c: vec3f, radius: f32, y: f32) -> vec2f {
 }
 
 fn capsules_span(p: vec3f, q: vec3f, radius: f32, y: f32) -> vec2f {
-    let one = capsules_ball(p, radius, y);
-    let other = capsules_ball(q, radius, y);
+    let one = capsules_sphere(p, radius, y);
+    let other = capsules_sphere(q, radius, y);
     var span = vec2f(min(one.x, other.x), max(one.y, other.y));
     let long = distance(p, q);
     if long <= 1e-6 * radius {

@@ -36,7 +36,8 @@ fn spots_are_lights() {
 /// Capsules without a length are spheres. Their masks are not turned across their edges, so that some err more, and pop.
 fn capsules_are_blockers() {
     let capsules = |s: &Setting<'_>| {
-        let capsule = |ball: &cosine_lobes::lobe_core::Sphere| Capsule { ends: [ball.center; 2], radius: ball.radius };
+        let capsule =
+            |sphere: &cosine_lobes::lobe_core::Sphere| Capsule { ends: [sphere.center; 2], radius: sphere.radius };
         MaskVisibility::new(Capsules(s.spheres.iter().map(capsule).collect()))
     };
     let limits = Limits { overlap: 0.005, jump: 0.008, jump_several: 0.008, ..Limits::default() };

@@ -23,7 +23,7 @@ pub(super) fn capsule(triangles: &[&Triangle]) -> Lamp {
 }
 
 /// The tube as long as triangles that shows what they show across: of a piece of a ring, to which others are joined at both ends.
-pub(super) fn share(triangles: &[&Triangle]) -> Lamp {
+pub(super) fn part_of_ring(triangles: &[&Triangle]) -> Lamp {
     let (middle, spread) = moments(triangles.iter().copied());
     let (axis, bound) = (longest(spread), bounds(triangles.iter().copied(), middle));
     let across = shown_across(triangles, middle, bound, axis);

@@ -6,7 +6,7 @@ use fearless_simd::{Level, Simd};
 use glam::{Vec2, Vec3};
 use lobe_core::{Receiver, Sphere};
 use scene::{Bounds, Camera, Mesh, Object, Projection, Proxy, Scene, Shape};
-use test_scenes::{floor_and_ball, globe, material};
+use test_scenes::{floor_and_sphere, globe, material};
 
 #[test]
 fn rays_are_the_camera_s() {
@@ -37,7 +37,7 @@ fn one_sample_is_the_centre_and_many_are_balanced() {
 /// Positions lie on the surfaces to f32 rounding, normals face the viewer, pixels are in tile order.
 #[test]
 fn points_lie_on_surfaces() {
-    let scene = floor_and_ball();
+    let scene = floor_and_sphere();
     let world = World::new(&scene);
     let g = GBuffer::new(&world, 50, 30, 1);
     assert!(g.len() > 500 && g.len() < 1500, "{}", g.len());
@@ -62,7 +62,7 @@ fn points_lie_on_surfaces() {
 
 #[test]
 fn bands_make_up_the_picture() {
-    let scene = floor_and_ball();
+    let scene = floor_and_sphere();
     let world = World::new(&scene);
     let whole = GBuffer::new(&world, 40, 30, 2);
     let whole = whole.resolve(&whole.depths, 0.0);
@@ -94,7 +94,7 @@ fn shared_edges_have_no_cracks() {
     // Exactly in front: pixel centres and corners fall on edges and diagonals.
     let camera =
         Camera { eye: Vec3::Z * 4.0, target: Vec3::ZERO, up: Vec3::Y, projection: Projection::perspective(0.4) };
-    let scene = Scene { camera, objects: vec![grid], materials: vec![material()], ..floor_and_ball() };
+    let scene = Scene { camera, objects: vec![grid], materials: vec![material()], ..floor_and_sphere() };
     let world = World::new(&scene);
     for (size, samples) in [(255, 1), (256, 1), (128, 16)] {
         assert_eq!(GBuffer::new(&world, size, size, samples).len() as u32, size * size * samples);
@@ -112,7 +112,7 @@ fn closed_surfaces_have_no_cracks() {
         projection: Projection::perspective(0.45),
     };
     let objects = vec![Object::mesh("globe", globe(250, Vec3::ZERO, 1.0, false), 0, Proxy::None)];
-    let scene = Scene { camera, objects, ..floor_and_ball() };
+    let scene = Scene { camera, objects, ..floor_and_sphere() };
     let g = GBuffer::new(&World::new(&scene), 600, 600, 4);
     assert!(g.len() > 1_000_000, "{}", g.len());
     let inside = g.points.receivers.iter().filter(|r| r.position.dot(r.view) < -0.02).count();
@@ -123,7 +123,7 @@ fn closed_surfaces_have_no_cracks() {
 /// from the middle of the scene. They may differ where a ray passes an edge within rounding: a few of 100 000.
 #[test]
 fn tiles_find_what_single_rays_find() {
-    let mut scene = floor_and_ball();
+    let mut scene = floor_and_sphere();
     let mut add = |mesh: Mesh, shift: Vec3, visible: bool| {
         let positions = mesh.positions.iter().map(|p| 0.8 * *p + shift).collect();
         let object = Object::mesh("globe", Mesh { positions, ..mesh }, 0, Proxy::Count(1));
@@ -132,8 +132,8 @@ fn tiles_find_what_single_rays_find() {
     add(globe(40, Vec3::ZERO, 1.0, true), Vec3::new(1.5, 0.7, 0.3), true);
     add(globe(9, Vec3::ZERO, 1.0, false), Vec3::new(-1.4, 0.3, 1.0), true);
     add(globe(9, Vec3::ZERO, 1.0, false), Vec3::new(0.0, 1.5, 4.0), false);
-    let balls = (0..40).map(|i| Sphere { center: Vec3::new(0.3 * i as f32 - 6.0, 0.1, -1.0), radius: 0.12 });
-    scene.objects.push(Object::spheres("row", balls.collect(), 0));
+    let spheres = (0..40).map(|i| Sphere { center: Vec3::new(0.3 * i as f32 - 6.0, 0.1, -1.0), radius: 0.12 });
+    scene.objects.push(Object::spheres("row", spheres.collect(), 0));
     let mut different = 0;
     let (far, inside) = (Vec3::new(0.0, 3.0, 8.0), Vec3::new(0.2, 0.6, 0.9));
     let orthographic = |height| Projection::Orthographic { height };
@@ -187,7 +187,7 @@ fn tiles_find_what_single_rays_find() {
 fn orthographic_and_panoramic_pictures_have_no_cracks() {
     let objects = vec![Object::mesh("globe", globe(250, Vec3::ZERO, 1.0, false), 0, Proxy::None)];
     let eye = Vec3::new(0.3, 0.8, 4.0);
-    let mut scene = Scene { objects, ..floor_and_ball() };
+    let mut scene = Scene { objects, ..floor_and_sphere() };
     for (eye, height) in [(eye, 1.2), (100.0 * eye, 1.2), (eye, 0.01)] {
         let projection = Projection::Orthographic { height };
         scene.camera = Camera { eye, target: Vec3::ZERO, up: Vec3::Y, projection };
@@ -220,7 +220,7 @@ fn size_does_not_depend_on_distance_in_orthographic_pictures() {
     };
     // One of them is behind the eye.
     let objects = vec![wall(0.0, -1.0), wall(-500.0, 0.25), wall(2.5, -0.4)];
-    let scene = Scene { camera, objects, materials: vec![material()], ..floor_and_ball() };
+    let scene = Scene { camera, objects, materials: vec![material()], ..floor_and_sphere() };
     let (width, height) = (120, 80);
     let g = GBuffer::new(&World::new(&scene), width, height, 1);
     // 40 pixels a unit: 20 × 60 pixels each.
@@ -246,7 +246,7 @@ fn a_panorama_shows_directions() {
     let projection = Projection::Panoramic;
     let camera = Camera { eye: sphere.center, target: sphere.center + Vec3::NEG_Z, up: Vec3::Y, projection };
     let objects = vec![Object::spheres("sphere", vec![sphere], 0)];
-    let scene = Scene { camera, objects, materials: vec![material()], ..floor_and_ball() };
+    let scene = Scene { camera, objects, materials: vec![material()], ..floor_and_sphere() };
     let (width, height) = (64, 32);
     let g = GBuffer::new(&World::new(&scene), width, height, 1);
     assert_eq!(g.len(), 2048);
@@ -282,7 +282,7 @@ fn footprints_of_parallel_rays() {
 /// The same points to the bit with all kinds of vector instructions.
 #[test]
 fn instructions_do_not_matter() {
-    let mut scene = floor_and_ball();
+    let mut scene = floor_and_sphere();
     scene.objects.push(Object::mesh("globe", globe(30, Vec3::ZERO, 1.0, true), 0, Proxy::None));
     let look = |world: &World<'_>, level: Level| {
         let mut view = View::new(world, [90, 70], 1, 0..90, 0..70);
@@ -311,7 +311,7 @@ fn instructions_do_not_matter() {
 
 #[test]
 fn resolving_mixes_the_background_in() {
-    let scene = floor_and_ball();
+    let scene = floor_and_sphere();
     let g = GBuffer::new(&World::new(&scene), 20, 10, 16);
     let picture = g.resolve(&vec![1.0; g.len()], 0.0);
     let total: f32 = picture.iter().sum();
@@ -322,7 +322,7 @@ fn resolving_mixes_the_background_in() {
 
 #[test]
 fn an_empty_world_has_no_points() {
-    let scene = Scene { objects: Vec::new(), ..floor_and_ball() };
+    let scene = Scene { objects: Vec::new(), ..floor_and_sphere() };
     let g = GBuffer::new(&World::new(&scene), 9, 9, 1);
     assert!(g.is_empty());
     assert_eq!(g.resolve(&[], Vec3::ONE), vec![Vec3::ONE; 81]);
@@ -341,7 +341,7 @@ fn parts(g: &GBuffer, object: u32) -> Vec<f32> {
 /// Outlines are those of as many rays in all pixels, at the price of few more points than one ray has.
 #[test]
 fn edges_are_those_of_many_rays() {
-    let scene = floor_and_ball();
+    let scene = floor_and_sphere();
     let world = World::new(&scene);
     let (image, count) = ([150, 90], 8);
     let one = GBuffer::new(&world, image[0], image[1], 1);
@@ -373,7 +373,7 @@ fn edges_are_those_of_many_rays() {
 /// Any window has the bits of the whole, where an outline runs along its border as well.
 #[test]
 fn edges_do_not_depend_on_the_window() {
-    let scene = floor_and_ball();
+    let scene = floor_and_sphere();
     let world = World::new(&scene);
     let image = [90, 70];
     let whole = of_edges(&world, image, 5, [0..90, 0..70]);
@@ -414,7 +414,7 @@ fn skies_show_in_parts_of_pixels() {
     let map = lighting::EnvironmentMap::uniform(sky);
     // Ambient light shines and is not seen.
     let environment = lighting::Environment::with_ambient(Some(map), Vec3::ONE, 1, world);
-    let scene = Scene { environment: Some(environment.into()), ..floor_and_ball() };
+    let scene = Scene { environment: Some(environment.into()), ..floor_and_sphere() };
     let world = World::new(&scene);
     let g = of_edges(&world, [60, 40], 8, [0..60, 0..40]);
     let picture = g.picture(&vec![Vec3::ZERO; g.len()], Vec3::ZERO);
@@ -426,7 +426,7 @@ fn skies_show_in_parts_of_pixels() {
     }
     assert!(partly > 20, "{partly}");
     let ambient = lighting::Environment::with_ambient(None, Vec3::ONE, 1, Sphere { center: Vec3::ZERO, radius: 9.0 });
-    let scene = Scene { environment: Some(ambient.into()), ..floor_and_ball() };
+    let scene = Scene { environment: Some(ambient.into()), ..floor_and_sphere() };
     let g = of_edges(&World::new(&scene), [60, 40], 8, [0..60, 0..40]);
     assert_eq!(g.picture(&vec![Vec3::ZERO; g.len()], sky)[0], sky);
 }

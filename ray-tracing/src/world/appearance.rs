@@ -124,8 +124,8 @@ impl World<'_> {
 
     fn patch(&self, found: u32, sides: [Vec3; 2], at: &Receiver) -> Patch<'_> {
         if found & SPHERE != 0 {
-            let ball = self.hierarchy.spheres.primitives[(found & !SPHERE) as usize].sphere;
-            let (weights, gradients) = on_sphere(ball, at.position);
+            let sphere = self.hierarchy.spheres.primitives[(found & !SPHERE) as usize].sphere;
+            let (weights, gradients) = on_sphere(sphere, at.position);
             return Patch { mesh: None, matrix: None, vertices: [0; 3], weights, gradients, sides };
         }
         let (object, index) = self.triangle_name(found);
@@ -211,14 +211,14 @@ impl Patch<'_> {
 }
 
 /// Longitude in turns and, from the upper pole down, latitude in half turns, with their gradients.
-fn on_sphere(ball: Sphere, position: Vec3) -> ([f32; 2], [Vec3; 2]) {
-    let d = position - ball.center;
-    let across = d.x.hypot(d.z).max(1e-6 * ball.radius);
+fn on_sphere(sphere: Sphere, position: Vec3) -> ([f32; 2], [Vec3; 2]) {
+    let d = position - sphere.center;
+    let across = d.x.hypot(d.z).max(1e-6 * sphere.radius);
     let u = 0.5 + 0.5 * FRAC_1_PI * d.x.atan2(d.z);
-    let v = (d.y / ball.radius).clamp(-1.0, 1.0).acos() * FRAC_1_PI;
+    let v = (d.y / sphere.radius).clamp(-1.0, 1.0).acos() * FRAC_1_PI;
     let east = Vec3::new(d.z, 0.0, -d.x) / across;
-    let north = Vec3::new(-d.x * d.y, across * across, -d.z * d.y) / (across * ball.radius);
-    ([u, v], [east / (2.0 * PI * across), -north / (PI * ball.radius)])
+    let north = Vec3::new(-d.x * d.y, across * across, -d.z * d.y) / (across * sphere.radius);
+    ([u, v], [east / (2.0 * PI * across), -north / (PI * sphere.radius)])
 }
 
 /// The direction in the surface in which u grows and v does not; of any length.

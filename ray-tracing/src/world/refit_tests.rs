@@ -3,7 +3,7 @@ use glam::{Quat, Vec3};
 use lobe_core::Sphere;
 use scene::{Mesh, Object, Proxy, Scene, Shape};
 use std::sync::Arc;
-use test_scenes::floor_and_ball;
+use test_scenes::floor_and_sphere;
 
 struct Rng(u64);
 
@@ -20,7 +20,7 @@ impl Rng {
 
 /// Small triangles and spheres all over a box.
 fn soup(rng: &mut Rng) -> Scene {
-    let mut scene = floor_and_ball();
+    let mut scene = floor_and_sphere();
     let mut positions = Vec::new();
     for _ in 0..700 {
         let place = rng.vec3() * 3.0;
@@ -30,7 +30,7 @@ fn soup(rng: &mut Rng) -> Scene {
     let mesh = Mesh { positions, triangles, ..Mesh::default() };
     scene.objects.push(Object::mesh("soup", mesh, 0, Proxy::Count(1)));
     let spheres = (0..60).map(|_| Sphere { center: rng.vec3() * 3.0, radius: 0.1 * rng.next() + 0.01 }).collect();
-    scene.objects.push(Object::spheres("balls", spheres, 0));
+    scene.objects.push(Object::spheres("spheres", spheres, 0));
     scene
 }
 
@@ -85,7 +85,7 @@ fn an_update_does_no_more_than_it_must() {
     let mut scene = soup(&mut Rng(4));
     let mut hierarchy = Hierarchy::new(&scene);
     assert_eq!(hierarchy.update(&scene), Update::Kept);
-    let light = scene.lights[0].sphere().expect("a ball");
+    let light = scene.lights[0].sphere().expect("a sphere");
     scene.lights.clear();
     assert!(!hierarchy.update_lights(&scene));
     scene.objects[2].visible = false;
@@ -94,7 +94,7 @@ fn an_update_does_no_more_than_it_must() {
     assert_eq!(hierarchy.update(&scene), Update::Refitted);
     scene.objects.push(Object::spheres("lamp", vec![light], 0));
     assert_eq!(hierarchy.update(&scene), Update::Built);
-    scene.lights = floor_and_ball().lights;
+    scene.lights = floor_and_sphere().lights;
     assert!(hierarchy.update_lights(&scene));
     assert_eq!(hierarchy.update(&scene), Update::Kept);
     let world = World::with_hierarchy(&scene, Arc::new(hierarchy));

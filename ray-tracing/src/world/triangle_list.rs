@@ -154,7 +154,7 @@ mod tests {
     use lobe_core::oracle::Random;
     use scene::{Mesh, Object, Proxy};
     use shading::LightId;
-    use test_scenes::floor_and_ball;
+    use test_scenes::floor_and_sphere;
 
     /// Loose triangles, those among them without area, and rays that start anywhere, on a triangle, or on an edge of one.
     #[test]
@@ -168,7 +168,7 @@ mod tests {
         positions[4] = positions[3];
         let triangles: Vec<[u32; 3]> = (0..60).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
         let corners: Vec<[Vec3; 3]> = triangles.iter().map(|t| t.map(|i| positions[i as usize])).collect();
-        let mut scene = floor_and_ball();
+        let mut scene = floor_and_sphere();
         let mesh = Mesh { positions, triangles, ..Mesh::default() };
         scene.objects = vec![Object::mesh("soup", mesh, 0, Proxy::Count(1))];
         let world = World::new(&scene);

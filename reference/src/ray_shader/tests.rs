@@ -7,11 +7,11 @@ use lighting::SphereLight;
 use ray_tracing::GBuffer;
 use scene::{Object, Scene};
 use shading::Accuracy;
-use test_scenes::floor_and_ball;
+use test_scenes::floor_and_sphere;
 
 /// Two more spheres that overlap, and glossy materials of both kinds.
 fn busy() -> Scene {
-    let mut scene = floor_and_ball();
+    let mut scene = floor_and_sphere();
     let (kd, ks) = (Vec3::splat(0.3), Vec3::splat(0.4));
     scene.materials.push(ModifiedPhong { kd, ks, exponent: 40.0 }.into());
     scene.materials.push(Phong { kd: 0.3 * kd, ks, exponent: 12.0 }.into());

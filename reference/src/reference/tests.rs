@@ -6,7 +6,7 @@ use core::f64::consts::PI;
 use lighting::SphereLight;
 use lobe_core::Sphere;
 use scene::{Mesh, Object, Proxy, Scene, Shape};
-use test_scenes::{floor_and_ball, material};
+use test_scenes::{floor_and_sphere, material};
 
 /// A G-buffer of points that no camera found.
 fn points(receivers: Vec<Receiver>) -> GBuffer {
@@ -33,7 +33,7 @@ fn at(position: Vec3, normal: Vec3, view: Vec3) -> Receiver {
 }
 
 fn empty(light: SphereLight, material: Material) -> Scene {
-    Scene { objects: Vec::new(), lights: vec![light.into()], materials: vec![material], ..floor_and_ball() }
+    Scene { objects: Vec::new(), lights: vec![light.into()], materials: vec![material], ..floor_and_sphere() }
 }
 
 /// Lambert irradiance of a sphere above the horizon is π·sin²σ·cos β; half below the horizon, at β = 90°, it is
@@ -191,8 +191,9 @@ fn penumbra_of_a_small_light() {
 /// Lit points equal the unshadowed ones to the bit and points in the umbra are exactly 0.
 #[test]
 fn limits_are_exact() {
-    let mut scene = floor_and_ball();
-    scene.lights[0].as_sphere_mut().expect("a ball").sphere = Sphere { center: Vec3::new(0.0, 5.0, 0.0), radius: 0.2 };
+    let mut scene = floor_and_sphere();
+    scene.lights[0].as_sphere_mut().expect("a sphere").sphere =
+        Sphere { center: Vec3::new(0.0, 5.0, 0.0), radius: 0.2 };
     let receivers = [0.0, 3.5].map(|x| Receiver { object: 0, ..at(Vec3::X * x, Vec3::Y, Vec3::Y) });
     let g = points(receivers.to_vec());
     for geometry in [Geometry::Spheres, Geometry::Mesh] {
@@ -207,7 +208,7 @@ fn limits_are_exact() {
 /// itself above its horizon.
 #[test]
 fn own_skin_stays_lit() {
-    let scene = floor_and_ball();
+    let scene = floor_and_sphere();
     let world = World::new(&scene);
     let g = GBuffer::new(&world, 64, 64, 1);
     let mut set = blockers(&scene, 0.0);
@@ -229,7 +230,7 @@ fn own_skin_stays_lit() {
 /// A wall of triangles with interpolated normals nowhere shadows its own lit side.
 #[test]
 fn a_mesh_does_not_shadow_itself() {
-    let mut scene = floor_and_ball();
+    let mut scene = floor_and_sphere();
     scene.objects.truncate(1);
     if let Shape::Mesh(Mesh { positions, .. }) = &mut scene.objects[0].shape {
         // Off the origin and slanted, so that rounding has a chance.
@@ -245,7 +246,7 @@ fn a_mesh_does_not_shadow_itself() {
 /// The same to the bit on any number of threads, interrupted or not, and through a checkpoint.
 #[test]
 fn threads_and_interruptions_change_nothing() {
-    let scene = floor_and_ball();
+    let scene = floor_and_sphere();
     let (world, blockers) = (World::new(&scene), blockers(&scene, 0.0));
     let g = GBuffer::new(&world, 40, 30, 1);
     let job = ReferenceJob { world: &world, gbuffer: &g, blockers: &blockers, geometry: Geometry::Spheres, seed: 1 };
@@ -300,7 +301,7 @@ fn threads_and_interruptions_change_nothing() {
 /// The stated standard error is the true one: against a well sampled picture, and it falls faster than 1/√N.
 #[test]
 fn the_stated_error_is_true() {
-    let scene = floor_and_ball();
+    let scene = floor_and_sphere();
     let g = GBuffer::new(&World::new(&scene), 40, 30, 1);
     let truth = run(&scene, &g, Geometry::Spheres, 16384);
     let rms = |v: &mut dyn Iterator<Item = f32>| {

@@ -7,7 +7,7 @@ use core::mem::{offset_of, size_of};
 use naga::TypeInner;
 
 fn module() -> naga::Module {
-    validated::module(&trace_text(64))
+    validated::module(&trace_text(64).text)
 }
 
 /// Size and offsets of the members of a struct.
@@ -39,7 +39,7 @@ fn structs_are_laid_out_as_in_rust() {
 
 #[test]
 fn a_workgroup_is_a_tile() {
-    assert!(trace_text(64).contains("@workgroup_size(64)") && TILE * TILE == 64);
+    assert!(trace_text(64).text.contains("@workgroup_size(64)") && TILE * TILE == 64);
 }
 
 /// Every pixel of a window has one place, in the order of tiles.

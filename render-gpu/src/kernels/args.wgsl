@@ -1,6 +1,4 @@
 // The size of the penumbra kernel's dispatch: one workgroup a queued point.
-@group(0) @binding(5) var<storage, read_write> args: array<u32, 3>;
-
 @compute @workgroup_size(1)
 fn args_of_queue() {
     let size = queue_size(atomicLoad(&queue.count));

@@ -1,4 +1,4 @@
-// The hierarchy of bvh.rs and its primitives, in the hierarchy's units.
+// The hierarchy of bvh.rs (`nodes`) and its `primitives`, in the hierarchy's units.
 
 // 32 bytes. A leaf has `count` primitives from `first` on; an inner node has count 0 and its children at `first` and `first + 1`.
 // The first node is a header: `low.x` has the hierarchy's units per world unit, and `high` is zero. If its count is 0, one node for
@@ -21,9 +21,6 @@ struct Primitive {
     c: vec3f,
     corners: u32,
 }
-
-@group(0) @binding(10) var<storage, read> nodes: array<BvhNode>;
-@group(0) @binding(14) var<storage, read> primitives: array<Primitive>;
 
 const ROOT = 1u;
 

@@ -60,5 +60,5 @@ fn classify_point(tile: u32, point: u32) {
             queue_keep(item, k, integral);
         }
     }
-    told(point, coverage, sum);
+    finish_point(point, coverage, sum);
 }

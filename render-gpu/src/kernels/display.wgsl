@@ -1,10 +1,10 @@
 // Pictures as screens show them, one pixel a thread: exposure, a tone map, sRGB, eight bits with dither, as `pictures::Display` has them.
-struct Look {
+struct Display {
     gain: f32,
     // The number of the tone map.
     tone: u32,
 }
-@group(0) @binding(0) var<uniform> look: Look;
+@group(0) @binding(0) var<uniform> display: Display;
 @group(0) @binding(1) var source: texture_2d<f32>;
 @group(0) @binding(2) var shown: texture_storage_2d<rgba8unorm, write>;
 
@@ -80,10 +80,10 @@ fn display_pixels(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= size.x || id.y >= size.y {
         return;
     }
-    let radiance = textureLoad(source, id.xy, 0).xyz * look.gain;
+    let radiance = textureLoad(source, id.xy, 0).xyz * display.gain;
     let linear = vec3f(in_range(radiance.x), in_range(radiance.y), in_range(radiance.z));
     var encoded = vec3f(0.0);
-    switch look.tone {
+    switch display.tone {
         case LINEAR: { encoded = srgb_of(linear); }
         case NEUTRAL: { encoded = srgb_of(neutral(linear, 0.04)); }
         case AGX: { encoded = agx(linear); }

@@ -21,5 +21,3 @@ struct Frame {
     // Parameters of the kind of light.
     shape: array<vec4f, 26>,
 }
-
-@group(0) @binding(0) var<uniform> frame: Frame;

@@ -43,5 +43,5 @@ fn classify_point(tile: u32, point: u32) {
             sum += unshadowed;
         }
     }
-    told(point, coverage, sum);
+    finish_point(point, coverage, sum);
 }

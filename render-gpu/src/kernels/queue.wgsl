@@ -7,7 +7,6 @@ struct Queue {
     counters: array<atomic<u32>, QUEUE_COUNTERS>,
     items: array<u32>,
 }
-@group(0) @binding(4) var<storage, read_write> queue: Queue;
 
 // By the paper's method: marks a queued point for which one blocker hides the whole light.
 const HIDDEN = 0x80000000u;

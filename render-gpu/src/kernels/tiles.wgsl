@@ -1,5 +1,5 @@
 // The parts that both `classify` kernels share: 64 threads, one tile, and its counters. Calls `classify_point(tile, point)`,
-// which ends with `told`.
+// which ends with `finish_point`.
 
 // Coverage not computed yet.
 const UNKNOWN = 3u;
@@ -11,7 +11,7 @@ fn count(what: u32) {
 }
 
 // Counts a point by its class, and adds the unshadowed radiance to a lit point.
-fn told(point: u32, coverage: u32, sum: vec3f) {
+fn finish_point(point: u32, coverage: u32, sum: vec3f) {
     if (coverage == LIT) {
         count(LIT_POINTS);
         radiance[point] += vec4f(sum, 0.0);

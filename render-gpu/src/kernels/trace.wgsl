@@ -25,11 +25,6 @@ struct View {
     bundle: u32,
 }
 
-@group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<storage, read_write> points: array<Receiver>;
-// Three normals of three numbers for each triangle that has them.
-@group(0) @binding(15) var<storage, read> normals: array<f32>;
-
 const NOTHING = 0xffffffffu;
 
 // A workgroup is a tile of 8 × 8 pixels.

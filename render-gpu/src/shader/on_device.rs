@@ -1,6 +1,7 @@
 //! Pictures that are shaded without leaving the device.
 
-use super::{GpuShader, HEADER, Part, Prepared, TILE, pack};
+use super::from_host::pack;
+use super::{GpuShader, HEADER, Part, Prepared, TILE};
 use crate::kernels;
 use crate::kernels::queue::CUT;
 use crate::resident::{Resident, Resolve};

@@ -25,6 +25,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
 }
 
 const COUNT: usize = 1 << 13;
+const TABLES: &str = "@group(0) @binding(9) var<storage, read> paper_tables: array<vec2f>;";
 
 fn tables() -> Tables {
     Tables::with_products(ProductTable::build_with(Resolution { angles: 33, per_interval: 4 }))
@@ -56,7 +57,7 @@ fn paper_products(gpu: &Gpu) {
             Lobe(vec3f(x(8), x(9), x(10)), x(11), vec3f(x(12), x(13), x(14)), x(15)));
         y(0, c.axis.x); y(1, c.axis.y); y(2, c.axis.z); y(3, c.exponent);
         y(4, c.flux.x); y(5, c.flux.y); y(6, c.flux.z); y(7, c.kind);";
-    let got = call_with(gpu, &wgsl::join(&[&paper::wgsl::TABLES]), body, &rows, [16, 8], &[(9, &words)]);
+    let got = call_with(gpu, &(wgsl::join(&[&paper::wgsl::TABLES]) + TABLES), body, &rows, [16, 8], &[(9, &words)]);
     let (mut worst, mut sums) = ([0.0_f32; 3], [0.0_f32; 3]);
     for (got, (a, b)) in got.chunks(8).zip(&cases) {
         let want = tables.product(a, b);
@@ -109,7 +110,8 @@ fn paper_caps(gpu: &Gpu) {
         let occluder = paper_occluder(cone);
         y(0, light.exponent); y(1, light.flux.x); y(2, occluder.exponent); y(3, occluder.flux.x);
         y(4, paper_weight(u32(x(1)), x(2)));";
-    let text = wgsl::join(&[&paper::wgsl::VISIBILITY, &visibility_mask::wgsl::ROUND]) + &paper::wgsl::header(5);
+    let text =
+        wgsl::join(&[&paper::wgsl::VISIBILITY, &visibility_mask::wgsl::ROUND]) + &paper::wgsl::header(5) + TABLES;
     let got = call_with(gpu, &text, body, &rows, [3, 5], &[(9, &words)]);
     let mut worst = 0.0_f32;
     for (got, row) in got.chunks(5).zip(rows.chunks(3)) {

@@ -10,7 +10,7 @@ use render_cpu::{GBuffer, PixelSamples, World, blockers};
 use render_gpu::{Gpu, GpuDisplay, GpuPicture, GpuShader, Occlusion, PixelMeans};
 use scene::{Cancel, Frame, Scene, Shade, ShadingPoints};
 use shading::Accuracy;
-use test_scenes::floor_and_ball;
+use test_scenes::floor_and_sphere;
 use visibility_spheres::SphereBlockers;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
@@ -69,7 +69,7 @@ fn largest_difference(a: &[Vec3], b: &[Vec3]) -> f32 {
 
 /// One ray a pixel, several at edges, several everywhere; in one part and in two; with a background.
 fn as_on_the_cpu(gpu: &Gpu) {
-    let scene = floor_and_ball();
+    let scene = floor_and_sphere();
     let blockers = spheres(&scene);
     let mut shader = GpuShader::new(gpu, Occlusion::of(&[&blockers])).expect("it fits");
     let mut stamp = 0;
@@ -101,7 +101,7 @@ fn as_on_the_cpu(gpu: &Gpu) {
 
 /// A stop before the first submission gives nothing; the next call all.
 fn cancelled(gpu: &Gpu) {
-    let scene = floor_and_ball();
+    let scene = floor_and_sphere();
     let mut shader = GpuShader::new(gpu, Occlusion::default()).expect("it fits");
     let g = points(&scene, PixelSamples::Edges(4), 0..SIZE[1]);
     let frame =

@@ -204,6 +204,7 @@ impl Setup {
 }
 
 /// The buffers as in kernels that shade.
+const UNIFORM: &str = "@group(0) @binding(0) var<uniform> frame: Frame;";
 const BUFFERS: &str = "@group(0) @binding(6) var<storage, read> spheres: array<BlockerSphere>;
     @group(0) @binding(7) var<storage, read> spheres_lists: array<u32>;
     @group(0) @binding(11) var<storage, read> spheres_bounds: array<vec4f>;";
@@ -240,7 +241,7 @@ impl Words {
         let empty = vec![7; tiles * LIST_WORDS];
         let declared = BUFFERS.replace("read> spheres_lists", "read_write> spheres_lists");
         let of_points = "@group(0) @binding(1) var<storage, read> points: array<Receiver>;";
-        let text = join(&[&FRAME, &wgsl::CULL]) + &declared + of_points;
+        let text = join(&[&FRAME, &wgsl::CULL]) + UNIFORM + &declared + of_points;
         let buffers: [(u32, &[u32]); 5] = [(0, &frame), (1, &points), (6, &spheres), (7, &empty), (11, &bounds)];
         let lists = dispatch(gpu, &text, &buffers, 7, tiles);
         Self { frame, points, spheres, bounds, lists }
@@ -265,7 +266,7 @@ impl Words {
                     out[id.x] = spheres_coverage(id.x / 64u, points[id.x], cone);
                 }
             }";
-        let text = join(&[&FRAME, &NO_OUTLINE, &wgsl::SPHERES]) + BUFFERS + MAIN;
+        let text = join(&[&FRAME, &NO_OUTLINE, &wgsl::SPHERES]) + UNIFORM + BUFFERS + MAIN;
         let out = vec![9; self.points.len() / 16];
         let buffers: [(u32, &[u32]); 6] =
             [(0, &self.frame), (1, &self.points), (2, &out), (6, &self.spheres), (7, &self.lists), (11, &self.bounds)];
@@ -307,7 +308,7 @@ impl Words {
             }";
         let header = masks::header(depth, Fineness { coarse, ..Fineness::FINE });
         let pieces: [&'static Piece; 4] = [&FRAME, &masks::ROUND, &masks::TOTAL, &wgsl::SPHERES_SPLAT];
-        let text = join(&pieces) + &header + BUFFERS + MAIN;
+        let text = join(&pieces) + UNIFORM + &header + BUFFERS + MAIN;
         let squares: Vec<u32> = (cases.iter())
             .flat_map(|(point, square)| {
                 let (right, up) = (square.right.to_array(), square.up.to_array());

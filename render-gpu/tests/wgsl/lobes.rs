@@ -1,6 +1,7 @@
 //! The WGSL without a GPU: pieces validate, layouts are the same as in Rust.
 
 use crate::validated::module;
+use crate::{FRAMED, QUEUED, SHADED};
 use lighting::SphereLight;
 use lobe_core::wgsl::{self, join};
 use render_gpu::wgsl::{PAPER_CLASSIFY, PAPER_PENUMBRA};
@@ -55,8 +56,9 @@ fn integrals_validate() {
     module(&join(&[&wgsl::CAP_BRUSHED, &wgsl::OUTLINE_BRUSHED, &wgsl::OUTLINE_PLAIN]));
 }
 
-/// Reflectance and blockers, as the paper's kernels require them.
+/// The tables, reflectance and blockers, as the paper's kernels require them.
 const HOOKS: &str = "
+    @group(0) @binding(9) var<storage, read> paper_tables: array<vec2f>;
     fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 { return PARTIAL; }
     fn brdf_lobe_count(material: u32) -> u32 { return materials[0]; }
     fn brdf_lobe(material: u32, at: Receiver, k: u32) -> Lobe { return Lobe(at.normal, 1.0, vec3f(1.0), 0.0); }";
@@ -64,13 +66,21 @@ const HOOKS: &str = "
 #[test]
 fn kernels_of_the_paper_validate() {
     use visibility_mask::wgsl as masks;
-    module(&(join(&[&PAPER_CLASSIFY, SphereLight::WGSL, &wgsl::NO_OUTLINE]) + HOOKS));
+    module(&(join(&[&PAPER_CLASSIFY, SphereLight::WGSL, &wgsl::NO_OUTLINE]) + FRAMED + QUEUED + SHADED + HOOKS));
     let splat = "fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
         mask_block_span(mask, lane, 0.0, 1.0);
     }";
     for depth in 1..=visibility_mask::MAX_DEPTH {
         let header = paper::wgsl::header(depth);
-        let module = module(&(join(&[&PAPER_PENUMBRA, SphereLight::WGSL, &masks::ROUND]) + HOOKS + splat + &header));
+        let module = module(
+            &(join(&[&PAPER_PENUMBRA, SphereLight::WGSL, &masks::ROUND])
+                + FRAMED
+                + QUEUED
+                + SHADED
+                + HOOKS
+                + splat
+                + &header),
+        );
         let entry = &module.entry_points[0];
         assert_eq!(entry.workgroup_size, [if depth < 5 { 32 } else { 64 }, 1, 1]);
     }

@@ -11,6 +11,13 @@ mod spheres;
 #[path = "../../src/validated.rs"]
 mod validated;
 
+/// The buffers of kernels that shade, as they declare them.
+const FRAMED: &str = "@group(0) @binding(0) var<uniform> frame: Frame;\n";
+const QUEUED: &str = "@group(0) @binding(4) var<storage, read_write> queue: Queue;\n";
+const SHADED: &str = "@group(0) @binding(1) var<storage, read> points: array<Receiver>;
+    @group(0) @binding(2) var<storage, read> materials: array<u32>;
+    @group(0) @binding(3) var<storage, read_write> radiance: array<vec4f>;\n";
+
 /// A constant of a module.
 fn constant(module: &naga::Module, name: &str) -> u32 {
     let found = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name));

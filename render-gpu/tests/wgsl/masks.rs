@@ -1,6 +1,7 @@
 //! The WGSL of masks and penumbrae without a GPU: every variant validates.
 
 use crate::validated::module;
+use crate::{FRAMED, QUEUED, SHADED};
 use lighting::SphereLight;
 use lobe_core::wgsl::join;
 use render_gpu::wgsl::{INTEGRALS, PENUMBRA};
@@ -41,7 +42,12 @@ fn penumbrae_validate() {
         let (broad, narrow) = (Fineness::broad(tolerance), Fineness::narrow(tolerance));
         let headers = [wgsl::header(depth, broad), wgsl::header_of_lobes(depth, broad, narrow, false)];
         for (form, header) in [&wgsl::LAMBERT, &wgsl::ALIKE].into_iter().zip(&headers) {
-            let text = join(&[&PENUMBRA, &INTEGRALS, SphereLight::WGSL, &wgsl::ROUND, form]) + HOOKS + header;
+            let text = join(&[&PENUMBRA, &INTEGRALS, SphereLight::WGSL, &wgsl::ROUND, form])
+                + FRAMED
+                + QUEUED
+                + SHADED
+                + HOOKS
+                + header;
             let module = module(&text);
             let entry = &module.entry_points[0];
             let lanes = (1 << depth).max(32);

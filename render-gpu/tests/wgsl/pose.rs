@@ -8,9 +8,13 @@ use render_gpu::wgsl::{DISPLAY, RESOLVE, TEXTURE_WRITER};
 use sphere_sets::{BuildOptions, Carriers, SphereRig, SphereRigPart, SphereSet};
 use visibility_spheres::SphereBlockers;
 
+const BUFFERS: &str = "@group(0) @binding(6) var<storage, read_write> spheres: array<BlockerSphere>;
+    @group(0) @binding(12) var<storage, read> rig: array<u32>;
+    @group(0) @binding(13) var<storage, read> bones: array<f32>;";
+
 #[test]
 fn a_rig_has_the_words_that_its_kernel_reads() {
-    let pose = module(&join(&[&sphere_sets::wgsl::POSE]));
+    let pose = module(&(join(&[&sphere_sets::wgsl::POSE]) + BUFFERS));
     let entry = &pose.entry_points[0];
     assert_eq!((entry.name.as_str(), entry.workgroup_size), ("pose_spheres", [64, 1, 1]));
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];

@@ -6,10 +6,16 @@ use render_gpu::wgsl::{ANY_HIT, TRACE};
 use shading::gpu::GpuBlockers;
 use visibility_rays::GpuRays;
 
+const WORLD: &str = "@group(0) @binding(10) var<storage, read> nodes: array<BvhNode>;
+    @group(0) @binding(14) var<storage, read> primitives: array<Primitive>;";
+
 #[test]
 fn visible_points_validate() {
+    const SEEN: &str = "@group(0) @binding(0) var<uniform> view: View;
+        @group(0) @binding(1) var<storage, read_write> points: array<Receiver>;
+        @group(0) @binding(15) var<storage, read> normals: array<f32>;";
     for stack in [32_u32, 64, 1024] {
-        module(&(join(&[&TRACE]) + &constant("STACK", &stack)));
+        module(&(join(&[&TRACE]) + WORLD + SEEN + &constant("STACK", &stack)));
     }
 }
 
@@ -17,7 +23,7 @@ fn visible_points_validate() {
 #[test]
 fn shadow_rays_validate() {
     const STACK: &str = "const STACK = 32u;";
-    module(&(join(&[GpuRays.coverage(), &ANY_HIT]) + STACK));
+    module(&(join(&[GpuRays.coverage(), &ANY_HIT]) + WORLD + STACK));
     for (depth, coarse) in (1..=6).flat_map(|depth| [(depth, false), (depth, true)]) {
         let header = visibility_mask::wgsl::header(
             depth,
@@ -29,6 +35,6 @@ fn shadow_rays_validate() {
             let mask = mask_reset(square_facing(light, vec3f(1.0)), lane, light.axis);
             rays_splat(lane, 0u, at, light, mask);
         }";
-        module(&(join(&[GpuRays.splat(), &ANY_HIT, &visibility_mask::wgsl::ROUND]) + STACK + &header + main));
+        module(&(join(&[GpuRays.splat(), &ANY_HIT, &visibility_mask::wgsl::ROUND]) + WORLD + STACK + &header + main));
     }
 }

@@ -1,6 +1,7 @@
 //! The WGSL of sphere blockers without a GPU: every composed variant validates, layouts are the same as in Rust.
 
 use crate::validated::module;
+use crate::{FRAMED, QUEUED, SHADED};
 use lighting::SphereLight;
 use lobe_core::wgsl::{NO_OUTLINE, join};
 use render_gpu::wgsl::{ALL_LOBES, ARGS, CLASSIFY, FRAME, INTEGRALS};
@@ -24,8 +25,9 @@ fn culling_validates() {
     let of_bounds = BUFFERS.replace("read> spheres_bounds", "read_write> spheres_bounds");
     let of_lists = BUFFERS.replace("read> spheres_lists", "read_write> spheres_lists");
     let bounds = module(&(join(&[&wgsl::BOUNDS]) + &of_bounds));
-    let cull = module(&(join(&[&wgsl::CULL, &FRAME]) + &of_lists + points));
-    let args = module(&join(&[&ARGS]));
+    let cull = module(&(join(&[&wgsl::CULL, &FRAME]) + FRAMED + &of_lists + points));
+    let sizes = "@group(0) @binding(5) var<storage, read_write> args: array<u32>;";
+    let args = module(&(join(&[&ARGS]) + FRAMED + QUEUED + sizes));
     let groups = [(&bounds, "bounds", 64), (&cull, "cull", 64), (&args, "args_of_queue", 1)];
     for (module, name, threads) in groups {
         assert_eq!((module.entry_points[0].name.as_str(), module.entry_points[0].workgroup_size[0]), (name, threads));
@@ -38,7 +40,14 @@ fn classification_validates() {
     let lambert = brdf::Material::lambert(glam::Vec3::ONE).model().wgsl().expect("lambert");
     let (materials, reflectance) = brdf::wgsl::compose(&[lambert]);
     let pieces = [&CLASSIFY, &ALL_LOBES, &INTEGRALS, SphereLight::WGSL, &NO_OUTLINE, &wgsl::SPHERES];
-    let text = join(&[pieces.as_slice(), &materials].concat()) + BUFFERS + HOOK + stub + &reflectance;
+    let text = join(&[pieces.as_slice(), &materials].concat())
+        + FRAMED
+        + QUEUED
+        + SHADED
+        + BUFFERS
+        + HOOK
+        + stub
+        + &reflectance;
     assert_eq!(module(&text).entry_points[0].workgroup_size, [64, 1, 1]);
 }
 
@@ -47,7 +56,7 @@ fn splats_validate_at_all_depths() {
     for depth in 1..=visibility_mask::MAX_DEPTH {
         for coarse in [false, true] {
             let header = masks::header(depth, Fineness { coarse, ..Fineness::FINE });
-            module(&(join(&[&wgsl::SPHERES_SPLAT, &masks::ROUND, &FRAME]) + &header + BUFFERS));
+            module(&(join(&[&wgsl::SPHERES_SPLAT, &masks::ROUND, &FRAME]) + FRAMED + &header + BUFFERS));
         }
     }
 }

@@ -47,6 +47,25 @@ pub(crate) struct Openings {
     active: Vec<(f32, u32)>,
 }
 
+/// Sorts the crossings of a row from left to right; returns by how much the number of surfaces falls at those where it does.
+fn sort(active: &mut [(f32, u32)], crossings: &[Crossing], row: usize) -> i32 {
+    let mut falls = 0;
+    for i in 0..active.len() {
+        let (_, k) = active[i];
+        let c = &crossings[k as usize];
+        let at = c.at(row);
+        falls += (-c.step).max(0);
+        // The order changes little from row to row.
+        let mut j = i;
+        while j > 0 && active[j - 1].0 > at {
+            active[j] = active[j - 1];
+            j -= 1;
+        }
+        active[j] = (at, k);
+    }
+    falls
+}
+
 impl Openings {
     /// The intervals with the fewest surfaces among those that are at least `narrowest` samples wide, in the emitting samples of each row. `starts` has the numbers of surfaces left of all crossings, as
     /// [`Counter::start`](crate::count::Counter::start) returns them.
@@ -79,20 +98,7 @@ impl Openings {
             if emits.is_empty() {
                 continue;
             }
-            let mut number = start.cast_signed();
-            for i in 0..active.len() {
-                let (_, k) = active[i];
-                let c = &crossings[k as usize];
-                let at = c.at(row);
-                number += (-c.step).max(0);
-                // The order changes little from row to row.
-                let mut j = i;
-                while j > 0 && active[j - 1].0 > at {
-                    active[j] = active[j - 1];
-                    j -= 1;
-                }
-                active[j] = (at, k);
-            }
+            let mut number = start.cast_signed() + sort(active, crossings, row);
             let [first, last] = [emits.start, emits.end].map(|sample| sample as f32 + Raster::shift(row));
             let mut from = first;
             for i in 0..=active.len() {

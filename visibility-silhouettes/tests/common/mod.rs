@@ -74,7 +74,7 @@ impl AnyHit for Rays<'_> {
 }
 
 /// A closed sphere of triangles.
-pub(crate) fn ball(center: Vec3, radius: f32, rings: u32) -> Soup {
+pub(crate) fn globe(center: Vec3, radius: f32, rings: u32) -> Soup {
     let sides = 2 * rings;
     let mut soup = Soup::default();
     for i in 0..=rings {

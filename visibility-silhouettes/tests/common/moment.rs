@@ -1,6 +1,6 @@
 //! A receiver, a light and a soup between them.
 
-use super::{Rays, Soup, ball, cuboid};
+use super::{Rays, Soup, cuboid, globe};
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
 use lobe_core::{Cone, Lobe, Receiver, Sphere, cap_integral};
@@ -33,8 +33,8 @@ impl Moment {
         let aside = random.between((size / distance - theta).max(0.0), size / distance + theta).min(1.2);
         let center = (random.axis_at(axis, aside) * distance).as_vec3();
         let soup = match kind {
-            0 => ball(center, size as f32, 4),
-            1 => ball(center, size as f32, 10),
+            0 => globe(center, size as f32, 4),
+            1 => globe(center, size as f32, 10),
             2 => cuboid(random, center, size),
             // Edges at right angles, across the light: either one runs along the rows or all of them are slanted.
             _ => {

@@ -1,6 +1,6 @@
 //! Random triangles.
 
-use super::{Soup, ball, cuboid, turn};
+use super::{Soup, cuboid, globe, turn};
 use glam::Vec3;
 use lobe_core::oracle::Random;
 
@@ -32,7 +32,7 @@ pub(crate) fn soup(kind: usize, random: &mut Random) -> Soup {
             for _ in 0..random.between(1.0, 5.0) as usize {
                 let (center, radius) = (vec(random, 1.2), random.log_uniform(0.05, 0.9) as f32);
                 let rings = random.between(3.0, 12.0) as u32;
-                let mut one = ball(center, radius, rings);
+                let mut one = globe(center, radius, rings);
                 let (holes, turned) = (random.between(-0.3, 0.3), random.between(-0.5, 0.5));
                 one.triangles.retain(|_| random.between(0.0, 1.0) > holes);
                 for t in &mut one.triangles {

@@ -109,7 +109,7 @@ impl View {
 
 /// How the picture is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Look {
+pub(crate) struct Viewing {
     pub(crate) view: View,
     /// Its depth is that of screens.
     pub(crate) display: Display,
@@ -117,7 +117,7 @@ pub(crate) struct Look {
     pub(crate) split: Option<f32>,
 }
 
-impl Look {
+impl Viewing {
     /// Whether the reference is to be computed.
     pub(crate) fn wants_reference(&self) -> bool {
         self.view.wants_reference() || self.split.is_some()

@@ -1,0 +1,153 @@
+use super::openings::Openings;
+use crate::clip::{Chord, Front, LightSphere};
+use crate::count::{Counter, Fewest};
+use crate::fit::side;
+use crate::lists::Lists;
+use crate::near_light::NearLights;
+use crate::project::{Crossing, View, project};
+use crate::select::Silhouettes;
+use fearless_simd::{Level, dispatch};
+use glam::{Vec2, Vec3};
+use lobe_core::{Cone, Receiver, Sphere};
+use shading::{Coverage, VisibilityQuery};
+use visibility_mask::Mask;
+
+/// Working memory of [`SilhouetteBlockers`](crate::SilhouetteBlockers).
+#[derive(Clone, Debug)]
+pub struct SilhouetteScratch<H> {
+    /// Whether the current shaft comes from the caller; otherwise each receiver has its own.
+    pub(super) entered: bool,
+    pub(super) lists: Lists,
+    /// Whether rays in the shaft may meet anything.
+    pub(super) is_met: bool,
+    /// One result for all receivers of the shaft on one face; searched after the first of them.
+    pub(super) alike: Option<Alike>,
+    /// Whether the receivers of a group are on one side of all triangles near them.
+    pub(super) plane: Option<Plane>,
+    /// The triangles near the lights; whether some reach into the light of the shaft, and whether its outlines are exact because of these.
+    pub(super) near: NearLights,
+    pub(super) is_clipped: bool,
+    pub(super) is_exact: bool,
+    pub(super) light: Sphere,
+    /// Start of the current receiver's rays, and its cone to the light.
+    pub(super) origin: Vec3,
+    pub(super) cone: Cone,
+    /// The normal of the receiver's facet, if it hides a part of the light.
+    pub(super) facet: Option<Vec3>,
+    pub(super) silhouettes: Silhouettes,
+    /// Whether any of them may belong to a simplified form.
+    pub(super) is_coarse: bool,
+    /// Their parts outside the light, the arcs in which it cuts triangles, and whether both are those of the current receiver.
+    pub(super) outside: Silhouettes,
+    pub(super) arcs: Vec<Chord>,
+    pub(super) is_outside_known: bool,
+    pub(super) crossings: Vec<Crossing>,
+    pub(super) counter: Counter,
+    pub(super) fewest: Fewest,
+    pub(super) next: Fewest,
+    pub(super) openings: Openings,
+    /// Ends of openings, and a mask for those between rows.
+    pub(super) marks: Vec<[Vec2; 2]>,
+    pub(super) turned: Mask,
+    pub(super) hits: H,
+}
+
+impl<H> SilhouetteScratch<H> {
+    /// Of a strategy whose rays have this memory.
+    pub(super) fn new(hits: H) -> Self {
+        Self {
+            entered: false,
+            lists: Lists::default(),
+            is_met: true,
+            alike: None,
+            plane: None,
+            is_clipped: false,
+            is_exact: false,
+            // A light that no caller can mean.
+            light: Sphere { center: Vec3::NAN, radius: 0.0 },
+            near: NearLights::default(),
+            origin: Vec3::ZERO,
+            cone: Cone { axis: Vec3::Z, one_minus_cos: 0.0, distance: 0.0 },
+            facet: None,
+            silhouettes: Silhouettes::default(),
+            is_coarse: false,
+            outside: Silhouettes::default(),
+            arcs: Vec::new(),
+            is_outside_known: false,
+            crossings: Vec::new(),
+            counter: Counter::default(),
+            fewest: Fewest::default(),
+            next: Fewest::default(),
+            openings: Openings::default(),
+            marks: Vec::new(),
+            turned: Mask::default(),
+            hits,
+        }
+    }
+
+    /// Counts the surfaces before the samples of a mask, but for a number that all of them have. Returns the light if triangles reach into it.
+    pub(super) fn cross(&mut self, query: &VisibilityQuery<'_>, view: &mut View, mask: &Mask) -> Option<LightSphere> {
+        let sphere = self.project_outlines(query, view);
+        let Self { crossings, counter, fewest, .. } = self;
+        dispatch!(Level::new(), simd => {
+            counter.count(simd, view, crossings, mask);
+            counter.fewest(fewest);
+        });
+        sphere
+    }
+
+    /// Lists the crossings of outlines with the rows of a mask. Returns the light if triangles reach into it.
+    pub(super) fn project_outlines(&mut self, query: &VisibilityQuery<'_>, view: &mut View) -> Option<LightSphere> {
+        let Self { origin, silhouettes, outside, arcs, crossings, near, light, .. } = self;
+        crossings.clear();
+        // If triangles reach into the light, surfaces count as far as its front side; else as far as its plane.
+        let is_flat = query.outline.is_some();
+        let sphere = (self.is_clipped && !is_flat).then(|| LightSphere::new(*light, *origin));
+        if let Some(sphere) = &sphere
+            && !self.is_outside_known
+        {
+            // The same for all windows of the receiver.
+            arcs.clear();
+            let front = Front { axis: query.cone.axis, distance: view.far };
+            for corners in near.current().map_or(&[][..], |near| &near.cutting) {
+                sphere.clip(&front, corners.map(|p| p - *origin), || side(*corners, *origin), arcs);
+            }
+            sphere.outside(silhouettes, outside);
+            self.is_outside_known = true;
+        }
+        let is_cut = sphere.is_some() || is_flat && !arcs.is_empty();
+        if is_cut {
+            crossings.extend(arcs.iter().filter_map(|(a, b, step)| Crossing::of_segment(view, *a, *b, *step)));
+        }
+        if is_cut && is_flat {
+            // The plane has cut the silhouettes too.
+            view.clip = f32::INFINITY;
+        }
+        let drawn = if is_cut { &*outside } else { &*silhouettes };
+        dispatch!(Level::new(), simd => project(simd, drawn, view, crossings));
+        sphere
+    }
+}
+
+/// Receivers of a shaft on one face of an object, and their common coverage, if they have one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Alike {
+    pub(super) object: u32,
+    pub(super) face: Vec3,
+    pub(super) coverage: Option<Coverage>,
+}
+
+/// Receivers on one face of an object, and whether they are on one side of all triangles near them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Plane {
+    pub(super) origins: Sphere,
+    pub(super) object: u32,
+    pub(super) face: Vec3,
+    pub(super) is_plane: bool,
+}
+
+impl Alike {
+    pub(super) fn of(self, at: &Receiver) -> Option<Coverage> {
+        self.coverage.filter(|_| (self.object, self.face) == (at.object, at.face))
+    }
+}
