@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 pub struct Baked {
     /// The binary glTF file.
     pub glb: Vec<u8>,
-    /// Maps of irradiance, page by page: of all lights with [`Form::Lightmap`], and of each light if these are requested.
+    /// Maps of irradiance, page by page: of all lights with [`Form::Lightmap`](crate::Form::Lightmap), and of each light if these are requested.
     pub maps: Vec<Map>,
     /// Width and height of each page.
     pub pages: Vec<[u32; 2]>,
