@@ -12,11 +12,11 @@ const PART: u32 = 16;
 
 /// The outlines in each sample of a crowded buffer: foliage, grass, hair.
 ///
-/// The parts of a sample that several surfaces hide may overlap, so the rest is more than 1 less their sum. Surfaces that begin in a sample hide
-/// all from the first beginning on, those that end in it all up to the last end. What is left before the first beginning is seen if
-/// the sample's left end is; so is what is left behind the last end if the right end is, and what is left between both if the surfaces that
-/// neither begin nor end there leave it open. That is never more than is seen: only openings between two surfaces of which both begin and end in
-/// one sample are left out.
+/// The parts of a sample that several surfaces hide may overlap, so the rest is more than 1 less their sum. Surfaces that begin in a sample
+/// hide all from the first beginning on, those that end in it all up to the last end. The part before the first beginning is seen if the
+/// sample's left end is; so is the part behind the last end if the right end is, and the part between both if the other surfaces leave it
+/// open. That is never more than is seen: only openings between two surfaces of which both begin, or both end, in one sample
+/// are left out.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Crowd {
     /// Whether the receiver's outlines are counted so.
