@@ -4,10 +4,13 @@
 //! fuzz [TARGET…] [--seconds N] [--seed N]   every target, or these, for so long each (3 s)
 //! fuzz --inputs TARGET FILE…                one target on files
 //! fuzz --products N --oracle N              N products against their bounds, N against quadrature in f64
+//! fuzz --costs N                            N small files of each kind in which one thing stands for many: time and memory
 //! ```
 //!
 //! An input that fails is kept as `TARGET.failed` in the working folder; the exit code is 1 then.
 
+mod cost;
+mod growth;
 mod products;
 
 use fuzz::{Source, TARGETS, Target};
@@ -24,10 +27,11 @@ struct Options {
     seed: u64,
     products: u64,
     oracle: u64,
+    costs: u64,
 }
 
 fn parse() -> Result<Options, String> {
-    let mut options = Options { targets: Vec::new(), seconds: 3.0, seed: 1, products: 0, oracle: 0 };
+    let mut options = Options { targets: Vec::new(), seconds: 3.0, seed: 1, products: 0, oracle: 0, costs: 0 };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut number = || {
@@ -39,6 +43,7 @@ fn parse() -> Result<Options, String> {
             "--seed" => options.seed = number()? as u64,
             "--products" => options.products = number()? as u64,
             "--oracle" => options.oracle = number()? as u64,
+            "--costs" => options.costs = number()? as u64,
             name if TARGETS.iter().any(|t| t.name == name) => options.targets.push(word),
             other => {
                 let all: Vec<&str> = TARGETS.iter().map(|t| t.name).collect();
@@ -75,6 +80,12 @@ fn fuzz(target: &Target, seconds: f64, seed: u64) -> bool {
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let [word, file] = &arguments[..]
+        && word == "--open"
+    {
+        cost::open(file);
+        return ExitCode::SUCCESS;
+    }
     if let [word, name, files @ ..] = &arguments[..]
         && word == "--inputs"
     {
@@ -102,6 +113,10 @@ fn main() -> ExitCode {
         } else {
             ExitCode::FAILURE
         };
+    }
+    if options.costs > 0 {
+        let program = std::env::current_exe().unwrap_or_else(|_| "fuzz".into());
+        return if cost::run(&program, options.seed, options.costs) { ExitCode::SUCCESS } else { ExitCode::FAILURE };
     }
     println!("| target | inputs | slowest |\n|---|---|---|");
     let wanted = |t: &&Target| options.targets.is_empty() || options.targets.iter().any(|name| name == t.name);

@@ -197,7 +197,7 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
                 if last != Some(looks) {
                     last = Some(looks);
                     view.begin_in(table, horizons[place], self.window(level, &horizons[place], &blend));
-                    let in_doubt = self.blockers.draw(&tile, place, view.buffer_mut(), blockers);
+                    let in_doubt = view.draw(table, |buffer| self.blockers.draw(&tile, place, buffer, blockers));
                     view.settle(table, in_doubt, |v| self.blockers.hides(&tile, place, v, blockers));
                     if level == 0 {
                         observer.coverage(view.coverage());

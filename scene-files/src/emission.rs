@@ -26,6 +26,8 @@ const ERROR: f32 = 0.02;
 /// The most triangles of a mesh that becomes lights unless a file requests it, and the most lights by emission in a scene: both take time.
 const MOST_TRIANGLES: usize = 50_000;
 const MOST_LIGHTS: usize = 128;
+/// So many objects may turn out to be no lights, each of which may take a tenth of a second.
+const MOST_FAILED: usize = 32;
 
 /// The lights of an object that emits.
 pub(crate) struct Emitted {
@@ -122,7 +124,7 @@ pub(crate) fn light_up(path: &Path, scene: &mut Scene, animation: &mut Animation
         return;
     }
     let before = scene.lights.len();
-    let (mut dark, mut curved) = (Vec::new(), Vec::new());
+    let (mut dark, mut curved, mut failed) = (Vec::new(), Vec::new(), 0);
     for number in 0..scene.objects.len() {
         let object = &scene.objects[number];
         let Some(surface) = scene.surface(object.material).filter(|s| s.emits() && !s.is_unlit) else { continue };
@@ -132,7 +134,7 @@ pub(crate) fn light_up(path: &Path, scene: &mut Scene, animation: &mut Animation
         }
         let mover = animation.movers.get(number).and_then(Option::as_ref);
         let room = MOST_LIGHTS.saturating_sub(scene.lights.len() - before);
-        match by_default((number, object), surface, (mover, &animation.skeletons), room) {
+        match by_default((number, object), surface, (mover, &animation.skeletons), (room, &mut failed)) {
             Ok(lamp) => {
                 if lamp.inside.is_some() {
                     curved.push(object.name.clone());
@@ -165,7 +167,7 @@ fn by_default(
     (number, object): (usize, &Object),
     surface: &Surface,
     (mover, skeletons): (Option<&Mover>, &[Skeleton]),
-    room: usize,
+    (room, failed): (usize, &mut usize),
 ) -> Result<Emitted, String> {
     if surface.emission_map.is_some() {
         return Err("a picture of its emission is seen only".to_owned());
@@ -178,10 +180,14 @@ fn by_default(
     if room == 0 {
         return Err(is_full());
     }
-    let lamp = emitted((number, object), surface, mover, skeletons)?;
+    if *failed == MOST_FAILED {
+        return Err(format!("{MOST_FAILED} objects before it are no lights either"));
+    }
+    let lamp = emitted((number, object), surface, mover, skeletons).inspect_err(|_| *failed += 1)?;
     if let Some(error) = lamp.inside
         && error > ERROR
     {
+        *failed += 1;
         let percent = 100.0 * error;
         return Err(format!(
             "spheres and tubes in its place are {percent:.0} % off (`light = true` in a scene file takes them)"

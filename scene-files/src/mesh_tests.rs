@@ -91,6 +91,13 @@ fn ranges_of_images_that_are_not_read_are_told() {
 }
 
 #[test]
+fn constant_colours_are_told() {
+    let warnings = |illum: u32| with_library("a", format!("newmtl a\nKd 1 0 0\nillum {illum}\n").as_bytes()).1;
+    assert!(warnings(0).iter().any(|w| w.contains("not read: illum 0")));
+    assert!(warnings(1).is_empty());
+}
+
+#[test]
 fn bad_obj_names_its_line() {
     for (text, line, words) in [
         ("v 0 0 0\nv 1 0 0\nf 1 2 3\n", 3, "vertex 3, there are 2"),

@@ -204,7 +204,13 @@ impl Reader<'_> {
             "Ns" => entry.ns = Some(number(word, rest)?.clamp(0.0, MAX_EXPONENT)),
             "Pr" => entry.roughness = Some(number(word, rest)?),
             "Pm" => entry.metallic = Some(number(word, rest)?),
-            "illum" => entry.is_matte = matches!(rest, "0" | "1"),
+            "illum" => {
+                entry.is_matte = matches!(rest, "0" | "1");
+                // A constant colour: some programs write it for what is meant to be lit.
+                if rest == "0" {
+                    self.tell_unread("illum 0");
+                }
+            }
             "map_Kd" => surface.color = self.map(rest, |_| Use::Color)?.map(|(map, _)| map),
             "map_Ks" => surface.specular = self.map(rest, |_| Use::Color)?.map(|(map, _)| map),
             "map_Ke" => surface.emission_map = self.map(rest, |_| Use::Color)?.map(|(map, _)| map),

@@ -189,3 +189,24 @@ fn lights_by_emission_are_bounded() {
     assert_eq!(scene.lights.len(), 126);
     assert!(warnings.iter().any(|w| w.contains("and 18 more") && w.contains("128 lights")), "{warnings:?}");
 }
+
+/// A mesh for which no lights stand takes as long as one that becomes lights: not each of thousands is tried.
+#[test]
+fn few_meshes_are_tried_in_vain() {
+    let folder = TempDir::new().unwrap();
+    let corner = |k: u32| {
+        let (sin, cos) = (k as f32 * 0.2).sin_cos();
+        format!("v {cos} {} {sin}\n", 0.2 * (k % 2) as f32)
+    };
+    let ring = (0..31).map(corner).chain((1..30).map(|k| format!("f {k} {} {}\n", k + 1, k + 2)));
+    fs::write(folder.path().join("ring.obj"), ring.collect::<String>()).unwrap();
+    let lamp = "[materials.lamp]\nmodel = \"lambert\"\nalbedo = 0.5\nemission = [2, 1, 0]\n";
+    let object = |shape: &str| format!("[[objects]]\nmaterial = \"lamp\"\n{shape}\n");
+    let lights = |rings: usize| {
+        let cube = object("box = { center = [0, 3, 0], size = [0.5, 0.1, 0.5] }");
+        let text = lamp.to_owned() + &object("mesh = \"ring.obj\"").repeat(rings) + &cube;
+        fs::write(folder.path().join("rings.toml"), text).unwrap();
+        load(&folder.path().join("rings.toml"), Emission::Lights).scene.lights.len()
+    };
+    assert_eq!([lights(2), lights(33)], [6, 0]);
+}

@@ -1,8 +1,10 @@
 //! Small scenes and meshes for the tests of the workspace.
 
 mod opening;
+mod shades;
 
 pub use opening::{Opening, ROOM, leaf, room, with_door};
+pub use shades::{around_lampshade, below_leaves, leaves};
 
 use brdf::Material;
 use core::f32::consts::PI;

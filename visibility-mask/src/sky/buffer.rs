@@ -1,4 +1,5 @@
 use super::arcs::{FIRST, NORMAL, ROWS, STEP};
+use super::crowd::{Crowd, FINER};
 use super::{Horizon, Meridians, SkyArcs, SkyResolution, SkyWindow};
 use fearless_simd::{Simd, f32x8, i32x8, mask32x8, prelude::*};
 use glam::Vec3;
@@ -11,6 +12,8 @@ const ONE: i32 = 2 * HALF;
 pub(crate) const CUTS: u32 = 7;
 /// Samples whose lower end is so near to the horizon are not certain to be above it.
 pub(crate) const MARGIN: f32 = 0.01;
+/// The most samples of a row: the unit of runs.
+const RUN: usize = SkyResolution::MOST[1];
 /// The most rays that are traced.
 const WITNESSES: usize = 3;
 
@@ -19,7 +22,8 @@ const WITNESSES: usize = 3;
 /// Outlines add their steps where they cross a meridian: a step in the middle of a sample is shared between that and the next one. Of a
 /// step by two surfaces, as at the folds of open ones, one is shared so, and the other lies outside of the sample, which sees no light there
 /// anyway. That is right where no other outline passes through the sample; else a fold takes half a surface back, since of blades as thin as
-/// a sample nothing else would be left (measured: half the error of none or of all). All numbers are whole
+/// a sample nothing else would be left (measured: half the error of none or of all). Where outlines cross rows very often, a [`Crowd`] says
+/// what is left instead. All numbers are whole
 /// ones, in half surfaces, so that no order of drawing changes them. Up to 4000 surfaces behind each other are counted.
 ///
 /// Eight rows stand side by side, their counts one after the other.
@@ -30,6 +34,10 @@ pub struct SkyBuffer {
     /// The part that the folds in a sample hide besides, if more than one outline passes through it; and whether there is any.
     folds: Vec<[i32; LANES]>,
     has_folds: bool,
+    crowd: Crowd,
+    crossings: u32,
+    /// Samples for each of the table's.
+    finer: usize,
     columns: usize,
     /// For each block of rows which are crossed, as bits.
     crossed: Vec<u8>,
@@ -38,18 +46,22 @@ pub struct SkyBuffer {
     window: SkyWindow,
     /// The fewest surfaces before any sample, as a count.
     fewest: i32,
-    /// For each row the longest run of samples with the fewest, times 512, plus its last sample.
+    /// For each row the longest run of samples with the fewest, times [`RUN`], plus its last sample.
     runs: Vec<i32>,
 }
 
 impl SkyBuffer {
     /// Begins a receiver, or another window of its: no surfaces.
     pub fn clear(&mut self, resolution: SkyResolution, window: SkyWindow) {
-        let (columns, blocks) = (resolution.samples() + 2, resolution.blocks());
+        let is_fine = self.crowd.is_on && resolution.samples() * FINER <= RUN;
+        let finer = if is_fine { FINER } else { 1 };
+        let (columns, blocks) = (resolution.samples() * finer + 2, resolution.blocks());
+        let [_, end] = self.columns();
         let last = core::mem::replace(&mut self.window, window);
+        self.crossings = 0;
         if (self.columns, self.blocks) != (columns, blocks) {
-            *self = Self { window, ..Self::default() };
-            (self.columns, self.blocks) = (columns, blocks);
+            let crowd = Crowd::new(self.crowd.is_on, columns * blocks);
+            *self = Self { window, crowd, finer, columns, blocks, ..Self::default() };
             self.counts.resize(columns * blocks, [0; LANES]);
             self.folds.resize(columns * blocks, [0; LANES]);
             self.crossed.resize(blocks, 0);
@@ -58,15 +70,37 @@ impl SkyBuffer {
         }
         let has_folds = core::mem::take(&mut self.has_folds);
         // A step in the last sample reaches into the next.
-        let drawn = last.columns()[1] + 1;
+        let end = end + 1;
         for block in last.blocks() {
             if core::mem::take(&mut self.crossed[block]) != 0 {
-                self.counts[block * columns..][..drawn].fill([0; LANES]);
+                self.counts[block * columns..][..end].fill([0; LANES]);
                 if has_folds {
-                    self.folds[block * columns..][..drawn].fill([0; LANES]);
+                    self.folds[block * columns..][..end].fill([0; LANES]);
+                }
+                if self.crowd.is_on {
+                    self.crowd.clear(block * columns..block * columns + end);
                 }
             }
         }
+    }
+
+    /// The samples that are drawn: the first, and the end.
+    fn columns(&self) -> [usize; 2] {
+        let [first, end] = self.window.columns();
+        // The end of the last sample is a place of its own.
+        [first * self.finer, end.saturating_sub(1) * self.finer + 1]
+    }
+
+    /// Whether outlines cross rows as often as those of a crowd, and are not counted as one, or the reverse.
+    pub(super) fn is_to_begin_again(&self, resolution: SkyResolution) -> bool {
+        Crowd::is_of(self.crossings, resolution) != self.crowd.is_on
+    }
+
+    /// Begins the receiver again, with a crowd if it had none, or the reverse: so do the receivers after it.
+    pub(super) fn begin_again(&mut self, resolution: SkyResolution) {
+        let crowd = Crowd::new(!self.crowd.is_on, 0);
+        *self = Self { crowd, window: self.window, ..Self::default() };
+        self.clear(resolution, self.window);
     }
 
     /// Adds a step of so many half surfaces to a row, at `place` samples from the pole.
@@ -77,14 +111,21 @@ impl SkyBuffer {
 
     #[inline(always)]
     fn put(&mut self, row: usize, column: usize, fraction: i32, step: i32) {
-        if column >= self.window.columns()[1] {
+        self.crossings += 1;
+        let within = (fraction * self.finer as i32 / HALF).min(self.finer as i32 - 1);
+        let column = column * self.finer + within as usize;
+        let fraction = fraction * self.finer as i32 - within * HALF;
+        if column >= self.columns()[1] {
             return;
         }
         let (block, lane) = (row / LANES, row % LANES);
-        let shared = step.clamp(-2, 2);
+        let first = block * self.columns + column;
+        let shared = if self.crowd.is_on { step } else { step.clamp(-2, 2) };
         let others = (step - shared) * HALF;
         let [here, next] = if step > 0 { [0, others] } else { [others, 0] };
-        let first = block * self.columns + column;
+        if self.crowd.is_on {
+            self.crowd.put(first, lane, fraction, step);
+        }
         let counts = &mut self.counts[first..first + 2];
         let add = |count: &mut i32, more: i32, cut: i32| *count = count.wrapping_add((more << CUTS) + cut);
         add(&mut counts[0][lane], here + shared * (HALF - fraction), 1);
@@ -197,10 +238,10 @@ impl SkyBuffer {
         let mut low = i32x8::splat(simd, i32::MAX);
         let mut any = i32x8::splat(simd, i32::MAX);
         let (cuts, zero) = (i32x8::splat(simd, (1 << CUTS) - 1), i32x8::splat(simd, 0));
-        let [start, finish] = self.window.columns();
+        let [start, finish] = self.columns();
         let mut is_open = false;
         for block in self.window.blocks() {
-            let end = meridians.crossing(simd, block, horizon.local());
+            let end = meridians.crossing(simd, block, horizon.local()) * self.finer as f32;
             let sure = end - (1.0 + MARGIN);
             // Rows that nothing crosses are as the pole is.
             let is_seen = sure.simd_ge(f32x8::splat(simd, start as f32));
@@ -209,8 +250,12 @@ impl SkyBuffer {
                 continue;
             }
             let last = last_column(simd, end, self.columns).min(finish);
+            let samples = block * self.columns..block * self.columns + last;
+            if self.crowd.is_on {
+                self.crowd.resolve(samples.clone());
+            }
             let mut sum = zero;
-            for (column, counts) in self.counts[block * self.columns..][..last].iter_mut().enumerate() {
+            for (column, counts) in self.counts[samples.clone()].iter_mut().enumerate() {
                 sum += i32x8::simd_from(simd, *counts);
                 *counts = sum.into();
                 if column < start {
@@ -219,7 +264,9 @@ impl SkyBuffer {
                 let is_above = f32x8::splat(simd, column as f32).simd_le(sure);
                 let is_whole = (sum & cuts).simd_eq(zero);
                 low = (is_above & is_whole).select(low.min(sum), low);
-                any = is_above.select(any.min(sum), any);
+                let least =
+                    if self.crowd.is_on { self.crowd.starts(simd, samples.start + column) << CUTS } else { sum };
+                any = is_above.select(any.min(least), any);
             }
         }
         let least = |lanes: i32x8<S>| <[i32; LANES]>::from(lanes).into_iter().min().unwrap_or(0);
@@ -252,16 +299,28 @@ impl SkyBuffer {
     /// The seen parts of eight samples of a crossed block, if those with the fewest surfaces have none before them.
     #[inline(always)]
     pub(super) fn seen<S: Simd>(&self, simd: S, block: usize, column: usize) -> f32x8<S> {
-        let index = block * self.columns + column;
+        let first = block * self.columns + column * self.finer;
+        let zero = i32x8::splat(simd, 0);
+        let parts = (first..first + self.finer).map(|index| self.seen_part(simd, index));
+        let sum = parts.fold(zero, |sum, part| sum + part);
+        sum.to_float::<f32x8<S>>() * ((ONE as usize * self.finer) as f32).recip()
+    }
+
+    /// Of eight samples of the buffer, in parts of [`ONE`].
+    #[inline(always)]
+    fn seen_part<S: Simd>(&self, simd: S, index: usize) -> i32x8<S> {
         let cut = i32x8::simd_from(simd, self.counts[index]);
+        let fewest = self.fewest >> CUTS;
         let mut counts = cut >> CUTS;
         if self.has_folds {
             let is_shared = (cut & ((1 << CUTS) - 1)).simd_gt(i32x8::splat(simd, 1));
             counts += is_shared.select(i32x8::simd_from(simd, self.folds[index]), i32x8::splat(simd, 0));
         }
-        let seen = i32x8::splat(simd, (self.fewest >> CUTS) + ONE) - counts;
-        let seen = seen.max(i32x8::splat(simd, 0)).min(i32x8::splat(simd, ONE));
-        seen.to_float::<f32x8<S>>() * (1.0 / ONE as f32)
+        let mut seen = i32x8::splat(simd, fewest + ONE) - counts;
+        if self.crowd.is_on {
+            seen = seen.max(self.crowd.open(simd, index, fewest) << 1);
+        }
+        seen.max(i32x8::splat(simd, 0)).min(i32x8::splat(simd, ONE))
     }
 
     /// Up to three directions, in the pole's frame, before which the fewest surfaces lie: those that are farthest from outlines. The first
@@ -292,8 +351,11 @@ impl SkyBuffer {
             }
         }
         for (run, row) in runs.into_iter().filter(|(run, _)| *run > 0) {
-            let (length, last) = (run / 512, run % 512);
-            all.push(meridians.direction(row as f64 + 0.5, f64::from(last) + 1.0 - 0.5 * f64::from(length)));
+            let (length, last) = (run / RUN as i32, run % RUN as i32);
+            all.push(
+                meridians
+                    .direction(row as f64 + 0.5, (f64::from(last) + 1.0 - 0.5 * f64::from(length)) / self.finer as f64),
+            );
         }
         if all.len == 0 {
             all.push(horizon.local());
@@ -324,9 +386,9 @@ impl SkyBuffer {
     #[inline(always)]
     fn find_runs<S: Simd>(&mut self, simd: S, meridians: &Meridians, horizon: &Horizon) {
         let (zero, fewest) = (i32x8::splat(simd, 0), i32x8::splat(simd, self.fewest));
-        let [start, finish] = self.window.columns();
+        let [start, finish] = self.columns();
         for block in self.window.blocks() {
-            let end = meridians.crossing(simd, block, horizon.local());
+            let end = meridians.crossing(simd, block, horizon.local()) * self.finer as f32;
             let (mut run, mut best) = (zero, zero);
             if self.crossed[block] != 0 || !self.window.is_whole() {
                 let last = last_column(simd, end, self.columns).min(finish);
@@ -334,7 +396,7 @@ impl SkyBuffer {
                 for (column, counts) in counts.iter().enumerate().skip(start) {
                     let is_above: mask32x8<S> = f32x8::splat(simd, column as f32).simd_le(end - (1.0 + MARGIN));
                     let is_fewest = i32x8::simd_from(simd, *counts).simd_eq(fewest) & is_above;
-                    run = is_fewest.select(run + 512, zero);
+                    run = is_fewest.select(run + RUN as i32, zero);
                     best = best.max(is_fewest.select(run + column as i32, zero));
                 }
             }

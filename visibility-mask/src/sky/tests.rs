@@ -37,6 +37,14 @@ fn draw(table: &SkyTable, horizon: &Horizon, triangles: &[[Vec3; 3]], buffer: &m
     dispatch!(Level::new(), simd => buffer.draw(simd, table.meridians(), &arcs));
 }
 
+/// Draws the outline of a cone into a view.
+fn draw_cone(view: &mut SkyView, table: &SkyTable, horizon: &Horizon, axis: Vec3, cos: f32) {
+    view.draw(table, |buffer| {
+        dispatch!(Level::new(), simd => buffer.draw_cone(simd, table.meridians(), horizon, axis, cos));
+        false
+    });
+}
+
 /// Whether a direction meets a triangle.
 fn meets(v: DVec3, corners: &[Vec3; 3]) -> bool {
     let [a, b, c] = corners.map(|p| p.as_dvec3());
@@ -67,7 +75,10 @@ fn seen(table: &SkyTable, at: &Receiver, has_facet: bool, triangles: &[[Vec3; 3]
     let mut view = SkyView::default();
     let horizon = Horizon::new(at, has_facet);
     view.begin(table, horizon);
-    draw(table, &horizon, triangles, view.buffer_mut());
+    view.draw(table, |buffer| {
+        draw(table, &horizon, triangles, buffer);
+        false
+    });
     view.settle(table, false, |v| triangles.iter().any(|t| meets(v.as_dvec3(), t)));
     f64::from(view.integrals(table, at, &lambert(at))[0].x)
 }
@@ -90,9 +101,7 @@ fn cones_leave_what_closed_forms_say() {
             let mut view = SkyView::default();
             view.begin(&table, horizon);
             let cos = half.cos() as f32;
-            dispatch!(Level::new(), simd => {
-                view.buffer_mut().draw_cone(simd, table.meridians(), &horizon, axis.as_vec3(), cos);
-            });
+            draw_cone(&mut view, &table, &horizon, axis.as_vec3(), cos);
             view.settle(&table, false, |v| v.dot(axis.as_vec3()) > cos);
             let [seen, all] = view.integrals(&table, &at, &lambert(&at));
             let error = (f64::from(seen.x / all.x) - (1.0 - half.sin().powi(2) * axis.dot(normal))).abs();
@@ -112,9 +121,7 @@ fn wide_cones_leave_the_rest() {
     let (axis, half) = (-Vec3::new(0.3, 0.9, 0.2).normalize(), 2.5_f64);
     let mut view = SkyView::default();
     view.begin(&table, horizon);
-    dispatch!(Level::new(), simd => {
-        view.buffer_mut().draw_cone(simd, table.meridians(), &horizon, axis, half.cos() as f32);
-    });
+    draw_cone(&mut view, &table, &horizon, axis, half.cos() as f32);
     view.settle(&table, false, |v| v.dot(axis) > half.cos() as f32);
     let seen = f64::from(view.integrals(&table, &at, &lambert(&at))[0].x);
     let want = half.sin().powi(2) * f64::from(-axis.y);
@@ -247,9 +254,7 @@ fn lobes_are_integrated() {
         let horizon = Horizon::new(&at, false);
         let mut seen = SkyView::default();
         seen.begin(&table, horizon);
-        dispatch!(Level::new(), simd => {
-            seen.buffer_mut().draw_cone(simd, table.meridians(), &horizon, axis, cos);
-        });
+        draw_cone(&mut seen, &table, &horizon, axis, cos);
         seen.settle(&table, false, |v| v.dot(axis) > cos);
         let got = seen.integrals(&table, &at, &lobe);
         let (mut want, n) = ([DVec3::ZERO; 2], 700);
@@ -308,9 +313,7 @@ fn parts_of_narrow_lobes_come_to_them() {
                 SkyWindow::around(resolutions[number], horizon.pole().local(axis), angle)
             });
             seen.begin_in(table, horizon, window);
-            dispatch!(Level::new(), simd => {
-                seen.buffer_mut().draw_cone(simd, table.meridians(), &horizon, axis, cos);
-            });
+            draw_cone(seen, table, &horizon, axis, cos);
             seen.settle(table, false, |v| v.dot(axis) > cos);
             let more = seen.integrals_of(table, &at, &lobe, blend);
             got = [got[0] + more[0], got[1] + more[1]];
@@ -366,7 +369,10 @@ fn closed_in_receivers_see_nothing() {
         let horizon = Horizon::new(&at, false);
         let mut view = SkyView::default();
         view.begin(&table, horizon);
-        draw(&table, &horizon, &tent[..1], view.buffer_mut());
+        view.draw(&table, |buffer| {
+            draw(&table, &horizon, &tent[..1], buffer);
+            false
+        });
         view.settle(&table, false, |v| meets(v.as_dvec3(), &tent[0]));
         assert_eq!(view.coverage(), Coverage::Partial);
         1.0 - f64::from(view.integrals(&table, &at, &lambert(&at))[0].x)
@@ -421,4 +427,34 @@ fn streaks_of_low_views_are_resolved() {
     }
     println!("mean error {:.3} %", 100.0 * sum / count);
     assert!(sum < 0.004 * count && is_seen == [true; 2], "{sum} of {count}");
+}
+
+/// Leaves that hide a part of the sky, many of them in one sample and before each other, leave as much as directions say that are tested one by one.
+#[test]
+fn leaves_before_leaves_hide_no_more_than_all_of_them() {
+    let mut random = Random::new(41);
+    let at = Receiver::on_surface(Vec3::ZERO, Vec3::Y, Vec3::Y);
+    for (size, count, limit) in [(0.12, 200, 0.006), (0.12, 800, 0.012), (0.06, 3000, 0.03)] {
+        let leaves: Vec<[Vec3; 3]> = (0..count)
+            .map(|_| {
+                let middle = beside(&mut random, DVec3::Y, 1.2);
+                core::array::from_fn(|_| (middle + random.axis() * size).as_vec3())
+            })
+            .collect();
+        // Of Lambert's lobe, by as many directions in each piece of an even grid.
+        const SIDE: u32 = 150;
+        let mut open = 0;
+        for k in 0..SIDE * SIDE {
+            let height_sq = (f64::from(k % SIDE) + random.uniform()) / f64::from(SIDE);
+            let (sin, cos) =
+                ((f64::from(k / SIDE) + random.uniform()) / f64::from(SIDE) * core::f64::consts::TAU).sin_cos();
+            let across = (1.0 - height_sq).sqrt();
+            let v = DVec3::new(across * cos, height_sq.sqrt(), across * sin);
+            open += u32::from(!leaves.iter().any(|leaf| meets(v, leaf)));
+        }
+        let want = f64::from(open) / f64::from(SIDE * SIDE);
+        let got = seen(&uniform(SkyResolution::new(64, 64)), &at, false, &leaves);
+        println!("{count} leaves of {size}: {got:.4} for {want:.4}");
+        assert!((got - want).abs() < limit, "{count} leaves of {size}: {got} for {want}");
+    }
 }

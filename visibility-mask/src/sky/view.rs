@@ -26,7 +26,7 @@ pub(crate) const STEEP: f32 = 0.05;
 /// ```
 ///
 /// # Method
-/// All receivers of a view are to use one table. A receiver [begins](Self::begin), draws outlines into its [buffer](Self::buffer_mut), and [settles](Self::settle) with one ray; then it
+/// All receivers of a view are to use one table. A receiver [begins](Self::begin), [draws](Self::draw) outlines, and [settles](Self::settle) with one ray; then it
 /// asks for the [integrals](Self::integrals) of its reflectance lobes, with and without blockers.
 ///
 /// # Accuracy
@@ -59,9 +59,15 @@ impl SkyView {
         self.edge = None;
     }
 
-    /// Where outlines are drawn.
-    pub const fn buffer_mut(&mut self) -> &mut SkyBuffer {
-        &mut self.buffer
+    /// Lets blockers draw all outlines, and do so again if [`SkyBuffer`] turns out to need another way to count them. Returns what they return.
+    pub fn draw(&mut self, table: &SkyTable, mut draw: impl FnMut(&mut SkyBuffer) -> bool) -> bool {
+        let result = draw(&mut self.buffer);
+        let resolution = table.meridians().resolution();
+        if !self.buffer.is_to_begin_again(resolution) {
+            return result;
+        }
+        self.buffer.begin_again(resolution);
+        draw(&mut self.buffer)
     }
 
     /// All outlines are drawn. `is_hidden` says whether a surface lies in a direction of the world; it is called once, or, if that may err

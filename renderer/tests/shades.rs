@@ -1,0 +1,101 @@
+//! Lampshades and leaves before lights: each pixel's radiance is right as a part of itself, against Monte Carlo of the same triangles.
+
+use core::sync::atomic::AtomicBool;
+use glam::Vec3;
+use lighting::{Environment, EnvironmentMap, FlatLight, Light, SphereLight, SunLight, TubeLight};
+use lobe_core::Sphere;
+use ray_tracing::{GBuffer, PixelSamples, World};
+use reference::{Geometry, Reference, ReferenceJob};
+use renderer::{Renderer, Settings};
+use scene::{Animation, BlockerSet, Scene, Strategy};
+use std::sync::Arc;
+use test_scenes::{around_lampshade, below_leaves};
+
+/// Samples of the reference for a point and a light.
+const SAMPLES: u32 = 4096;
+
+/// Mean and 99th percentile of the error of pixels as a part of their own radiance, the sum's error, and the mean standard error of the reference.
+fn own_errors(scene: &Scene, truth: &[(f32, f32)], strategy: Strategy) -> [f32; 4] {
+    let settings = Settings { strategy: Some(strategy), samples: PixelSamples::Uniform(1), ..Settings::default() };
+    let renderer = Renderer::new(scene.clone(), Animation::default(), settings);
+    let image = renderer.and_then(|mut renderer| renderer.render()).expect("a picture").radiance;
+    let mut lit: Vec<f32> = truth.iter().map(|(value, _)| *value).filter(|value| *value > 0.0).collect();
+    lit.sort_unstable_by(f32::total_cmp);
+    // White is twice the radiance that nine of ten lit pixels stay below.
+    let least = 2e-3 * lit[lit.len() * 9 / 10];
+    let pairs = || truth.iter().zip(&image).filter(|((value, _), _)| *value > least);
+    let mut errors: Vec<f32> = pairs().map(|((value, _), got)| (got.x / value - 1.0).abs()).collect();
+    errors.sort_unstable_by(f32::total_cmp);
+    let mean = |values: &mut dyn Iterator<Item = f32>| values.sum::<f32>() / errors.len() as f32;
+    let [sum, wanted] = pairs().fold([0.0; 2], |[a, b], ((value, _), got)| [a + got.x, b + value]);
+    let noise = mean(&mut pairs().map(|((value, noise), _)| noise / value));
+    [mean(&mut errors.iter().copied()), errors[errors.len() * 99 / 100], sum / wanted - 1.0, noise]
+}
+
+/// Radiance of each pixel and its standard error.
+fn truth(scene: &Scene) -> Vec<(f32, f32)> {
+    let world = World::new(scene);
+    let gbuffer = GBuffer::new(&world, scene.width, scene.height, 1);
+    let blockers = BlockerSet::default();
+    let job = ReferenceJob { world: &world, gbuffer: &gbuffer, blockers: &blockers, geometry: Geometry::Mesh, seed: 3 };
+    let mut reference = Reference::new(job);
+    reference.advance(SAMPLES, &AtomicBool::new(false), &|_| {});
+    let estimate = reference.estimate();
+    // The sky itself is no shaded point.
+    let values = gbuffer.resolve(&estimate.radiance, Vec3::ZERO);
+    let noise = gbuffer.resolve(&estimate.std_error, Vec3::ZERO);
+    values.iter().zip(noise).map(|(value, noise)| (value.x, noise.x)).collect()
+}
+
+/// Prints a scene's errors by silhouettes and rays, of which those by silhouettes are to be at most so much beyond the noise.
+fn check(name: &str, scene: &Scene, [most, most_of_99]: [f32; 2]) {
+    let truth = truth(scene);
+    for strategy in [Strategy::Silhouettes, Strategy::Rays] {
+        let [mean, p99, bias, noise] = own_errors(scene, &truth, strategy);
+        println!("{name}, {strategy:?}: own error {mean:.4}, 99 % {p99:.3}, sum {bias:+.4}; noise {noise:.4}");
+        let is_right = mean < noise + most && p99 < 10.0 * noise + most_of_99;
+        assert!(is_right || strategy == Strategy::Rays, "{name}: {mean} {p99} {noise}");
+    }
+}
+
+fn sphere(center: Vec3, radius: f32) -> Light {
+    SphereLight::new(Sphere { center, radius }, Vec3::splat(50.0)).into()
+}
+
+#[test]
+fn lampshades_end_light_above_and_below() {
+    const BULB: Vec3 = Vec3::new(0.0, 1.55, 0.0);
+    let disc = FlatLight::disc(BULB, Vec3::NEG_Y, 0.1, Vec3::splat(50.0)).expect("a disc");
+    let [low, high] = [-0.08, 0.08].map(|y| BULB + Vec3::Y * y);
+    let tube = TubeLight { ends: [low, high], radius: 0.03, radiance: Vec3::splat(50.0) };
+    for (name, [below, above], light) in [
+        ("cone, sphere of 0.03", [0.26, 0.12], sphere(BULB, 0.03)),
+        ("cone, sphere of 0.1", [0.26, 0.12], sphere(BULB, 0.1)),
+        ("cylinder, sphere of 0.1", [0.18, 0.18], sphere(BULB, 0.1)),
+        ("cone, disc", [0.26, 0.12], disc.into()),
+        // The tube is seen along its axis.
+        ("cone, tube", [0.26, 0.12], tube.into()),
+    ] {
+        let most = if name == "cone, tube" { [0.015, 0.3] } else { [0.005, 0.05] };
+        check(name, &around_lampshade(below, above, vec![light]), most);
+    }
+}
+
+/// Few leaves and many, of which several lie in one sample of a sky.
+#[test]
+fn leaves_hide_what_they_cover() {
+    let around = Sphere { center: Vec3::Y, radius: 15.0 };
+    let toward = Vec3::new(-0.4, 1.0, 0.3).normalize();
+    let sun = SunLight::new(toward, SunLight::HALF_ANGLE, Vec3::splat(3.0), around);
+    let panel = FlatLight::rectangle(Vec3::Y * 5.0, Vec3::X * 2.0, Vec3::Z * 2.0, Vec3::ONE).expect("a square");
+    for (count, size) in [(300, 0.12), (1500, 0.12)] {
+        let scene = |light: Light| below_leaves(count, size, vec![light]);
+        check(&format!("{count} leaves, sun"), &scene(sun.into()), [0.005, 0.05]);
+        check(&format!("{count} leaves, sphere"), &scene(sphere(Vec3::Y * 5.0, 1.0)), [0.005, 0.05]);
+        check(&format!("{count} leaves, square"), &scene(panel.clone().into()), [0.005, 0.05]);
+        let sky = Environment::new(EnvironmentMap::uniform(Vec3::ONE), 2, around);
+        let mut scene = below_leaves(count, size, sky.lights().to_vec());
+        scene.environment = Some(Arc::new(sky));
+        check(&format!("{count} leaves, sky"), &scene, [0.005, 0.05]);
+    }
+}
