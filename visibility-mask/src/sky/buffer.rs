@@ -112,28 +112,40 @@ impl SkyBuffer {
     #[inline(always)]
     fn put(&mut self, row: usize, column: usize, fraction: i32, step: i32) {
         self.crossings += 1;
-        let within = (fraction * self.finer as i32 / HALF).min(self.finer as i32 - 1);
-        let column = column * self.finer + within as usize;
-        let fraction = fraction * self.finer as i32 - within * HALF;
-        if column >= self.columns()[1] {
+        if self.crowd.is_on {
+            return self.put_in_crowd(row, column, fraction, step);
+        }
+        if column >= self.window.columns()[1] {
             return;
         }
         let (block, lane) = (row / LANES, row % LANES);
         let first = block * self.columns + column;
-        let shared = if self.crowd.is_on { step } else { step.clamp(-2, 2) };
+        let shared = step.clamp(-2, 2);
         let others = (step - shared) * HALF;
         let [here, next] = if step > 0 { [0, others] } else { [others, 0] };
-        if self.crowd.is_on {
-            self.crowd.put(first, lane, fraction, step);
-        }
         let counts = &mut self.counts[first..first + 2];
-        let add = |count: &mut i32, more: i32, cut: i32| *count = count.wrapping_add((more << CUTS) + cut);
         add(&mut counts[0][lane], here + shared * (HALF - fraction), 1);
         add(&mut counts[1][lane], next + shared * fraction, -1);
         if others != 0 {
             self.has_folds = true;
             self.folds[first][lane] += if step > 0 { HALF - fraction } else { fraction };
         }
+        self.crossed[block] |= 1 << lane;
+    }
+
+    /// The same where [`Crowd`] counts: all of a step is shared between two samples.
+    fn put_in_crowd(&mut self, row: usize, of_table: usize, fraction: i32, step: i32) {
+        let finer = self.finer as i32;
+        let within = (fraction * finer / HALF).min(finer - 1);
+        let (column, fraction) = (of_table * self.finer + within as usize, fraction * finer - within * HALF);
+        if column >= self.columns()[1] {
+            return;
+        }
+        let (block, lane) = (row / LANES, row % LANES);
+        let first = block * self.columns + column;
+        self.crowd.put(first, lane, fraction, step);
+        add(&mut self.counts[first][lane], step * (HALF - fraction), 1);
+        add(&mut self.counts[first + 1][lane], step * fraction, -1);
         self.crossed[block] |= 1 << lane;
     }
 
@@ -239,7 +251,7 @@ impl SkyBuffer {
         let mut any = i32x8::splat(simd, i32::MAX);
         let (cuts, zero) = (i32x8::splat(simd, (1 << CUTS) - 1), i32x8::splat(simd, 0));
         let [start, finish] = self.columns();
-        let mut is_open = false;
+        let (mut is_open, is_crowd) = (false, self.crowd.is_on);
         for block in self.window.blocks() {
             let end = meridians.crossing(simd, block, horizon.local()) * self.finer as f32;
             let sure = end - (1.0 + MARGIN);
@@ -264,8 +276,7 @@ impl SkyBuffer {
                 let is_above = f32x8::splat(simd, column as f32).simd_le(sure);
                 let is_whole = (sum & cuts).simd_eq(zero);
                 low = (is_above & is_whole).select(low.min(sum), low);
-                let least =
-                    if self.crowd.is_on { self.crowd.starts(simd, samples.start + column) << CUTS } else { sum };
+                let least = if is_crowd { self.crowd.starts(simd, samples.start + column) << CUTS } else { sum };
                 any = is_above.select(any.min(least), any);
             }
         }
@@ -300,9 +311,13 @@ impl SkyBuffer {
     #[inline(always)]
     pub(super) fn seen<S: Simd>(&self, simd: S, block: usize, column: usize) -> f32x8<S> {
         let first = block * self.columns + column * self.finer;
-        let zero = i32x8::splat(simd, 0);
-        let parts = (first..first + self.finer).map(|index| self.seen_part(simd, index));
-        let sum = parts.fold(zero, |sum, part| sum + part);
+        if self.finer == 1 {
+            return self.seen_part(simd, first).to_float::<f32x8<S>>() * (1.0 / ONE as f32);
+        }
+        let mut sum = i32x8::splat(simd, 0);
+        for index in first..first + self.finer {
+            sum += self.seen_part(simd, index);
+        }
         sum.to_float::<f32x8<S>>() * ((ONE as usize * self.finer) as f32).recip()
     }
 
@@ -423,6 +438,12 @@ impl Witnesses {
     pub fn as_slice(&self) -> &[Vec3] {
         &self.directions[..self.len]
     }
+}
+
+/// Adds to a count, and to the number of outlines through the sample.
+#[inline(always)]
+const fn add(count: &mut i32, more: i32, cuts: i32) {
+    *count = count.wrapping_add((more << CUTS) + cuts);
 }
 
 /// The number of samples of which eight rows have any above their horizon.

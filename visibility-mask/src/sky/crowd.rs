@@ -83,15 +83,13 @@ impl Crowd {
     pub(super) fn open<S: Simd>(&self, simd: S, sample: usize, fewest: i32) -> i32x8<S> {
         let (zero, one) = (i32x8::splat(simd, 0), i32x8::splat(simd, HALF));
         let fewest = i32x8::splat(simd, fewest);
-        let [left, right] = [sample, sample + 1].map(|sample| self.starts(simd, sample));
+        let (left, right) = (self.starts(simd, sample), self.starts(simd, sample + 1));
         let parts = i32x8::simd_from(simd, self.parts[sample]);
         let begun = one - (parts >> PART);
         let ended = one - (parts & i32x8::splat(simd, (1 << PART) - 1));
         let middle = left + i32x8::simd_from(simd, self.falls[sample]) * HALF;
-        let ends = [(left, begun), (right, ended)]
-            .map(|(number, open)| (number.simd_le(fewest), open))
-            .map(|(is_open, open)| is_open.select(open, zero));
+        let ends = left.simd_le(fewest).select(begun, zero) + right.simd_le(fewest).select(ended, zero);
         let between = middle.simd_le(fewest).select((begun + ended - one).max(zero), zero);
-        (ends[0] + ends[1]).max(between)
+        ends.max(between)
     }
 }

@@ -434,7 +434,7 @@ fn streaks_of_low_views_are_resolved() {
 fn leaves_before_leaves_hide_no_more_than_all_of_them() {
     let mut random = Random::new(41);
     let at = Receiver::on_surface(Vec3::ZERO, Vec3::Y, Vec3::Y);
-    for (size, count, limit) in [(0.12, 200, 0.006), (0.12, 800, 0.012), (0.06, 3000, 0.03)] {
+    for (size, count, limit) in [(0.12, 200, 0.006), (0.12, 800, 0.012), (0.06, 3000, 0.012)] {
         let leaves: Vec<[Vec3; 3]> = (0..count)
             .map(|_| {
                 let middle = beside(&mut random, DVec3::Y, 1.2);
