@@ -133,6 +133,23 @@ fn instances_have_the_bits_of_copies_by_other_strategies() {
     }
 }
 
+/// Most boxes of their hierarchy lie between the rays of neighbouring pixels.
+#[test]
+fn instances_of_the_size_of_a_pixel_have_the_bits_of_copies() {
+    let mut scene = scene(false, vec![sphere(Vec3::ZERO)], Vec3::ZERO);
+    let Some(Shape::Instances(few)) = scene.objects.pop().map(|object| object.shape) else { panic!() };
+    let place = |k: u16| {
+        let at = Vec3::new(f32::from(k % 30) - 14.5, 0.3, -f32::from(k / 30) * 2.0);
+        Mat4::from_scale_rotation_translation(Vec3::splat(0.4), Quat::from_rotation_y(f32::from(k)), at)
+    };
+    let many = Instances::new(Arc::clone(few.mesh()), (0..600).map(place).collect()).expect("instances");
+    let object = Object::mesh("many", Mesh::default(), 1, Proxy::None);
+    scene.objects.push(Object { shape: Shape::Instances(many), ..object });
+    scene.camera.eye = Vec3::new(3.0, 9.0, 25.0);
+    scene.camera.target = Vec3::new(0.0, 0.0, -25.0);
+    check(&scene, &Settings { strategy: Some(Strategy::None), ..Settings::default() }, "of the size of a pixel");
+}
+
 #[test]
 fn instances_are_copies_to_rounding_under_a_sky() {
     let pixels = (0..16 * 8).map(|k| Vec3::splat(0.2 + (k % 7) as f32 * 0.3)).collect();

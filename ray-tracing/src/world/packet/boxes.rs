@@ -2,6 +2,7 @@
 
 use super::super::camera_rays::{Bundle, Row, SIDE};
 use super::super::instance_tree::{Boxes, Walk};
+use super::super::triangle_packet::inside;
 use super::RayPacket;
 use fearless_simd::dispatch;
 use glam::Vec3;
@@ -22,7 +23,49 @@ impl RayPacket<'_> {
         if self.rays.bundle == Bundle::Parallel {
             return dispatch!(self.rays.level, _simd => self.depths(&walk.boxes(node, self.base), 1.0));
         }
-        dispatch!(self.rays.level, _simd => self.distances(&walk.boxes(node, self.base)))
+        dispatch!(self.rays.level, _simd => self.placed_distances(&walk.boxes(node, self.base)))
+    }
+
+    /// Instances may be smaller than a pixel: boxes between the rays are left out, too.
+    #[inline(always)]
+    fn placed_distances(&self, boxes: &Boxes) -> Row {
+        let mut near = self.distances(boxes);
+        if self.rays.bundle == Bundle::Plane {
+            self.leave_between(boxes, &mut near);
+        }
+        near
+    }
+
+    /// Makes infinite how near those boxes are that contain no point in which a ray meets the picture's plane.
+    #[inline(always)]
+    fn leave_between(&self, Boxes { centers, halves }: &Boxes, near: &mut Row) {
+        let axes = [self.rays.forward, self.rays.to_column, self.rays.to_row];
+        let offset = (self.rays.middle - self.first).to_array();
+        let margin = 2.0 * self.rays.margin;
+        let mut middles = [[0.0f32; SIDE]; 3];
+        let mut sizes = [[0.0f32; SIDE]; 3];
+        for (k, axis) in axes.iter().enumerate() {
+            let size = axis.abs();
+            for l in 0..SIDE {
+                middles[k][l] = axis.x * centers[0][l] + axis.y * centers[1][l] + axis.z * centers[2][l];
+                sizes[k][l] = size.x * halves[0][l] + size.y * halves[1][l] + size.z * halves[2][l];
+            }
+        }
+        for l in 0..SIDE {
+            let (least, most) = (middles[0][l] - sizes[0][l], middles[0][l] + sizes[0][l]);
+            let [inverse_least, inverse_most] = [1.0 / least, 1.0 / most];
+            // As for the corners of triangles: larger pixel numbers lose precision.
+            let aside = middles[1][l].abs() + sizes[1][l] + middles[2][l].abs() + sizes[2][l];
+            let mut is_met = true;
+            for k in 0..2 {
+                let (low, high) = (middles[k + 1][l] - sizes[k + 1][l], middles[k + 1][l] + sizes[k + 1][l]);
+                let low = (low * inverse_least).min(low * inverse_most) + offset[k] - margin;
+                let high = (high * inverse_least).max(high * inverse_most) + offset[k] + margin;
+                let (first, end) = inside(low, high);
+                is_met &= first < end;
+            }
+            near[l] = if is_met || least * 1e5 <= aside { near[l] } else { f32::INFINITY };
+        }
     }
 
     /// As [`distances`](Self::distances), of parallel rays: from the plane in which they start.
