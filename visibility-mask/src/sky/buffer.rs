@@ -22,9 +22,9 @@ const WITNESSES: usize = 3;
 /// Outlines add their steps where they cross a meridian: a step in the middle of a sample is shared between that and the next one. Of a
 /// step by two surfaces, as at the folds of open ones, one is shared so, and the other lies outside of the sample, which sees no light there
 /// anyway. That is right where no other outline passes through the sample; else a fold takes half a surface back, since of blades as thin as
-/// a sample nothing else would be left (measured: half the error of none or of all). Where outlines cross rows very often, a [`Crowd`] says
-/// what is left instead. All numbers are whole
-/// ones, in half surfaces, so that no order of drawing changes them. Up to 4000 surfaces behind each other are counted.
+/// a sample nothing else would be left (measured: half the error of none or of all). Where outlines cross rows very often,
+/// samples a quarter as long say what is left instead. All numbers are whole ones, in half surfaces, so that no order of drawing changes
+/// them. Up to 4000 surfaces behind each other are counted.
 ///
 /// Eight rows stand side by side, their counts one after the other.
 #[derive(Clone, Debug, Default)]
