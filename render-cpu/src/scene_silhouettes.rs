@@ -27,7 +27,7 @@ impl Looks {
         Self(receivers)
     }
 
-    /// Whether a mesh of so many triangles gets simplified forms.
+    /// Whether a mesh with this number of triangles gets simplified forms.
     fn are_worth(self, triangles: usize) -> bool {
         triangles >= LARGE && self.0 >= WORTH * triangles as f64
     }

@@ -172,7 +172,7 @@ impl Renderer {
     }
 }
 
-/// Silhouettes of instances are those of copies on a GPU, 100 bytes a triangle, up to so many triangles. Rays stand for more.
+/// The most triangles of instances that a GPU gets as copies, 100 bytes each, for their silhouettes. Rays stand for more.
 const MOST_COPIED: usize = 2_000_000;
 
 /// Whether instances can be copied for a GPU.

@@ -26,7 +26,7 @@ const ERROR: f32 = 0.02;
 /// The most triangles of a mesh that becomes lights unless a file requests it, and the most lights by emission in a scene: both take time.
 const MOST_TRIANGLES: usize = 50_000;
 const MOST_LIGHTS: usize = 128;
-/// So many objects may turn out to be no lights, each of which may take a tenth of a second.
+/// The most objects that may turn out to be no lights. Each may take a tenth of a second.
 const MOST_FAILED: usize = 32;
 
 /// The lights of an object that emits.

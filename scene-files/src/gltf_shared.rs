@@ -19,7 +19,7 @@ const SMALLEST: usize = 64;
 /// A mesh is shared where its copies would have at least this number of triangles more than itself.
 const WORTH: usize = 100_000;
 
-/// Whether a mesh of so many triangles, of which there are so many copies, is stored once.
+/// Whether a mesh is stored once, by the number of its triangles and of its copies.
 pub(crate) const fn is_worth_sharing(triangles: usize, copies: usize) -> bool {
     triangles >= SMALLEST && triangles.saturating_mul(copies.saturating_sub(1)) >= WORTH
 }

@@ -6,7 +6,7 @@ use crate::gltf_shared::is_worth_sharing;
 use crate::mesh_file::mesh_parts;
 use crate::part::Part;
 use glam::{DVec3, Mat4};
-use scene::{Instances, Mesh, SceneError};
+use scene::{Instances, SceneError};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -56,15 +56,6 @@ fn take(budget: &Budget, part: &Part) -> Result<(), String> {
     match &part.instances {
         Some(instances) => budget.take_places(instances.places().len(), &part.name),
         None => budget.take_mesh(&part.mesh, 1, &part.name),
-    }
-}
-
-/// A shared mesh that an object needs for itself.
-pub(crate) fn own_copy(instances: &Instances) -> Mesh {
-    match instances.places() {
-        // Its bits stay, normals included.
-        [place] if *place == Mat4::IDENTITY => Mesh::clone(instances.mesh()),
-        _ => instances.expanded(),
     }
 }
 

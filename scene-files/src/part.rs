@@ -2,7 +2,6 @@
 
 use crate::Normals;
 use crate::appearance::Appearance;
-use crate::kept_meshes::own_copy;
 use glam::{Mat4, Vec3};
 use scene::motion::{Body, Carrier, Deformer, Mover, Placement};
 use scene::{Bounds, Instances, Mesh, SceneError, Shape};
@@ -71,7 +70,11 @@ impl Part {
     /// Copies a shared mesh, so that it can be changed.
     pub(crate) fn own(&mut self) -> &mut Mesh {
         if let Some(instances) = self.instances.take() {
-            self.mesh = own_copy(&instances);
+            self.mesh = match instances.places() {
+                // Its bits stay, normals included.
+                [place] if *place == Mat4::IDENTITY => Mesh::clone(instances.mesh()),
+                _ => instances.expanded(),
+            };
         }
         &mut self.mesh
     }

@@ -47,8 +47,7 @@ impl RayPacket<'_> {
         for (k, axis) in axes.iter().enumerate() {
             let size = axis.abs();
             for l in 0..SIDE {
-                middles[k][l] = axis.x * centers[0][l] + axis.y * centers[1][l] + axis.z * centers[2][l];
-                sizes[k][l] = size.x * halves[0][l] + size.y * halves[1][l] + size.z * halves[2][l];
+                (middles[k][l], sizes[k][l]) = (dot(axis, centers, l), dot(&size, halves, l));
             }
         }
         for l in 0..SIDE {
@@ -85,10 +84,7 @@ impl RayPacket<'_> {
         for n in &self.sides {
             let size = n.abs();
             for l in 0..SIDE {
-                let reach = n.x * centers[0][l]
-                    + n.y * centers[1][l]
-                    + n.z * centers[2][l]
-                    + (size.x * halves[0][l] + size.y * halves[1][l] + size.z * halves[2][l]);
+                let reach = dot(n, centers, l) + dot(&size, halves, l);
                 far[l] = if reach + reach_of_planes < -slack[l] { f32::NEG_INFINITY } else { far[l] };
             }
         }
@@ -117,15 +113,18 @@ impl RayPacket<'_> {
         for n in &self.sides {
             let size = n.abs();
             for l in 0..SIDE {
-                let reach = n.x * centers[0][l]
-                    + n.y * centers[1][l]
-                    + n.z * centers[2][l]
-                    + (size.x * halves[0][l] + size.y * halves[1][l] + size.z * halves[2][l]);
+                let reach = dot(n, centers, l) + dot(&size, halves, l);
                 near[l] = if reach < slack[l] { f32::INFINITY } else { near[l] };
             }
         }
         near
     }
+}
+
+/// The product of a vector with one of eight.
+#[inline(always)]
+fn dot(n: &Vec3, v: &[Row; 3], l: usize) -> f32 {
+    n.x * v[0][l] + n.y * v[1][l] + n.z * v[2][l]
 }
 
 /// The boxes of a node's children around the rays' base, in the hierarchy's units.
