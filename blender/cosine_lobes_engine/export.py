@@ -1,11 +1,11 @@
 """What a depsgraph shows, as records that can be compared: the engine's scene before it is made."""
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Optional
 
 import numpy as np
 
-from . import lights, materials, meshes, world
+from . import lights, materials, meshes, places, world
 from .notes import Notes
 
 #: Kinds of objects that are surfaces.
@@ -18,7 +18,7 @@ MOST_EMITTING = 24
 
 @dataclass(eq=False)
 class Thing:
-    """An object of the engine: one part of one instance."""
+    """An object of the engine: one part of one instance, or of many alike."""
 
     name: str
     part: meshes.Part
@@ -27,6 +27,8 @@ class Thing:
     # Whether the camera sees it, and whether it casts shadows.
     visible: bool = True
     blocks: bool = True
+    # Matrices of all instances where it stands for many.
+    places: Optional[np.ndarray] = None
 
 
 @dataclass
@@ -84,6 +86,7 @@ class Exporter:
             if instance.show_self and (viewport is None or instance.object.visible_in_viewport_get(viewport)):
                 self._add(snapshot, instance, depsgraph, touched)
         self._parts = {key: parts for key, parts in self._parts.items() if key in self._seen}
+        snapshot.things = places.gathered(snapshot.things)
         scene = depsgraph.scene_eval
         snapshot.sky = world.read(scene.world, notes)
         snapshot.sky_group = getattr(scene.world, "lightgroup", "") if scene.world else ""
@@ -173,8 +176,9 @@ class Exporter:
         """The parts of an object's mesh in its own coordinates, read once for all of its instances."""
         wanted = tuple((look.layer, look.place, look.alpha_image, look.alpha_limit, look.emits) for look in looks)
         data = object.data.name_full if object.data else object.name_full
-        # Modifiers make one mesh of their own for each object.
-        key = (object.name_full, data, wanted)
+        # Modifiers and shapes make one mesh of their own for each object.
+        is_own = object.type != "MESH" or object.modifiers or object.data.shape_keys
+        key = (object.name_full if is_own else None, data, wanted)
         self._seen.add(key)
         cut_by_touched = any(look.alpha_image and look.alpha_image.images & touched.images for look in looks)
         is_touched = touched.everything or cut_by_touched or not touched.meshes.isdisjoint((object.name_full, data))

@@ -78,8 +78,12 @@ class Live:
         return made
 
     def _follows(self, snapshot):
-        """Whether edits lead to the order that a new renderer would have: what stays, in its order, and then what is new."""
+        """Whether edits lead to the order that a new renderer would have: what stays, in its order, and then what is new. A mesh at many
+        places cannot change."""
         kept = [key for key in self._things if key in snapshot.things]
+        pairs = [(snapshot.things[key], self._things[key][1]) for key in kept]
+        if any(thing.places is not None and not thing.part.same(before.part) for thing, before in pairs):
+            return False
         new = [key for key in snapshot.things if key not in self._things]
         return kept + new == list(snapshot.things)
 
@@ -91,10 +95,7 @@ class Live:
         for look in snapshot.looks:
             self._looks[look] = scene.add_material(self._material(snapshot, look))
         for thing in snapshot.things.values():
-            part = thing.part
-            scene.add_mesh(
-                part.positions, part.triangles, normals=part.normals, uvs=part.uvs, material=self._looks[snapshot.looks[thing.look]], **_manner(thing)
-            )
+            scene.add_mesh(**_arrays(thing.part), material=self._looks[snapshot.looks[thing.look]], **_manner(thing))
         for _, light in lamps.values():
             scene.add_light(light)
         scene.set_environment(world.environment(cl, snapshot.sky, self._sky_picture))
@@ -104,7 +105,7 @@ class Live:
         self._things = dict(zip(snapshot.things, zip(renderer.objects, snapshot.things.values())))
         self._handles = dict(zip(lamps, renderer.lights))
         self._lamp_records = {key: lamp for key, (lamp, _) in lamps.items()}
-        renderer.edit(transforms={handle: thing.matrix for handle, thing in self._things.values()})
+        renderer.edit(transforms={handle: thing.matrix for handle, thing in self._things.values() if thing.places is None})
 
     def _material(self, snapshot, look):
         try:
@@ -146,11 +147,9 @@ class Live:
         for key, thing in snapshot.things.items():
             look = self._looks[snapshot.looks[thing.look]]
             if key not in self._things:
-                part = thing.part
-                handle = renderer.add_mesh(
-                    part.positions, part.triangles, normals=part.normals, uvs=part.uvs, material=look, **_manner(thing)
-                )
-                transforms[handle] = thing.matrix
+                handle = renderer.add_mesh(**_arrays(thing.part), material=look, **_manner(thing))
+                if thing.places is None:
+                    transforms[handle] = thing.matrix
             else:
                 handle, before = self._things[key]
                 if self._edit_thing(handle, before, thing, look, old):
@@ -164,13 +163,17 @@ class Live:
         renderer, part = self._renderer, thing.part
         is_new = part is not before.part and not part.same(before.part)
         if is_new:
-            renderer.set_mesh(handle, part.positions, part.triangles, normals=part.normals, uvs=part.uvs)
+            renderer.set_mesh(handle, **_arrays(part))
         if look != self._looks[old.looks[before.look]]:
             renderer.set_object_material(handle, look)
         if thing.visible != before.visible:
             renderer.set_visible(handle, thing.visible)
         if thing.blocks != before.blocks:
             renderer.set_visibility(handle, None if thing.blocks else "none")
+        if thing.places is not None:
+            if not np.array_equal(thing.places, before.places):
+                renderer.set_places(handle, thing.places)
+            return False
         return is_new or not np.array_equal(thing.matrix, before.matrix)
 
     def _edit_lamps(self, snapshot, lamps):
@@ -189,6 +192,11 @@ class Live:
         self._lamp_records = {key: lamp for key, (lamp, _) in lamps.items()}
 
 
+def _arrays(part):
+    return {"positions": part.positions, "triangles": part.triangles, "normals": part.normals, "uvs": part.uvs}
+
+
 def _manner(thing):
+    manner = {"name": thing.name, "visible": thing.visible, "visibility": None if thing.blocks else "none"}
     # Without spheres: they could not follow unequal scales.
-    return {"name": thing.name, "visible": thing.visible, "visibility": None if thing.blocks else "none", "spheres": 0}
+    return {**manner, "spheres": 0} if thing.places is None else {**manner, "places": thing.places}

@@ -149,3 +149,43 @@ def test_an_animation_keeps_its_renderer(tmp_path):
     for frame in (1, 2, 3):
         scene.frame_set(frame)
         assert np.array_equal(stage.load(str(tmp_path / f"frame_{frame:04}.exr")), stage.render())
+
+
+def test_a_mesh_that_is_shown_many_times_is_stored_once(monkeypatch):
+    first, ball, _, _ = scene_of_edits()
+    bpy.data.objects.remove(first)
+    big = stage.sphere(0.2, ball.data.materials[0], (-1.2, -1, 0.2), 96, 48)
+    copies = [big]
+    for number in range(1, 15):
+        made = big.copy()
+        made.location = (-1.2 + 0.5 * (number % 5), -1 + 0.6 * (number // 5), 0.2)
+        made.rotation_euler, made.scale = (0.1 * number, 0, 0.3 * number), (1, 1, 0.6 + 0.02 * number)
+        bpy.context.scene.collection.objects.link(made)
+        copies.append(made)
+    # Too flat to be a place of a shared mesh.
+    copies[3].scale = (1, 1, 1e-5)
+    session = Session()
+    renderer = session.live.renderer
+    places = [renderer.places(handle) for handle in renderer.objects]
+    assert sorted(len(found) for found in places if found is not None) == [14] and len(places) == 4
+    picture = session.follow()
+    with monkeypatch.context() as patch:
+        patch.setattr("cosine_lobes_engine.places.LEAST_SAVED", 10**9)
+        alone, view = stage.live()
+        assert len(alone.renderer.objects) == 17
+        assert np.abs(alone.renderer.render(window=view.window) - picture).max() < 2e-3 * picture.max()
+
+    # Moved, gone, and changed: as a new renderer has it, and without new silhouettes where the mesh stays.
+    builds = renderer.upkeep["silhouette_builds"]
+    for edit in (
+        lambda: setattr(copies[5], "location", (0.3, -0.8, 0.5)),
+        lambda: bpy.data.objects.remove(copies.pop()),
+        lambda: setattr(big.data.vertices[0], "co", (0, 0, 0.4)) or big.data.update(),
+    ):
+        edit()
+        before, picture = picture, session.follow()
+        new, view = stage.live()
+        assert np.array_equal(picture, new.renderer.render(window=view.window)) and not np.array_equal(before, picture)
+        if session.live.renderer is renderer:
+            assert renderer.upkeep["silhouette_builds"] == builds
+    assert session.live.renderer is not renderer

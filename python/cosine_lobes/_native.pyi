@@ -43,6 +43,7 @@ _Image = NDArray[np.float32]
 _Vector = Union[Iterable[float], _Floats]
 _Color = Union[float, Iterable[float], _Floats]
 _Matrix = Union[Iterable[Iterable[float]], _Floats]
+_Matrices = Union[Iterable[_Matrix], _Floats]
 _Triple = tuple[float, float, float]
 _Window = tuple[int, int, int, int]
 _Progress = Callable[[str, float], object]
@@ -368,6 +369,7 @@ class Scene:
         visibility: Optional[_Visibility] = None,
         spheres: Optional[Union[int, SphereSet, _Floats]] = None,
         terminator: Optional[_Terminator] = None,
+        places: Optional[_Matrices] = None,
     ) -> int: ...
     def add_spheres(
         self,
@@ -629,6 +631,7 @@ class Renderer:
         visibility: Optional[_Visibility] = None,
         spheres: Optional[Union[int, SphereSet, _Floats]] = None,
         terminator: Optional[_Terminator] = None,
+        places: Optional[_Matrices] = None,
     ) -> ObjectHandle: ...
     def add_spheres(
         self,
@@ -650,6 +653,8 @@ class Renderer:
         colors: Optional[_Floats] = None,
         smooth: bool = False,
     ) -> None: ...
+    def set_places(self, object: _ObjectKey, places: _Matrices) -> None: ...
+    def places(self, object: _ObjectKey) -> Optional[_Image]: ...
     def remove_object(self, object: _ObjectKey) -> None: ...
     def set_visible(self, object: _ObjectKey, visible: bool) -> None: ...
     def set_visibility(self, object: _ObjectKey, visibility: Optional[_Visibility]) -> None: ...

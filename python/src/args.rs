@@ -103,6 +103,15 @@ pub(crate) fn matrix(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Mat4> {
     Err(PyValueError::new_err(format!("{name} has the last row {:?}: expected [0, 0, 0, 1]", rows[3])))
 }
 
+/// Matrices as [`matrix`] reads them: an array `(n, 4, 4)`, or a sequence of matrices.
+pub(crate) fn matrices(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Mat4>> {
+    let wrong = |_| {
+        PyTypeError::new_err(format!("{name} is of type {}: expected an array of shape (n, 4, 4)", type_name(value)))
+    };
+    let all = value.try_iter().map_err(wrong)?;
+    all.enumerate().map(|(i, one)| matrix(&format!("{name}[{i}]"), &one?)).collect()
+}
+
 /// A 3 × 3 matrix, row by row.
 pub(crate) fn matrix3(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Mat3> {
     Ok(Mat3::from_cols_array_2d(&square::<3>(name, value)?).transpose())

@@ -1,13 +1,13 @@
 //! Edits of a renderer's scene.
 
-use crate::args::{color, matrix, type_name};
+use crate::args::{color, matrices, matrix, type_name};
 use crate::camera::Camera;
 use crate::environment;
 use crate::errors::OrRaise;
 use crate::handles::{self, LightHandle, MaterialHandle, ObjectHandle};
 use crate::light::Light;
 use crate::material::Material;
-use crate::mesh::{Arrays, Manner, sphere_rows, strategy};
+use crate::mesh::{Arrays, Manner, instances, sphere_rows, strategy};
 use crate::renderer::{Inner, Renderer};
 use crate::settings::Settings;
 use crate::values;
@@ -15,10 +15,11 @@ use cosine_lobes::renderer as lobes;
 use cosine_lobes::scene::{Object, Proxy, Shape};
 use cosine_lobes::session::Edit;
 use glam::Vec3;
-use numpy::PyArray2;
+use numpy::{PyArray2, PyArray3};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::sync::Arc;
 
 impl Inner {
     fn light(&self, handle: lobes::LightHandle) -> PyResult<Light> {
@@ -211,7 +212,7 @@ impl Renderer {
     }
 
     /// Adds a mesh; the arguments are those of `Scene.add_mesh`.
-    #[pyo3(signature = (positions, triangles, *, normals = None, uvs = None, colors = None, smooth = false, material = None, name = None, visible = true, visibility = None, spheres = None, terminator = None))]
+    #[pyo3(signature = (positions, triangles, *, normals = None, uvs = None, colors = None, smooth = false, material = None, name = None, visible = true, visibility = None, spheres = None, terminator = None, places = None))]
     #[expect(clippy::too_many_arguments, reason = "each is a keyword")]
     fn add_mesh(
         &self,
@@ -228,11 +229,12 @@ impl Renderer {
         visibility: Option<&str>,
         spheres: Option<&Bound<'_, PyAny>>,
         terminator: Option<&str>,
+        places: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<ObjectHandle> {
         let mesh = Arrays { positions, triangles, normals, uvs, colors, smooth }.mesh(py)?;
         let mut held = self.hold(py)?;
         let number = held.value.renderer.scene().objects.len();
-        let object = Manner { name, visible, visibility, spheres, terminator }.mesh(mesh, 0, number)?;
+        let object = Manner { name, visible, visibility, spheres, terminator, places }.mesh(mesh, 0, number)?;
         self.add(&mut held.value, object, material)
     }
 
@@ -250,8 +252,8 @@ impl Renderer {
         let spheres = sphere_rows("spheres", spheres)?;
         let mut held = self.hold(py)?;
         let number = held.value.renderer.scene().objects.len();
-        let object =
-            Manner { name, visible, visibility, spheres: None, terminator: None }.spheres(spheres, 0, number)?;
+        let object = Manner { name, visible, visibility, spheres: None, terminator: None, places: None }
+            .spheres(spheres, 0, number)?;
         self.add(&mut held.value, object, material)
     }
 
@@ -277,6 +279,27 @@ impl Renderer {
             _ => Proxy::Count(64),
         };
         held.value.renderer.set_shape(handle, Shape::Mesh(mesh), proxy).or_raise().map(drop)
+    }
+
+    /// Lets the mesh of an object that was added with `places` stand at others. Nothing that was prepared of the mesh is made again.
+    fn set_places(&self, py: Python<'_>, object: &Bound<'_, PyAny>, places: &Bound<'_, PyAny>) -> PyResult<()> {
+        let places = matrices("places", places)?;
+        let mut held = self.hold(py)?;
+        let handle = handles::object(object, &held.value.renderer, self.number)?;
+        let object = held.value.object(handle)?;
+        let Shape::Instances(all) = &object.shape else {
+            return Err(PyValueError::new_err(format!("{} was not added with places", object.name)));
+        };
+        let shape = instances(Arc::clone(all.mesh()), places)?;
+        held.value.renderer.set_shape(handle, shape, Proxy::None).or_raise().map(drop)
+    }
+
+    /// The matrices of the places where an object's mesh stands, an array `(n, 4, 4)`; none for an object that was added without places.
+    fn places<'py>(&self, py: Python<'py>, object: &Bound<'_, PyAny>) -> PyResult<Option<Bound<'py, PyArray3<f32>>>> {
+        let held = self.hold(py)?;
+        let handle = handles::object(object, &held.value.renderer, self.number)?;
+        let Shape::Instances(all) = &held.value.object(handle)?.shape else { return Ok(None) };
+        values::matrices(py, all.places()).map(Some)
     }
 
     /// Removes an object.

@@ -1,15 +1,16 @@
 //! Objects from arrays.
 
-use crate::args::{directions, points, rows, same_count, triangles, type_name, within};
+use crate::args::{directions, matrices, points, rows, same_count, triangles, type_name, within};
 use crate::spheres::SphereSet;
 use crate::work::warn;
 use cosine_lobes::lobe_core::Sphere;
-use cosine_lobes::scene::{Mesh, Object, Proxy, Strategy, Terminator};
-use glam::{Vec2, Vec3};
+use cosine_lobes::scene::{Instances, Mesh, Object, Proxy, Shape, Strategy, Terminator};
+use glam::{Mat4, Vec2, Vec3};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2, PyUntypedArray};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use std::sync::Arc;
 
 /// Spheres that are fitted to a mesh where none are given.
 const SPHERES: usize = 64;
@@ -31,6 +32,14 @@ pub(crate) struct Manner<'a, 'py> {
     pub(crate) visibility: Option<&'a str>,
     pub(crate) spheres: Option<&'a Bound<'py, PyAny>>,
     pub(crate) terminator: Option<&'a str>,
+    pub(crate) places: Option<&'a Bound<'py, PyAny>>,
+}
+
+/// A mesh at places: stored once.
+pub(crate) fn instances(mesh: Arc<Mesh>, places: Vec<Mat4>) -> PyResult<Shape> {
+    Instances::new(mesh, places)
+        .map(Shape::Instances)
+        .map_err(|fault| PyValueError::new_err(format!("places: {fault}")))
 }
 
 impl Arrays<'_, '_> {
@@ -87,12 +96,16 @@ fn tell_far(py: Python<'_>, mesh: &Mesh) -> PyResult<()> {
 }
 
 impl Manner<'_, '_> {
-    /// A mesh as an object.
+    /// A mesh as an object, at its own place or at all that are given.
     pub(crate) fn mesh(self, mesh: Mesh, material: usize, number: usize) -> PyResult<Object> {
-        let proxy = self.spheres.map_or(Ok(Proxy::Count(SPHERES)), proxy)?;
+        let (shape, proxy) = match (self.places, self.spheres) {
+            (Some(_), Some(_)) => return Err(PyValueError::new_err("places are given: no spheres stand for the mesh")),
+            (Some(places), None) => (instances(Arc::new(mesh), matrices("places", places)?)?, Proxy::None),
+            (None, spheres) => (Shape::Mesh(mesh), spheres.map_or(Ok(Proxy::Count(SPHERES)), proxy)?),
+        };
         let (name, visible, strategy) = (self.name(number), self.visible, strategy(self.visibility)?);
         let terminator = self.terminator.map_or(Ok(Terminator::Exact), crate::load::terminator)?;
-        Ok(Object { visible, strategy, terminator, ..Object::mesh(name, mesh, material, proxy) })
+        Ok(Object { shape, visible, strategy, terminator, ..Object::mesh(name, Mesh::default(), material, proxy) })
     }
 
     /// Exact spheres as an object.

@@ -180,8 +180,8 @@ impl Scene {
     }
 
     /// Adds a mesh; its number. Without normals its faces are flat, unless it is `smooth`. It blocks light by its silhouettes, or as
-    /// `visibility` says.
-    #[pyo3(signature = (positions, triangles, *, normals = None, uvs = None, colors = None, smooth = false, material = None, name = None, visible = true, visibility = None, spheres = None, terminator = None))]
+    /// `visibility` says. At `places`, matrices from the mesh's own coordinates to the world, it stands many times and is stored once.
+    #[pyo3(signature = (positions, triangles, *, normals = None, uvs = None, colors = None, smooth = false, material = None, name = None, visible = true, visibility = None, spheres = None, terminator = None, places = None))]
     #[expect(clippy::too_many_arguments, reason = "each is a keyword")]
     fn add_mesh(
         &mut self,
@@ -198,9 +198,10 @@ impl Scene {
         visibility: Option<&str>,
         spheres: Option<&Bound<'_, PyAny>>,
         terminator: Option<&str>,
+        places: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<usize> {
         let mesh = Arrays { positions, triangles, normals, uvs, colors, smooth }.mesh(py)?;
-        let manner = Manner { name, visible, visibility, spheres, terminator };
+        let manner = Manner { name, visible, visibility, spheres, terminator, places };
         let object = manner.mesh(mesh, 0, self.scene.objects.len())?;
         let material = self.material_number(material)?;
         self.add(scene::Object { material, ..object })
@@ -216,7 +217,7 @@ impl Scene {
         visible: bool,
         visibility: Option<&str>,
     ) -> PyResult<usize> {
-        let manner = Manner { name, visible, visibility, spheres: None, terminator: None };
+        let manner = Manner { name, visible, visibility, spheres: None, terminator: None, places: None };
         let object = manner.spheres(sphere_rows("spheres", spheres)?, 0, self.scene.objects.len())?;
         let material = self.material_number(material)?;
         self.add(scene::Object { material, ..object })

@@ -57,6 +57,12 @@ pub(crate) fn matrix<'py>(py: Python<'py>, matrix: &Mat4) -> PyResult<Bound<'py,
     Ok(Array2::from_shape_vec((4, 4), rows).map_err(misshapen)?.into_pyarray(py))
 }
 
+/// Matrices, row by row.
+pub(crate) fn matrices<'py>(py: Python<'py>, all: &[Mat4]) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let rows = all.iter().flat_map(|matrix| matrix.transpose().to_cols_array()).collect();
+    Ok(Array3::from_shape_vec((all.len(), 4, 4), rows).map_err(misshapen)?.into_pyarray(py))
+}
+
 /// A report as dictionaries, lists and numbers.
 pub(crate) fn report<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
     match value {

@@ -240,3 +240,54 @@ def test_two_objects_of_one_name():
     scene.add_mesh(*quad((0, 2, 0), (0.1, 0, 0), (0, 0, 0.1)), name="cube")
     with pytest.raises(KeyError, match='several objects are named "cube"'):
         cl.Renderer(scene).transform("cube")
+
+
+def turned(x, z, angle):
+    matrix = shift(x, 0.15, z)
+    matrix[0, 0] = matrix[2, 2] = np.cos(angle)
+    matrix[0, 2], matrix[2, 0] = np.sin(angle), -np.sin(angle)
+    return matrix
+
+
+def test_a_mesh_at_places_is_the_picture_of_copies():
+    places = np.array([turned(x, z, x + z) for x in (-1, 0, 1) for z in (-0.5, 0.5)])
+    many, copies = stage(size=(48, 32)), stage(size=(48, 32))
+    positions, triangles = cube((0, 0, 0), 0.3)
+    many.add_mesh(positions, triangles, name="many", places=places)
+    joined = np.concatenate([positions @ m[:3, :3].T + m[:3, 3] for m in places])
+    copies.add_mesh(joined, np.concatenate([np.asarray(triangles) + i * len(positions) for i in range(len(places))]), name="copies")
+    renderer = cl.Renderer(many)
+    assert np.abs(renderer.render() - cl.Renderer(copies).render()).max() < 1e-3
+    assert np.allclose(renderer.places("many"), places) and renderer.places("cube") is None
+
+    # Edits prepare nothing of the mesh again, and lead to what a new renderer shows.
+    before = renderer.upkeep
+    renderer.set_places("many", places[:4] + shift(0, 0.1, 0) - np.eye(4))
+    moved = renderer.render()
+    assert "silhouette_builds" not in new_counts(renderer, before)
+    fresh = stage(size=(48, 32))
+    fresh.add_mesh(positions, triangles, name="many", places=list(places[:4] + shift(0, 0.1, 0) - np.eye(4)))
+    assert np.array_equal(cl.Renderer(fresh).render(), moved)
+
+
+@pytest.mark.parametrize(
+    "words, message",
+    [
+        ({"places": 3}, "places is of type int: expected an array of shape"),
+        ({"places": []}, "places: "),
+        ({"places": [np.eye(4), np.eye(3)]}, r"places\[1\]"),
+        ({"places": [np.zeros((4, 4))]}, "last row"),
+        ({"places": [np.diag([1, 0, 1, 1])]}, "place 0: its matrix"),
+        ({"places": [np.eye(4)], "spheres": 8}, "places are given"),
+    ],
+)
+def test_places_that_cannot_be_are_refused(scene, words, message):
+    count = len(cl.Renderer(scene).objects)
+    with pytest.raises((TypeError, ValueError), match=message):
+        scene.add_mesh(*cube((0, 0, 0), 0.3), **words)
+    assert len(cl.Renderer(scene).objects) == count
+
+
+def test_only_meshes_at_places_have_others(scene):
+    with pytest.raises(ValueError, match="cube was not added with places"):
+        cl.Renderer(scene).set_places("cube", [np.eye(4)])
