@@ -164,6 +164,54 @@ fn instances_are_copies_to_rounding_under_a_sky() {
     assert!(count < 20 && worst < 1e-4, "{count} pixels by {worst} at most");
 }
 
+/// A bumpy sphere of `2 n²` triangles.
+fn bumpy(n: u32) -> Mesh {
+    let mut mesh = Mesh::default();
+    for (ring, k) in (0..=n).flat_map(|ring| (0..n).map(move |k| (ring, k))) {
+        let [theta, phi] =
+            [ring as f32 / n as f32 * core::f32::consts::PI, k as f32 / n as f32 * core::f32::consts::TAU];
+        let radius = 1.0 + 0.1 * (5.0 * phi).sin() * theta.sin() + 0.05 * (9.0 * theta).cos();
+        let across = if ring == 0 || ring == n { 0.0 } else { radius * theta.sin() };
+        mesh.positions.push(Vec3::new(across * phi.cos(), radius * theta.cos(), across * phi.sin()));
+        let at = |ring: u32, k: u32| ring * n + k % n;
+        let [a, b, c, d] = [at(ring, k), at(ring, k + 1), at(ring + 1, k), at(ring + 1, k + 1)];
+        if ring < n {
+            mesh.triangles.extend([[a, b, c], [b, d, c]]);
+        }
+    }
+    mesh.remove_degenerate();
+    mesh
+}
+
+/// Shared meshes have their simplified forms, copies those of all copies together.
+#[test]
+fn dense_instances_are_copies_to_their_details_under_a_sky() {
+    let pixels = (0..16 * 8).map(|k| Vec3::splat(0.2 + (k % 7) as f32 * 0.3)).collect();
+    let map = EnvironmentMap::new(UVec2::new(16, 8), pixels).expect("a map");
+    let mut scene = scene(true, Vec::new(), Vec3::ZERO);
+    scene.objects.truncate(1);
+    let mesh = Arc::new(bumpy(110));
+    let all = places(&mut Random::new(3), 4, Vec3::ZERO);
+    let instances = Instances::new(mesh, all).expect("instances");
+    scene
+        .objects
+        .push(Object { shape: Shape::Instances(instances), ..Object::mesh("all", Mesh::default(), 1, Proxy::None) });
+    let sky = Environment::new(map, 12, Sphere { center: Vec3::ZERO, radius: 40.0 });
+    scene.lights = sky.lights().to_vec();
+    scene.environment = Some(Arc::new(sky));
+    let picture = |scene: &Scene| {
+        let renderer = Renderer::new(scene.clone(), Animation::default(), Settings::default());
+        renderer.expect("a scene").render().expect("a picture").radiance
+    };
+    let (ours, want) = (picture(&scene), picture(&copied(&scene)));
+    let seen = want.iter().filter(|p| p.max_element() > 0.0).count() as f32;
+    let error = |(a, b): (&Vec3, &Vec3)| (*a - *b).length() / b.length().max(1e-3);
+    let errors: Vec<f32> = ours.iter().zip(&want).map(error).collect();
+    let (mean, most) = (errors.iter().sum::<f32>() / seen, errors.iter().copied().fold(0.0, f32::max));
+    println!("{mean} in the mean, {most} at most");
+    assert!(mean > 0.0 && mean < 5e-4 && most < 0.02, "{mean} in the mean, {most} at most");
+}
+
 /// Rounding of the corners is a thousandth of their triangles there.
 #[test]
 fn instances_have_the_bits_of_copies_far_from_the_origin() {

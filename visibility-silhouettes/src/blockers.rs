@@ -2,8 +2,7 @@ use crate::beside::Beside;
 use crate::clip::{Behind, LightSphere};
 use crate::fit::{is_flat, side};
 use crate::hull::Fineness;
-use crate::levels::Levels;
-use crate::lists::{Lists, Meshes};
+use crate::lists::{Lists, Meshes, SkyMeshes};
 use crate::penumbra::narrowest;
 use crate::project::View;
 use crate::select::{add_edges, silhouettes};
@@ -70,8 +69,8 @@ pub(crate) const WIDEST_DISC: f32 = 0.9;
 #[derive(Debug)]
 pub struct SilhouetteBlockers<'m, H> {
     pub(crate) meshes: Meshes<'m>,
-    /// Of meshes with forms for a whole sky these forms, and the others.
-    sky: Option<(Vec<&'m Levels>, Meshes<'m>)>,
+    /// Where any mesh has forms for a whole sky.
+    sky: Option<SkyMeshes<'m>>,
     pub(crate) hits: H,
 }
 
@@ -112,9 +111,9 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
         Self { sky: if is_exact { None } else { self.meshes.with_levels() }, ..self }
     }
 
-    /// The meshes before a sky: forms, and meshes without them.
-    pub(crate) fn before_sky(&self) -> (&[&'m Levels], &Meshes<'m>) {
-        self.sky.as_ref().map_or((&[], &self.meshes), |(levels, rest)| (levels, rest))
+    /// The forms before a sky, and the meshes without them.
+    pub(crate) fn before_sky(&self) -> (Option<&SkyMeshes<'m>>, &Meshes<'m>) {
+        (self.sky.as_ref(), self.sky.as_ref().map_or(&self.meshes, |sky| &sky.rest))
     }
 
     /// The triangles that rays meet.

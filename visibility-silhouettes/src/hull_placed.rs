@@ -57,12 +57,13 @@ impl Hull {
         1.000_01 * filled.map(of_tree).fold(0.0, f32::max)
     }
 
-    /// Appends the edges of instances that may be silhouettes inside the hull, as [`find`](Self::find) does for a mesh.
+    /// Appends the edges of instances that may be silhouettes inside the hull, as [`find`](Self::find) does for a mesh; on request without those whose mesh has
+    /// forms for a whole sky at their place.
     #[inline(always)]
     pub(crate) fn find_instances<S: Simd>(
         &self,
         simd: S,
-        instances: &SilhouetteInstances,
+        (instances, without_forms): (&SilhouetteInstances, bool),
         base: u32,
         memory: &mut Memory,
         most: &mut usize,
@@ -77,6 +78,9 @@ impl Hull {
         let mut is_whole = true;
         for place in all {
             let (placed, first) = instances.at(place as usize);
+            if without_forms && placed.levels().is_some() {
+                continue;
+            }
             if !self.find_placed(simd, placed, base + first, memory, most, out) {
                 is_whole = false;
                 break;

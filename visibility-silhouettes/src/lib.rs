@@ -70,6 +70,7 @@ mod lanes;
 mod levels;
 mod lists;
 mod look;
+mod look_placed;
 mod mesh;
 mod near_light;
 mod penumbra;

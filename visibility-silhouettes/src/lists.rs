@@ -36,7 +36,20 @@ pub(crate) struct Meshes<'m> {
     /// The number of their edges; those of instances come after them.
     own: u32,
     instances: Option<&'m SilhouetteInstances>,
+    /// Whether places are left out whose mesh has forms for a whole sky there.
+    has_forms: bool,
     pub(crate) fineness: Fineness,
+}
+
+/// Meshes before a whole sky.
+#[derive(Debug)]
+pub(crate) struct SkyMeshes<'m> {
+    /// Forms of meshes.
+    pub(crate) levels: Vec<&'m Levels>,
+    /// Shared meshes of which some places have forms.
+    pub(crate) placed: Option<&'m SilhouetteInstances>,
+    /// All that has none.
+    pub(crate) rest: Meshes<'m>,
 }
 
 impl<'m> Meshes<'m> {
@@ -48,15 +61,17 @@ impl<'m> Meshes<'m> {
         };
         let bases = meshes.iter().scan(0, next).collect();
         let own = meshes.iter().map(|mesh| mesh.edge_count() as u32).sum();
-        Self { meshes, bases, own, instances: None, fineness: Fineness::default() }
+        Self { meshes, bases, own, instances: None, has_forms: false, fineness: Fineness::default() }
     }
 
-    /// The forms of meshes for a whole sky, and the meshes that have none. None if none has.
-    pub(crate) fn with_levels(&self) -> Option<(Vec<&'m Levels>, Self)> {
+    /// Makes the forms for a whole sky. None if no mesh has any.
+    pub(crate) fn with_levels(&self) -> Option<SkyMeshes<'m>> {
         let (levels, rest): (Vec<_>, Vec<_>) = self.meshes.iter().copied().partition(|mesh| mesh.levels().is_some());
         let levels: Vec<&Levels> = levels.into_iter().filter_map(SilhouetteMesh::levels).collect();
-        let rest = Self { instances: self.instances, fineness: self.fineness, ..Self::new(rest) };
-        (!levels.is_empty()).then_some((levels, rest))
+        let placed = self.instances.filter(|all| all.have_levels());
+        let (instances, fineness, has_forms) = (self.instances, self.fineness, placed.is_some());
+        let rest = Self { instances, fineness, has_forms, ..Self::new(rest) };
+        (!levels.is_empty() || has_forms).then_some(SkyMeshes { levels, placed, rest })
     }
 
     /// Adds instances of shared meshes.
@@ -105,7 +120,8 @@ impl<'m> Meshes<'m> {
         });
         let all = all
             && self.instances.is_none_or(|instances| {
-                dispatch!(Level::new(), simd => hull.find_instances(simd, instances, self.own, memory, &mut left, out))
+                let wanted = (instances, self.has_forms);
+                dispatch!(Level::new(), simd => hull.find_instances(simd, wanted, self.own, memory, &mut left, out))
             });
         all.then(|| most - left)
     }

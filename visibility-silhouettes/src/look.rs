@@ -8,6 +8,7 @@ use crate::sky::{KNOWN, NAME, STEP, in_halves};
 use crate::tree::Node;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
+use lobe_core::vec3x8::Vec3x8;
 use visibility_mask::sky::{Horizon, Meridians};
 
 /// Memory that receivers use one after the other.
@@ -15,23 +16,60 @@ use visibility_mask::sky::{Horizon, Meridians};
 pub(crate) struct LookMemory {
     list: Vec<u16>,
     seen: Vec<bool>,
-    stack: Vec<u32>,
+    pub(crate) stack: Vec<u32>,
+    /// Places of shared meshes.
+    pub(crate) places: Vec<u32>,
 }
 
-/// A receiver before a sky.
-pub(crate) struct Looker<'a> {
+/// How a mesh's own vectors lie in the world.
+pub(crate) trait Space {
+    /// A vector.
+    fn vector<S: Simd>(&self, v: Vec3x8<S>) -> Vec3x8<S>;
+
+    /// Half the sides of a box around one of such half sides.
+    fn half<S: Simd>(&self, half: Vec3x8<S>) -> Vec3x8<S>;
+
+    /// Whether left and right are exchanged.
+    fn is_mirrored(&self) -> bool;
+}
+
+/// The mesh's coordinates are the world's.
+pub(crate) struct World;
+
+impl Space for World {
+    #[inline(always)]
+    fn vector<S: Simd>(&self, v: Vec3x8<S>) -> Vec3x8<S> {
+        v
+    }
+
+    #[inline(always)]
+    fn half<S: Simd>(&self, half: Vec3x8<S>) -> Vec3x8<S> {
+        half
+    }
+
+    fn is_mirrored(&self) -> bool {
+        false
+    }
+}
+
+/// A receiver before a sky, as a mesh has it in its own coordinates.
+pub(crate) struct Looker<'a, T> {
+    pub(crate) space: T,
     pub(crate) origin: Vec3,
+    /// The horizon's normal.
+    pub(crate) normal: Vec3,
+    /// In the world.
     pub(crate) horizon: Horizon,
     pub(crate) meridians: &'a Meridians,
     /// [`Fineness::scale`](crate::hull::Fineness::scale).
     pub(crate) scale: f32,
 }
 
-impl Looker<'_> {
+impl<T: Space> Looker<'_, T> {
     /// Lists the silhouettes that may cross a meridian above the horizon.
     #[inline(always)]
     pub(crate) fn find<S: Simd>(&self, simd: S, levels: &Levels, memory: &mut LookMemory, out: &mut Columns<KNOWN>) {
-        let LookMemory { list, seen, stack } = memory;
+        let LookMemory { list, seen, stack, .. } = memory;
         levels.choose(self.origin, self.scale, list, seen);
         out.clear();
         let closed = if levels.is_closed() { CLOSED } else { 0 };
@@ -64,15 +102,14 @@ impl Looker<'_> {
 
     /// The children of a node that may have silhouettes above the horizon that cross a meridian, as bits.
     #[inline(always)]
-    fn meets<S: Simd>(&self, simd: S, node: &Node) -> u32 {
+    pub(crate) fn meets<S: Simd>(&self, simd: S, node: &Node) -> u32 {
         let half = node.vectors(simd, 3);
         let to = node.vectors(simd, 0).minus(self.origin);
         let reach = self.origin.abs().element_sum();
         let far = to.abs() + half;
         let far = far.dot(far).sqrt();
         let unsure = (far + reach) * (2.0 * UNSURE);
-        let normal = self.horizon.normal();
-        let most = to.dot_one(normal) + half.dot_one(normal.abs());
+        let most = to.dot_one(self.normal) + half.dot_one(self.normal.abs());
         let mut outside = most.simd_lt(-unsure);
         let axis = node.vectors(simd, 6);
         let along = to.dot(axis).abs() - half.dot(axis.abs()) - unsure;
@@ -81,6 +118,7 @@ impl Looker<'_> {
         if outside.to_bitmask() as u32 & there == there {
             return 0;
         }
+        let (to, half) = (self.space.vector(to), self.space.half(half));
         outside |= !self.meridians.may_cross_boxes(simd, &self.horizon, to, half);
         !outside.to_bitmask() as u32 & there
     }
@@ -98,15 +136,18 @@ impl Looker<'_> {
         let x = self.origin;
         let zero = f32x8::splat(simd, 0.0);
         let lanes = mask32x8::from_bitmask(simd, (1 << count) - 1);
-        let step = -steps(simd, block, lanes, x, |lane| levels.sides(first + lane as u32, x));
+        let step = steps(simd, block, lanes, x, |lane| levels.sides(first + lane as u32, x));
+        // To the right as the receiver sees it; masks are seen from the light.
+        let step = if self.space.is_mirrored() { step } else { -step };
         let keep = lanes & !step.simd_eq(zero);
         if !keep.any_true() {
             return;
         }
         out.reserve(8);
         let name = f32x8::splat(simd, f32::from_bits(name));
-        out.put3(0, keep, vectors(simd, block, ENDS[0]).minus(x));
-        out.put3(3, keep, vectors(simd, block, ENDS[1]).minus(x));
+        let end = |first| self.space.vector(vectors(simd, block, first).minus(x));
+        out.put3(0, keep, end(ENDS[0]));
+        out.put3(3, keep, end(ENDS[1]));
         out.put(STEP, keep, in_halves(simd, step, name));
         out.put(NAME, keep, name);
         out.end(keep);

@@ -3,6 +3,7 @@
 use crate::edge_list::{Block, COLUMNS, PLANES};
 use crate::fit::{plane, side};
 use crate::lanes::{columns, put_ends, upward};
+use crate::levels::Levels;
 use crate::mesh::SilhouetteMesh;
 use crate::tree::Tree;
 use fearless_simd::Simd;
@@ -180,6 +181,12 @@ impl SilhouetteInstances {
         &self.top
     }
 
+    /// Makes the forms for a whole sky; whether any place has some.
+    pub(crate) fn have_levels(&self) -> bool {
+        let all = (0..self.places.len()).map(|place| self.at(place).0);
+        all.fold(false, |any, placed| any | placed.levels().is_some())
+    }
+
     /// A place with its mesh and the number of its first edge.
     pub(crate) fn at(&self, place: usize) -> (Placed<'_>, u32) {
         let own = &self.places[place];
@@ -228,7 +235,12 @@ pub(crate) struct Placed<'m> {
     pub(crate) place: &'m Place,
 }
 
-impl Placed<'_> {
+impl<'m> Placed<'m> {
+    /// The mesh's forms for a whole sky, where all directions are scaled alike.
+    pub(crate) fn levels(&self) -> Option<&'m Levels> {
+        self.mesh.levels().filter(|_| self.place.is_even())
+    }
+
     #[inline(always)]
     fn corners(&self, triangle: u32) -> [Vec3; 3] {
         let [a, b, c] = self.mesh.corners(triangle);

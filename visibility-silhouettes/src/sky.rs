@@ -3,7 +3,7 @@
 use crate::edge_list::{CLOSED, COARSE, Columns, ENDS, EdgeList, ID, MARKS, PLANES, SOMETIMES};
 use crate::hull::{Fineness, Hull, Memory};
 use crate::lists::Meshes;
-use crate::look::{LookMemory, Looker};
+use crate::look::{LookMemory, Looker, World};
 use crate::select::{drawn, steps};
 use crate::{AnyHit, SilhouetteBlockers};
 use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*, u32x8};
@@ -176,8 +176,8 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
     }
 
     fn draw(&self, tile: &SkyTile<'_>, number: usize, buffer: &mut SkyBuffer, scratch: &mut Self::Scratch) -> bool {
-        let (levels, rest) = self.before_sky();
-        if scratch.edges.is_empty() && levels.is_empty() {
+        let (forms, rest) = self.before_sky();
+        if scratch.edges.is_empty() && forms.is_none() {
             return false;
         }
         let scale = self.sky_scale(tile.meridians);
@@ -189,7 +189,8 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
         let (horizon, origin) = (tile.horizons[number], scratch.origins[number]);
         let SkySilhouetteScratch { edges, parts, found, arcs, look: memory, .. } = scratch;
         let look = SkyOutlines { meshes: rest, meridians: tile.meridians, horizon, origin, scale };
-        let looker = Looker { origin, horizon, meridians: tile.meridians, scale };
+        let (normal, meridians) = (horizon.normal(), tile.meridians);
+        let looker = Looker { space: World, origin, normal, horizon, meridians, scale };
         let Part { known, open, .. } = &parts[part];
         arcs.clear();
         dispatch!(Level::new(), simd => {
@@ -200,10 +201,19 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
                 look.find(simd, open, found);
                 is_coarse |= look.draw_known(simd, found, Vec3::ZERO, arcs);
             }
-            for levels in levels {
+            for levels in forms.iter().flat_map(|forms| &forms.levels) {
                 looker.find(simd, levels, memory, found);
-                arcs.reserve(found.len());
-                is_coarse |= look.draw_known(simd, found, Vec3::ZERO, arcs);
+                is_coarse |= look.draw_found(simd, found, arcs);
+            }
+            if let Some(all) = forms.and_then(|forms| forms.placed) {
+                looker.places(simd, all, memory);
+                for number in 0..memory.places.len() {
+                    let (placed, _) = all.at(memory.places[number] as usize);
+                    if let Some(levels) = placed.levels() {
+                        looker.at(placed.place).find(simd, levels, memory, found);
+                        is_coarse |= look.draw_found(simd, found, arcs);
+                    }
+                }
             }
             buffer.draw(simd, tile.meridians, arcs);
             is_coarse
@@ -338,6 +348,13 @@ impl SkyOutlines<'_, '_> {
             out.put(NAME, keep, names);
             out.end(keep);
         }
+    }
+
+    /// The same for silhouettes whose ends are given as the receiver sees them.
+    #[inline(always)]
+    fn draw_found<S: Simd>(&self, simd: S, list: &Columns<KNOWN>, arcs: &mut SkyArcs) -> bool {
+        arcs.reserve(list.len());
+        self.draw_known(simd, list, Vec3::ZERO, arcs)
     }
 
     /// Appends the arcs of edges whose steps are known and whose ends are given as seen from `from`; whether any are of simplified forms.
