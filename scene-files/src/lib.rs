@@ -61,6 +61,7 @@ mod context;
 mod decimal;
 mod defaults;
 mod emission;
+mod exr_channels;
 mod files;
 mod gltf_animation;
 mod gltf_buffers;
