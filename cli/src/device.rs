@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use cosine_lobes::brdf::PackedMaterials;
 use cosine_lobes::render_gpu::{CompiledKernel, GpuError, KernelLog};
 use cosine_lobes::renderer::{Backend, Device, RenderError, Renderer, Settings};
-use cosine_lobes::scene::{Animation, Scene};
+use cosine_lobes::scene::{Animation, Scene, other_light_error};
 use std::time::Duration;
 
 /// A renderer on the requested device. Features that a GPU lacks are refused, or left to the CPU where the choice is free.
@@ -37,7 +37,7 @@ pub(crate) fn renderer(
     };
     let renderer = Renderer::with_backend(scene, animation, settings, backend).map_err(|error| {
         match (&error, &args.view.file) {
-            (RenderError::PaperLight(..), Some(file)) => Failure::new(format_args!("{}: {error}", file.display())),
+            (RenderError::PaperLight(..), Some(file)) => other_light_error(file, &error.to_string()).into(),
             _ => explain(error),
         }
     })?;

@@ -17,9 +17,10 @@ pub(crate) struct Growth {
     write: fn(&Path, &mut Random) -> PathBuf,
 }
 
-pub(crate) const KINDS: [Growth; 13] = [
+pub(crate) const KINDS: [Growth; 14] = [
     Growth { name: "nodes of one mesh", write: nodes },
     Growth { name: "nodes of one lamp", write: lamps },
+    Growth { name: "nodes of one round lamp", write: round_lamps },
     Growth { name: "primitives of one accessor", write: primitives },
     Growth { name: "instances", write: instances },
     Growth { name: "chains of nodes", write: chain },
@@ -51,8 +52,11 @@ fn put(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
     file
 }
 
-/// A closed strip of triangles, `n` in length, as a buffer of positions and one of indices, and the number of its corners.
-fn ring(n: usize) -> ([Vec<u8>; 2], usize) {
+/// A buffer of positions and one of indices, and the number of corners.
+type Buffers = ([Vec<u8>; 2], usize);
+
+/// A closed strip of triangles, `n` in length.
+fn ring(n: usize) -> Buffers {
     let corner = |k: usize| {
         let (sin, cos) = (k as f32 / n as f32 * core::f32::consts::TAU).sin_cos();
         [cos, if k.is_multiple_of(2) { 0.0 } else { 0.3 }, sin]
@@ -62,10 +66,28 @@ fn ring(n: usize) -> ([Vec<u8>; 2], usize) {
     ([positions, (0..n).flat_map(triangle).flat_map(u16::to_le_bytes).collect()], n)
 }
 
-/// A glTF file of one mesh, `n` triangles; the texts are those of its nodes, of what stands beside its primitive, and of more at the top. Bytes of
+/// A sphere of `n` times twice as many quads.
+fn globe(n: usize) -> Buffers {
+    let around = 2 * n;
+    let corner = |k: usize| {
+        let turn = |part: usize, all: usize| (part as f32 / all as f32 * core::f32::consts::PI).sin_cos();
+        let ((sin, cos), (s, c)) = (turn(k / around, n), turn(2 * (k % around), around));
+        [sin * c, cos, sin * s]
+    };
+    let triangles = |k: usize| {
+        let [a, d] = [k, k + around];
+        let [b, c] = [a, d].map(|first| first - k % around + (k + 1) % around);
+        [a, b, c, a, c, d].map(|k| k as u16)
+    };
+    let positions = (0..around * (n + 1)).flat_map(corner).flat_map(f32::to_le_bytes).collect();
+    ([positions, (0..around * n).flat_map(triangles).flat_map(u16::to_le_bytes).collect()], around * (n + 1))
+}
+
+/// A glTF file of one mesh; the texts are those of its nodes, of what stands beside its primitive, and of more at the top. Bytes of
 /// `more` are a view of their own.
-fn gltf(folder: &Path, n: usize, [nodes, roots, primitive, top]: [&str; 4], times: usize, more: &[u8]) -> PathBuf {
-    let ([positions, indices], corners) = ring(n);
+fn gltf(folder: &Path, mesh: Buffers, [nodes, roots, primitive, top]: [&str; 4], times: usize, more: &[u8]) -> PathBuf {
+    let ([positions, indices], corners) = mesh;
+    let count = indices.len() / 2;
     let (from, to) = (positions.len(), positions.len() + indices.len());
     let mut bin = [positions, indices].concat();
     bin.resize(bin.len().next_multiple_of(4), 0);
@@ -89,11 +111,11 @@ fn gltf(folder: &Path, n: usize, [nodes, roots, primitive, top]: [&str; 4], time
          \"meshes\":[{{\"primitives\":[{primitives}]}}],\"buffers\":[{{\"uri\":\"m.bin\",\"byteLength\":{}}}],\
          \"bufferViews\":[{{\"buffer\":0,\"byteLength\":{from}}},{{\"buffer\":0,\"byteOffset\":{from},\"byteLength\":{}}}{view}],\
          \"accessors\":[{{\"bufferView\":0,\"componentType\":5126,\"count\":{corners},\"type\":\"VEC3\",\
-         \"min\":[-1,0,-1],\"max\":[1,0.3,1]}},{{\"bufferView\":1,\"componentType\":5123,\"count\":{},\"type\":\"SCALAR\"}}\
+         \"min\":[-1,-1,-1],\"max\":[1,1,1]}},{{\"bufferView\":1,\"componentType\":5123,\"count\":{},\"type\":\"SCALAR\"}}\
          {translations}]{top}}}",
         bin.len(),
         to - from,
-        3 * n,
+        count,
     );
     put(folder, "m.gltf", text)
 }
@@ -104,7 +126,13 @@ fn numbers(count: usize) -> String {
 }
 
 /// Copies of a mesh, of even or uneven scales.
-fn many_nodes(folder: &Path, random: &mut Random, copies: usize, primitive: &str, top: &str) -> PathBuf {
+fn many_nodes(
+    folder: &Path,
+    random: &mut Random,
+    copies: usize,
+    mesh: Buffers,
+    [primitive, top]: [&str; 2],
+) -> PathBuf {
     let is_even = random.bits().is_multiple_of(2);
     let node = |k: usize| {
         let scale = 1.0 + k as f64 * 1e-4;
@@ -116,22 +144,33 @@ fn many_nodes(folder: &Path, random: &mut Random, copies: usize, primitive: &str
         )
     };
     let nodes = (0..copies).map(node).collect::<Vec<_>>().join(",");
-    gltf(folder, count(random, 8.0, 8000.0), [&nodes, &numbers(copies), primitive, top], 1, &[])
+    gltf(folder, mesh, [&nodes, &numbers(copies), primitive, top], 1, &[])
 }
 
 fn nodes(folder: &Path, random: &mut Random) -> PathBuf {
     let copies = count(random, 1.0, 3000.0);
-    many_nodes(folder, random, copies, "", "")
+    let mesh = ring(count(random, 8.0, 8000.0));
+    many_nodes(folder, random, copies, mesh, ["", ""])
 }
+
+/// A material that emits.
+const LAMP: [&str; 2] = [",\"material\":0", ",\"materials\":[{\"emissiveFactor\":[1,1,1]}]"];
 
 fn lamps(folder: &Path, random: &mut Random) -> PathBuf {
     let copies = count(random, 1.0, 3000.0);
-    many_nodes(folder, random, copies, ",\"material\":0", ",\"materials\":[{\"emissiveFactor\":[1,1,1]}]")
+    let mesh = ring(count(random, 8.0, 8000.0));
+    many_nodes(folder, random, copies, mesh, LAMP)
+}
+
+fn round_lamps(folder: &Path, random: &mut Random) -> PathBuf {
+    let copies = count(random, 1.0, 3000.0);
+    let mesh = globe(count(random, 2.0, 32.0));
+    many_nodes(folder, random, copies, mesh, LAMP)
 }
 
 fn primitives(folder: &Path, random: &mut Random) -> PathBuf {
     let times = count(random, 1.0, 5000.0);
-    gltf(folder, count(random, 8.0, 8000.0), ["{\"mesh\":0}", "0", "", ""], times, &[])
+    gltf(folder, ring(count(random, 8.0, 8000.0)), ["{\"mesh\":0}", "0", "", ""], times, &[])
 }
 
 fn instances(folder: &Path, random: &mut Random) -> PathBuf {
@@ -140,7 +179,7 @@ fn instances(folder: &Path, random: &mut Random) -> PathBuf {
         .collect();
     let node = "{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":2}}}}";
     let used = ",\"extensionsUsed\":[\"EXT_mesh_gpu_instancing\"]";
-    gltf(folder, count(random, 8.0, 8000.0), [node, "0", "", used], 1, &places)
+    gltf(folder, ring(count(random, 8.0, 8000.0)), [node, "0", "", used], 1, &places)
 }
 
 fn chain(folder: &Path, random: &mut Random) -> PathBuf {
@@ -150,7 +189,7 @@ fn chain(folder: &Path, random: &mut Random) -> PathBuf {
         format!("{{{inner}}}")
     };
     let nodes = (0..length).map(node).collect::<Vec<_>>().join(",");
-    gltf(folder, 8, [&nodes, "0", "", ""], 1, &[])
+    gltf(folder, ring(8), [&nodes, "0", "", ""], 1, &[])
 }
 
 fn face(folder: &Path, random: &mut Random) -> PathBuf {

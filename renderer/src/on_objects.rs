@@ -64,4 +64,8 @@ impl<B: Blockers> Blockers for OnObjects<B> {
     ) -> bool {
         self.blockers.mark_openings(query, &mut scratch.blockers, mask, narrowest)
     }
+
+    fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {
+        self.blockers.may_hide_openings(&scratch.blockers)
+    }
 }

@@ -18,6 +18,10 @@ const VERTEX: u64 = 60;
 /// Bytes of a place of a shared mesh: its matrices and its parts of hierarchies.
 const PLACE: u64 = 600;
 
+/// How many lights by emission times triangles any scene may have, and how many more for each byte of its files: each light is searched for blockers.
+const SEARCHED: u64 = 20_000_000;
+const SEARCHED_A_BYTE: u64 = 20;
+
 /// The halves of a hash, the number of bytes, and how they are decoded.
 type Key = (u64, u64, usize, bool);
 
@@ -90,6 +94,12 @@ impl Budget {
     /// How many more triangles a surface may become: a quarter of those that there is room for.
     pub(crate) fn triangles(&self) -> usize {
         (Self::left(&self.state()) / (4 * TRIANGLE)) as usize
+    }
+
+    /// How many lights by emission a scene of so many triangles may have.
+    pub(crate) fn lights(&self, triangles: usize) -> usize {
+        let all = SEARCHED + SEARCHED_A_BYTE * self.state().read;
+        (all / triangles.max(1) as u64) as usize
     }
 
     /// Takes the bytes of what a surface has become, which [`triangles`](Self::triangles) has bounded.

@@ -26,6 +26,8 @@ const ERROR: f32 = 0.02;
 /// The most triangles of a mesh that becomes lights unless a file requests it, and the most lights by emission in a scene: both take time.
 const MOST_TRIANGLES: usize = 50_000;
 const MOST_LIGHTS: usize = 128;
+/// The fewest for which there is room, however many triangles a small file stands for.
+const FEWEST_LIGHTS: usize = 8;
 /// The most objects that may turn out to be no lights. Each may take a tenth of a second.
 const MOST_FAILED: usize = 32;
 
@@ -124,6 +126,8 @@ pub(crate) fn light_up(path: &Path, scene: &mut Scene, animation: &mut Animation
         return;
     }
     let before = scene.lights.len();
+    let triangles = scene.objects.iter().map(|object| object.shape.triangle_count()).sum();
+    let most = context.files.budget.lights(triangles).clamp(FEWEST_LIGHTS, MOST_LIGHTS);
     let (mut dark, mut curved, mut failed) = (Vec::new(), Vec::new(), 0);
     for number in 0..scene.objects.len() {
         let object = &scene.objects[number];
@@ -133,8 +137,8 @@ pub(crate) fn light_up(path: &Path, scene: &mut Scene, animation: &mut Animation
             continue;
         }
         let mover = animation.movers.get(number).and_then(Option::as_ref);
-        let room = MOST_LIGHTS.saturating_sub(scene.lights.len() - before);
-        match by_default((number, object), surface, (mover, &animation.skeletons), (room, &mut failed)) {
+        let used = scene.lights.len() - before;
+        match by_default((number, object), surface, (mover, &animation.skeletons), ([used, most], &mut failed)) {
             Ok(lamp) => {
                 if lamp.inside.is_some() {
                     curved.push(object.name.clone());
@@ -167,7 +171,7 @@ fn by_default(
     (number, object): (usize, &Object),
     surface: &Surface,
     (mover, skeletons): (Option<&Mover>, &[Skeleton]),
-    (room, failed): (usize, &mut usize),
+    ([used, most], failed): ([usize; 2], &mut usize),
 ) -> Result<Emitted, String> {
     if surface.emission_map.is_some() {
         return Err("a picture of its emission is seen only".to_owned());
@@ -175,7 +179,11 @@ fn by_default(
     if object.shape.triangle_count() > MOST_TRIANGLES {
         return Err(format!("it has more than {MOST_TRIANGLES} triangles"));
     }
-    let is_full = || format!("the scene has {MOST_LIGHTS} lights by emission already");
+    let room = most.saturating_sub(used);
+    let is_full = || {
+        let few = if most < MOST_LIGHTS { ", as many as so small a file of so many triangles may have" } else { "" };
+        format!("the scene has {most} lights by emission already{few}")
+    };
     // Before curved meshes are fitted, which takes long.
     if room == 0 {
         return Err(is_full());

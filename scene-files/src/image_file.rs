@@ -1,6 +1,7 @@
 //! Images that surfaces show.
 
 use crate::budget::Budget;
+use crate::exr_channels::ExrChannels;
 use crate::hdr_header::HdrHeader;
 use crate::height::Texel;
 use glam::{UVec2, Vec3};
@@ -60,6 +61,13 @@ pub(crate) fn decode_linear(
 ) -> Result<(UVec2, Vec<Vec3>), String> {
     let formats = "HDR, EXR, PNG, JPEG, BMP or TGA";
     let most = Most { side: 16384, pixels: 25, formats, depth: 0, meanwhile: 12 };
+    let fault = |e: String| format!("image \"{name}\": {}", one_line(&e));
+    if let Some(picture) = ExrChannels::find(bytes).map_err(fault)? {
+        let size = picture.size();
+        most.check(name, size.to_array(), bytes.len())?;
+        budget.take(0, u64::from(size.element_product()) * most.meanwhile, &described(name, size.to_array()))?;
+        return Ok((size, picture.read().map_err(fault)?));
+    }
     let radiance = HdrHeader::read(bytes).transpose().map_err(|e| format!("image \"{name}\": {e}"))?;
     let image = read(name, ending, radiance.as_ref().map_or(bytes, |(_, plain)| plain), &most, budget)?;
     let size = UVec2::new(image.width(), image.height());
@@ -90,6 +98,31 @@ struct Most {
     meanwhile: u64,
 }
 
+impl Most {
+    /// Refuses images without pixels, larger ones, and those that so many bytes cannot hold.
+    fn check(&self, name: &str, [width, height]: [u32; 2], bytes: usize) -> Result<(), String> {
+        let pixels = u64::from(width) * u64::from(height);
+        if pixels == 0 {
+            return Err(format!("image \"{name}\": has no pixels"));
+        }
+        if width.max(height) > self.side || pixels > 1 << self.pixels {
+            let Self { side, pixels, .. } = self;
+            return Err(format!(
+                "image \"{name}\": is {width}x{height}: at most {side} a side and 2^{pixels} in all are read"
+            ));
+        }
+        if pixels > MOST_PIXELS_A_BYTE * (bytes as u64 + 16) {
+            return Err(format!("image \"{name}\": says it is {width}x{height}, which {bytes} bytes cannot hold"));
+        }
+        Ok(())
+    }
+}
+
+/// An image in messages about memory.
+fn described(name: &str, [width, height]: [u32; 2]) -> String {
+    format!("image \"{name}\" of {width} x {height}")
+}
+
 /// Images of surfaces.
 const MATERIAL: Most =
     Most { side: Texture::MAX_SIDE, pixels: 27, formats: "PNG, JPEG, BMP or TGA", depth: 1, meanwhile: 4 };
@@ -111,25 +144,14 @@ fn read(name: &str, ending: &str, bytes: &[u8], most: &Most, budget: &Budget) ->
     reader.limits(limits);
     let decoder = reader.into_decoder().map_err(fault)?;
     let (width, height) = decoder.dimensions();
+    most.check(name, [width, height], bytes.len())?;
     let pixels = u64::from(width) * u64::from(height);
-    if pixels == 0 {
-        return Err(format!("image \"{name}\": has no pixels"));
-    }
-    if width.max(height) > most.side || pixels > 1 << most.pixels {
-        let Most { side, pixels, .. } = most;
-        return Err(format!(
-            "image \"{name}\": is {width}x{height}: at most {side} a side and 2^{pixels} in all are read"
-        ));
-    }
-    if pixels > MOST_PIXELS_A_BYTE * (bytes.len() as u64 + 16) {
-        return Err(format!("image \"{name}\": says it is {width}x{height}, which {} bytes cannot hold", bytes.len()));
-    }
     let is_grey =
         matches!(decoder.color_type(), ColorType::L8 | ColorType::L16) && most.meanwhile == MATERIAL.meanwhile;
     let (channels, meanwhile) = if is_grey { (1, 1) } else { (4, most.meanwhile) };
     // A pyramid has a third more than its largest level.
     let kept = pixels * channels * most.depth * 4 / 3;
-    budget.take(kept, pixels * meanwhile, &format!("image \"{name}\" of {width} x {height}"))?;
+    budget.take(kept, pixels * meanwhile, &described(name, [width, height]))?;
     DynamicImage::from_decoder(decoder).map_err(fault)
 }
 

@@ -61,6 +61,7 @@ mod context;
 mod decimal;
 mod defaults;
 mod emission;
+mod exr_channels;
 mod files;
 mod gltf_animation;
 mod gltf_buffers;
@@ -86,6 +87,7 @@ mod image_file;
 mod kept_meshes;
 mod keys;
 mod known_errors;
+mod light_error;
 mod load;
 mod mesh_file;
 mod mesh_scene;
@@ -123,6 +125,7 @@ use scene::{Animation, Scene, SceneError};
 pub use crate::emission::Emission;
 pub use crate::files::{Disk, Files};
 pub use crate::gltf_document::{GltfDocument, GltfPart};
+pub use crate::light_error::other_light_error;
 pub use crate::load::{
     LoadOptions, load, load_animated, load_clip, load_document, load_from, load_objects, load_with, load_with_warnings,
     obj_mesh,

@@ -210,3 +210,27 @@ fn few_meshes_are_tried_in_vain() {
     };
     assert_eq!([lights(2), lights(33)], [6, 0]);
 }
+
+/// Each light of a scene of many triangles takes long: a small file has fewer of them.
+#[test]
+fn small_files_of_many_triangles_have_few_lights() {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("globe.obj"), globe(60, 1, 0.2, 0.0)).unwrap();
+    let lights = |copies: usize| {
+        let mut text = "[materials.lamp]\nmodel = \"lambert\"\nalbedo = 0.5\nemission = [2, 1, 0]\n".to_owned();
+        for k in 0..10 {
+            let size = "size = [0.5, 0.1, 0.5]";
+            write!(text, "[[objects]]\nmaterial = \"lamp\"\nbox = {{ center = [{k}, 3, 0], {size} }}\n").unwrap();
+        }
+        for k in 0..copies {
+            write!(text, "[[objects]]\nmesh = \"globe.obj\"\ntranslate = [{k}, -5, 0]\n").unwrap();
+        }
+        fs::write(folder.path().join("room.toml"), text).unwrap();
+        load(&folder.path().join("room.toml"), Emission::Lights)
+    };
+    let few = lights(10);
+    assert_eq!(few.scene.lights.len(), 60, "{:?}", few.warnings);
+    let many = lights(120);
+    assert!((6..=36).contains(&many.scene.lights.len()), "{}", many.scene.lights.len());
+    assert!(many.warnings.iter().any(|w| w.contains("as many as so small a file")), "{:?}", many.warnings);
+}

@@ -31,6 +31,19 @@ fn bad_scenes_are_refused() {
     refuse(folder, &["spheres", "noise.obj", "-o", "set.json"], "noise.obj");
 }
 
+/// A light that a method does not support is named by its line.
+#[test]
+fn lights_of_a_method_are_refused_by_line() {
+    let folder = folder();
+    let folder = folder.path();
+    let text = fs::read_to_string(folder.join("scene.toml")).unwrap();
+    let line = text.lines().count() + 2;
+    fs::write(folder.join("sun.toml"), text + "[[lights]]\nkind = \"sun\"\ndirection = [0, -1, 0]\nradiance = 9\n")
+        .unwrap();
+    let what = format!("sun.toml:{line}:8: kind: method \"paper\" is for sphere lights: light 1 is a sun");
+    refuse(folder, &["render", "sun.toml", "--method", "paper", "-o", "out.png"], &what);
+}
+
 /// If no triangle of a mesh is left, the message has the number of faces left out and the reason, in correct grammar.
 #[test]
 fn faces_left_out_are_counted() {

@@ -83,6 +83,13 @@ pub trait Blockers: Sync {
         false
     }
 
+    /// Whether a mask that [`splat`](Self::splat) has left dark since [`select`](Self::select) may have an opening between its samples; costs less than
+    /// [`mark_openings`](Self::mark_openings). Provided: no.
+    fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {
+        let _ = scratch;
+        false
+    }
+
     /// Blocks cells of the mask, whose window is any part of the receiver's unit square. Call it only after
     /// [`select`](Self::select) of the same query.
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask);

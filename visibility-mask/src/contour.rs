@@ -9,6 +9,8 @@ pub(crate) const WHOLE: i8 = i8::MAX;
 pub(crate) const RIM: usize = 32;
 /// Number of columns that share one test of the contour's height between two rows.
 const STRIDE: usize = 2;
+/// So many single cells between others are foliage, whose leaves may lie between tested cells.
+pub(crate) const MANY: u32 = 24;
 /// Half a window's side, at distance 1, beyond which a light is wide: through an opening, of a wall or between leaves, little of it may be seen.
 pub(crate) const WIDE: f32 = 0.3;
 /// The length in columns up to which a contour may pass from one row to the next without a test of its height.
@@ -24,7 +26,8 @@ pub(crate) const BISECTIONS: u32 = 2;
 /// Cells along the rim of the emitting region are tested first, since blockers that move in front of the light enter there; then
 /// one cell of each block of a coarse grid. Untested cells take the result of their block. Then the contour is followed: if
 /// neighbours in a row or column differ, the untested ones are tested, until both sides of the whole contour are known. If the
-/// contour shows a thin shape, the grid is made twice as fine and the contour followed again; of a wide light of which nothing is lit (more than 17° to
+/// contour shows a thin shape, the grid is made twice as fine and the contour followed again, and once more, until all cells are tested, as long as many
+/// cells stand alone between others, as leaves do; of a wide light of which nothing is lit (more than 17° to
 /// each side), until something is or all cells are tested, since it may be seen through a small opening. Finally the point at which the
 /// contour crosses each row is found between two cells by bisection, so that spans end at a fraction of a cell; and if the contour
 /// runs between two rows, its height.
@@ -153,9 +156,15 @@ impl Contour {
             self.coarse(side, blocks, &mut ask);
             self.follow(side, &mut ask);
         }
-        if start < side && blocks == start && self.is_thin(side) {
-            self.coarse(side, 2 * start, &mut ask);
+        if blocks > start {
+            return;
+        }
+        let mut least = 1;
+        while blocks < side && self.thin(side) >= least {
+            blocks *= 2;
+            self.coarse(side, blocks, &mut ask);
             self.follow(side, &mut ask);
+            least = MANY;
         }
     }
 
@@ -274,19 +283,20 @@ impl Contour {
         e & !(e << 1 & e >> 1 & row(j.wrapping_sub(1)) & row(j + 1))
     }
 
-    /// Whether a single lit or dark cell lies between two others in a row or column.
-    fn is_thin(&self, side: usize) -> bool {
+    /// The number of single lit or dark cells that lie between two others in a row or column.
+    fn thin(&self, side: usize) -> u32 {
         let differ = |d: u64, a: u64, b: u64| (d ^ a) & (d ^ b);
-        (0..side).any(|j| {
+        let in_row = |j: usize| {
             let (e, d) = (self.emitting[j], self.dark[j]);
-            let in_row = differ(d, d << 1, d >> 1) & e << 1 & e >> 1;
-            let in_column = if j > 0 && j + 1 < side {
+            let beside = differ(d, d << 1, d >> 1) & e << 1 & e >> 1;
+            let above = if j > 0 && j + 1 < side {
                 differ(d, self.dark[j - 1], self.dark[j + 1]) & self.emitting[j - 1] & self.emitting[j + 1]
             } else {
                 0
             };
-            (in_row | in_column) & e != 0
-        })
+            ((beside | above) & e).count_ones()
+        };
+        (0..side).map(in_row).sum()
     }
 
     /// Cells of row `j` that differ from their left or right neighbour, if both emit.

@@ -211,6 +211,8 @@ fn contour_block(lane: u32, mask: Mask, span: vec2u, seeks: bool) {
     var whole = vec2u(0u);
     var blocks = min(CONTOUR_START, SIDE);
     var is_last = blocks == SIDE;
+    // So many single cells between others ask for finer blocks.
+    var least = 1u;
     let is_wide = seeks && max(mask.square.half.x, mask.square.half.y) > CONTOUR_WIDE;
     for (var stage = CONTOUR_RIM_CELLS; stage <= CONTOUR_RIGHT;) {
         if (stage == CONTOUR_COARSE) {
@@ -249,9 +251,10 @@ fn contour_block(lane: u32, mask: Mask, span: vec2u, seeks: bool) {
                 continue;
             }
         }
-        if (stage == CONTOUR_THIN && count > 0u && !is_last) {
-            is_last = true;
+        if (stage == CONTOUR_THIN && count >= least && !is_last) {
+            least = CONTOUR_MANY;
             blocks *= 2u;
+            is_last = blocks >= SIDE;
             stage = CONTOUR_COARSE;
             continue;
         }

@@ -96,4 +96,9 @@ impl<A: Blockers, B: Blockers> Blockers for Mixture<A, B> {
         let second = !scratch.partial.1 || self.second.mark_openings(query, &mut scratch.second, mask, narrowest);
         first && second
     }
+
+    fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {
+        (scratch.partial.0 && self.first.may_hide_openings(&scratch.first))
+            || (scratch.partial.1 && self.second.may_hide_openings(&scratch.second))
+    }
 }

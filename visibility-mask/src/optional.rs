@@ -64,6 +64,10 @@ impl<B: Blockers> Blockers for Option<B> {
             _ => true,
         }
     }
+
+    fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {
+        matches!((self, scratch), (Some(blockers), Some(scratch)) if blockers.may_hide_openings(scratch))
+    }
 }
 
 /// Borrowed blockers, for example those that are kept from frame to frame.
@@ -102,5 +106,9 @@ impl<B: Blockers> Blockers for &B {
         narrowest: f32,
     ) -> bool {
         B::mark_openings(self, query, scratch, mask, narrowest)
+    }
+
+    fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {
+        B::may_hide_openings(self, scratch)
     }
 }

@@ -16,6 +16,9 @@ pub(crate) const STEEP: f32 = 1.0;
 /// A mask of a wider light than this (1 − cos θ) is turned as one of this width.
 pub(crate) const WIDE: f32 = 0.6;
 
+/// Half a window's side, at distance 1, up to which a light's masks have samples so fine that openings between them are not looked for.
+const NARROW: f32 = 0.05;
+
 /// The width of an opening that is looked for, in windows' half sides: a thousandth of a sample of 64.
 pub(crate) const NARROWEST_OPENING: f32 = 1.0 / 32768.0;
 
@@ -25,7 +28,7 @@ pub enum LookAgain {
     /// Nowhere: the tolerance is a part of the unshadowed radiance.
     Never,
     /// In all parts of a sky, where an opening is seen, whose lit part ends at blockers on two opposite sides, and where less than a tenth of the
-    /// light is seen; before lights wider than 17° to each side also for openings between samples.
+    /// light is seen; before lights wider than 17° to each side, and where nothing of a light wider than 3° is seen, also for openings between samples.
     #[default]
     Openings,
     /// In all dark ends of ordinary penumbrae, and for openings between the samples, so that the tolerance is a part of the receiver's own
@@ -241,8 +244,11 @@ impl<B: Blockers> MaskVisibility<B> {
         // A part of an environment, whose outline knows its sides, ends where the next one begins.
         let is_patch = query.outline.is_some_and(Outline::has_sides);
         let is_thorough = self.again == LookAgain::Everywhere || is_patch;
-        // Through an opening between samples much of a wide light's radiance may come.
-        let is_wide = is_thorough || square.half.max_element() > contour::WIDE;
+        // Through an opening between samples much of a wide light's radiance may come; of a narrower one all, where nothing is lit.
+        let width = square.half.max_element();
+        let is_wide = is_thorough
+            || width > contour::WIDE
+            || width > NARROW && counts.are_none() && self.blockers.may_hide_openings(blockers);
         let is_opening = is_thorough || masks.is_opening();
         let seeks = is_wide && is_opening;
         let narrowest = NARROWEST_OPENING * square.half.x;

@@ -40,6 +40,7 @@ pub static CONTOUR: Piece = Piece::new(include_str!("contour.wgsl"))
         CONTOUR_START = contour::START,
         CONTOUR_BISECTIONS = contour::BISECTIONS,
         CONTOUR_LONG = contour::LONG,
+        CONTOUR_MANY = contour::MANY,
         CONTOUR_WHOLE = f32::from(contour::WHOLE),
         CONTOUR_WIDE = contour::WIDE,
         CONTOUR_RIM = contour::rim()[..contour::RIM / 4].iter().map(|(sin, cos)| (*cos, *sin)).collect::<Vec<_>>(),

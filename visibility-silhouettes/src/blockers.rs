@@ -247,6 +247,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         scratch.silhouettes.clear();
         scratch.is_coarse = false;
         scratch.is_outside_known = false;
+        scratch.may_hide = false;
         scratch.arcs.clear();
         if scratch.lists.is_empty() && !scratch.is_met {
             return facet;
@@ -308,7 +309,13 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             }
         } else {
             mask.block_all();
+            scratch.may_hide =
+                scratch.may_hide || scratch.may_hide_fewer(&view) || self.may_show_across(query, scratch, mask);
         }
+    }
+
+    fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {
+        scratch.may_hide
     }
 
     fn mark_openings(
@@ -334,6 +341,20 @@ impl<H: AnyHit> SilhouetteBlockers<'_, H> {
     ) -> bool {
         let distance = light.map_or(plane, |light| light.distance(direction));
         !self.hits.is_hit(origin, direction, distance, hits)
+    }
+
+    /// Whether something may be open between the rows of a mask that is dark: on or between the samples of its columns.
+    fn may_show_across(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut SilhouetteScratch<H::Scratch>,
+        mask: &Mask,
+    ) -> bool {
+        let turned = scratch.turned_mask(query, mask);
+        let mut view = View::new(*turned.square(), turned.raster(), turned.side(), query);
+        let light = scratch.cross(query, &mut view, &turned);
+        scratch.turned = turned;
+        self.is_any_open(&view, light, scratch) || scratch.may_hide_fewer(&view)
     }
 
     /// Whether the samples with the fewest surfaces before them are open, by rays. Where their number is doubtful, those that are open are added.

@@ -54,6 +54,9 @@ pub(crate) struct Counter {
     /// Words of a row, and those of the fewest samples that have a 0 in a digit.
     words: usize,
     lower: Vec<EightRows>,
+    /// For each sample whether a surface ends, and whether one begins, between it and the sample before it.
+    ends: Vec<EightRows>,
+    begins: Vec<EightRows>,
 }
 
 /// The samples with the fewest surfaces in front of them, and the one through which a ray decides best whether these are none.
@@ -129,6 +132,44 @@ impl Counter {
         }
         self.places = (32 - most.wrapping_sub(least).cast_unsigned().leading_zeros()) as usize;
         starts.map(|start| start.wrapping_sub(least).cast_unsigned())
+    }
+
+    /// Whether a surface ends and another one begins between two neighbouring samples of which one has the fewest surfaces: between them there
+    /// may be fewer. Call it after [`fewest`](Self::fewest).
+    #[inline(always)]
+    pub(crate) fn may_hide_fewer<S: Simd>(
+        &mut self,
+        simd: S,
+        view: &View,
+        crossings: &[Crossing],
+        fewest: &Fewest,
+    ) -> bool {
+        let Self { ends, begins, words, .. } = self;
+        for marks in [&mut *ends, &mut *begins] {
+            marks.clear();
+            marks.resize(fewest.rows.len(), [0; EIGHT]);
+        }
+        for c in crossings.iter().filter(|c| c.step != 0 && c.rows[0] < c.rows[1]) {
+            let marks = if c.step < 0 { &mut *ends } else { &mut *begins };
+            let [from, to] = c.rows.map(|row| row as usize);
+            for block in from / EIGHT..=(to - 1) / EIGHT {
+                let columns = columns(simd, view, c, block * EIGHT);
+                for row in from.max(block * EIGHT)..to.min((block + 1) * EIGHT) {
+                    let column = columns[row % EIGHT] as usize;
+                    if 0 < column && column < *words * WORD {
+                        marks[block * *words + column / WORD][row % EIGHT] |= 1 << (column % WORD);
+                    }
+                }
+            }
+        }
+        let beside = |k: usize| {
+            (0..EIGHT).any(|row| {
+                let here = fewest.rows[k][row];
+                let before = if k % *words > 0 { fewest.rows[k - 1][row] >> (WORD - 1) } else { 0 };
+                ends[k][row] & begins[k][row] & (here | here << 1 | before) != 0
+            })
+        };
+        (0..fewest.rows.len()).any(beside)
     }
 
     /// Adds the step of a crossing to all samples on its higher side.

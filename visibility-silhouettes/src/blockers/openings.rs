@@ -134,9 +134,7 @@ impl<H: AnyHit> SilhouetteBlockers<'_, H> {
         scratch.marks.clear();
         self.open_between(query, scratch, mask, narrowest, |_, opening| !opening.is_seen(&raster));
         let of_rows = scratch.marks.len();
-        // The columns are the rows of a mask that is turned.
-        let mut turned = core::mem::take(&mut scratch.turned);
-        turned.reset_to(&mask.square().turned(), mask.depth(), query.at.normal, query.outline);
+        let turned = scratch.turned_mask(query, mask);
         self.open_between(query, scratch, &turned, narrowest, |view, opening| {
             // Rows count all of a lower one, or nothing.
             opening.width() * raster.rows < view.raster.samples

@@ -45,6 +45,8 @@ pub struct SilhouetteScratch<H> {
     pub(super) counter: Counter,
     pub(super) fewest: Fewest,
     pub(super) next: Fewest,
+    /// Whether a mask of the current receiver that is dark may hide an opening between its samples.
+    pub(super) may_hide: bool,
     pub(super) openings: Openings,
     /// Ends of openings, and a mask for those between rows.
     pub(super) marks: Vec<[Vec2; 2]>,
@@ -78,6 +80,7 @@ impl<H> SilhouetteScratch<H> {
             counter: Counter::default(),
             fewest: Fewest::default(),
             next: Fewest::default(),
+            may_hide: false,
             openings: Openings::default(),
             marks: Vec::new(),
             turned: Mask::default(),
@@ -94,6 +97,21 @@ impl<H> SilhouetteScratch<H> {
             counter.fewest(fewest);
         });
         sphere
+    }
+
+    /// Whether fewer surfaces may be between two samples of a view that were counted.
+    pub(super) fn may_hide_fewer(&mut self, view: &View) -> bool {
+        let Self { crossings, counter, fewest, .. } = self;
+        crossings.iter().any(|c| c.step < 0)
+            && crossings.iter().any(|c| c.step > 0)
+            && dispatch!(Level::new(), simd => counter.may_hide_fewer(simd, view, crossings, fewest))
+    }
+
+    /// A mask whose rows are the columns of another one; put it back after use.
+    pub(super) fn turned_mask(&mut self, query: &VisibilityQuery<'_>, mask: &Mask) -> Mask {
+        let mut turned = core::mem::take(&mut self.turned);
+        turned.reset_to(&mask.square().turned(), mask.depth(), query.at.normal, query.outline);
+        turned
     }
 
     /// Lists the crossings of outlines with the rows of a mask. Returns the light if triangles reach into it.
