@@ -104,7 +104,8 @@ impl Levels {
         let made = make(&parts, &order, &fine, &mut corners)?;
         let Forms { nodes, triangles, of_triangles, chains } = Forms::of(&parts, &made, &order, &fine)?;
         let mut edges = tagged(&triangles, &of_triangles, &chains);
-        let is_closed = mesh.is_closed() && edges.iter().all(|(edge, _)| edge.other().is_some());
+        // Whatever the forms for lights are: these may have borders where those of a closed mesh have none.
+        let is_closed = edges.iter().all(|(edge, _)| edge.other().is_some());
         edges.sort_by_key(|(_, tag)| *tag);
         let leaves = in_leaves(&edges, &corners, &triangles);
         let mut placed = Vec::with_capacity(leaves.len() * WIDE);
@@ -290,7 +291,7 @@ fn made_of(triangles: &[[u32; 3]], below: &[&Made], corners: &[Vec3]) -> (Made, 
     };
     let moved: Vec<Vec3> = inner.iter().zip(&sums).map(settled).collect();
     let place = |i: u32| inner.binary_search(&i).map_or(corners[i as usize], |place| moved[place]);
-    let away = |[corner, near]: &[u32; 2]| offset(kept[*near as usize].map(place), corners[*corner as usize]).1;
+    let away = |[corner, near]: &[u32; 2]| distance(kept[*near as usize].map(place), corners[*corner as usize]);
     let own_sq = left_out.iter().map(|pair| away(pair).powi(2)).sum::<f64>() / left_out.len().max(1) as f64;
     let before = below.iter().map(|made| made.detail_sq).sum::<f64>() / below.len().max(1) as f64;
     let join = |[a, b]: [Vec3; 2], [c, d]: [Vec3; 2]| [a.min(c), b.max(d)];
@@ -304,6 +305,21 @@ fn made_of(triangles: &[[u32; 3]], below: &[&Made], corners: &[Vec3]) -> (Made, 
 fn offset(corners: [Vec3; 3], p: Vec3) -> (DVec3, f64) {
     let n = normal(corners).normalize_or_zero();
     (n, n.dot(p.as_dvec3() - corners[0].as_dvec3()))
+}
+
+/// How far a point is from a triangle. A limb that a form leaves out may lie in the planes of those that are left.
+fn distance(corners: [Vec3; 3], p: Vec3) -> f64 {
+    let [a, b, c] = corners.map(|corner| corner.as_dvec3());
+    let (n, p) = ((b - a).cross(c - a), p.as_dvec3());
+    let sides = [(a, b), (b, c), (c, a)];
+    if n != DVec3::ZERO && sides.iter().all(|(u, v)| n.cross(*v - *u).dot(p - *u) >= 0.0) {
+        return n.normalize().dot(p - a).abs();
+    }
+    let to_side = |(u, v): (DVec3, DVec3)| {
+        let along = (p - u).dot(v - u) / (v - u).length_squared().max(f64::MIN_POSITIVE);
+        p.distance(u + along.clamp(0.0, 1.0) * (v - u))
+    };
+    sides.into_iter().map(to_side).fold(f64::INFINITY, f64::min)
 }
 
 /// All forms while levels are made.
@@ -436,6 +452,51 @@ mod tests {
         let top = positions.len() as u32 - 1;
         triangles.extend((0..SIDE).map(|k| [corner(45, k), corner(45, k + 1), top]));
         (positions, triangles)
+    }
+
+    /// Bodies with long limbs, side by side.
+    fn stars(count: u32, n: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+        for body in 0..count {
+            let first = positions.len() as u32;
+            let tilt = glam::Quat::from_rotation_x(0.4 + body as f32);
+            for (ring, k) in (0..=n).flat_map(|ring| (0..n).map(move |k| (ring, k))) {
+                let theta = (ring as f32 + 0.01) / (n as f32 + 0.02) * core::f32::consts::PI;
+                let phi = k as f32 / n as f32 * core::f32::consts::TAU;
+                let d = Vec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin());
+                let limbs = [Vec3::X, Vec3::Y, Vec3::NEG_X, Vec3::new(0.0, -0.6, 0.8), Vec3::new(0.0, -0.6, -0.8)];
+                let limb = |limb: Vec3| 1.5 * ((d.dot(limb) - 1.0) * 30.0).exp();
+                let radius = 0.5 + limbs.into_iter().map(limb).sum::<f32>();
+                positions.push(tilt * d * radius + Vec3::X * 5.0 * body as f32);
+                let at = |ring: u32, k: u32| first + ring * n + k % n;
+                let [a, b, c, d] = [at(ring, k), at(ring, k + 1), at(ring + 1, k), at(ring + 1, k + 1)];
+                triangles.extend((ring < n).then_some([[a, b, c], [b, d, c]]).into_iter().flatten());
+            }
+        }
+        (positions, triangles)
+    }
+
+    /// The detail of a form is no less than what its surface is off by, also where whole limbs are left out.
+    #[test]
+    fn forms_say_what_they_leave_out() {
+        let (mut corners, fine) = stars(4, 64);
+        let (parts, order) = parts(&corners, &fine);
+        let made = make(&parts, &order, &fine, &mut corners).expect("a large mesh");
+        let mut most = 0.0_f64;
+        for (part, made) in parts.iter().zip(&made).filter(|(part, _)| part.level > 0) {
+            let own = order[part.range.clone()].iter().flat_map(|t| fine[*t as usize]).step_by(37);
+            let nearest = |i: u32| {
+                let of = |t: &[u32; 3]| distance(t.map(|k| corners[k as usize]), corners[i as usize]);
+                made.triangles.iter().map(of).fold(f64::INFINITY, f64::min)
+            };
+            let all: Vec<f64> = own.map(|i| nearest(i).powi(2)).collect();
+            let off = (all.iter().sum::<f64>() / all.len() as f64).sqrt();
+            let detail = made.detail_sq.sqrt();
+            println!("level {}: {} triangles, {off:.4} off, detail {detail:.4}", part.level, made.triangles.len());
+            assert!(off <= detail, "{off} > {detail}");
+            most = most.max(off);
+        }
+        assert!(most > 0.01, "nothing is left out: {most}");
     }
 
     /// From any place, and on any side of each triangle, all outlines are closed, and each side of each triangle that is seen occurs once.
