@@ -22,6 +22,8 @@ pub(crate) const PLANE_TUBE: f32 = 2.0;
 pub(crate) const PLANE_SKY: f32 = 3.0;
 /// Receivers nearer to a tube's middle line than this number of radii may see one end before the other.
 pub(crate) const TUBE_BESIDE: f32 = 1.05;
+/// How far a tube's surface is before its middle line in the mean, in radii.
+pub(crate) const TUBE_DEPTH: f32 = core::f32::consts::FRAC_PI_4;
 /// Tangent of the angle beyond which a tube goes on unseen.
 pub(crate) const TUBE_FAR: f32 = 60.0;
 /// The number of the object that the light is inside of, where there is none.
@@ -37,6 +39,7 @@ static PLANES_WGSL: Piece = Piece::new(include_str!("plane_lights.wgsl"))
         PLANE_TUBE = PLANE_TUBE,
         PLANE_SKY = PLANE_SKY,
         TUBE_BESIDE = TUBE_BESIDE,
+        TUBE_DEPTH = TUBE_DEPTH,
         TUBE_FAR = TUBE_FAR,
         TUBE_REACH = core::f32::consts::FRAC_PI_3,
         PLANE_OUTSIDE = PLANE_OUTSIDE,

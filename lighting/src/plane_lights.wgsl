@@ -63,26 +63,55 @@ fn tube_outline(at: Receiver) {
     let axis = foot / height;
     let sin = radius / height;
     let across = cross(axis, along) * (height * sin / sqrt((1.0 - sin) * (1.0 + sin)));
-    let start = tube_end(dot(a, along), height, radius);
-    let end = tube_end(dot(b, along), height, radius);
+    let places = vec2f(dot(a, along), dot(b, along));
+    // Of a tube that is far away along its own line all is farther than that.
+    let farthest = TUBE_FAR * max(max(places.x, -places.y) / height, 1.0);
+    let start = tube_end(places.x, height, radius, farthest);
+    let end = tube_end(places.y, height, radius, farthest);
     for (var k = 0u; k < 7u; k++) {
         let turn = outline_turn(2u * k);
         outline_corners[k] = foot + along * (end.x + end.y * TUBE_REACH * turn.y) - across * turn.x;
         outline_corners[7u + k] = foot + along * (start.x - start.y * TUBE_REACH * turn.y) + across * turn.x;
     }
-    outline_new(14u, axis);
+    let plane = tube_plane(a, b, axis, height, radius);
+    for (var k = 0u; k < 14u; k++) {
+        outline_corners[k] *= plane.w / dot(plane.xyz, outline_corners[k]);
+    }
+    outline_new(14u, plane.xyz);
+}
+
+// The plane in which the surface is in the mean: `TubeLight::plane`. Its normal, and its distance.
+fn tube_plane(a: vec3f, b: vec3f, toward: vec3f, height: f32, radius: f32) -> vec4f {
+    let inward = TUBE_DEPTH * radius;
+    let is_first = dot(a, a) < dot(b, b);
+    let near = select(b, a, is_first);
+    let body = select(a, b, is_first) - near;
+    let away = body / sqrt(dot(body, body));
+    let place = dot(near, away);
+    if (place <= 0.0) {
+        return vec4f(toward, height - inward);
+    }
+    let distance = sqrt(height * height + place * place);
+    let view = (toward * height + away * place) / distance;
+    let side = (away * height - toward * place) / distance;
+    let beside = dot(body, side);
+    let whole = beside + 2.0 * radius;
+    let slope = dot(body, view) * beside / (whole * whole);
+    let length = sqrt(1.0 + slope * slope);
+    return vec4f((view - side * slope) / length, (distance - inward) / length);
 }
 
 // Middle and half-length of the ellipse in which the sphere at an end is seen: from the angle φ − δ to φ + δ.
-fn tube_end(place: f32, height: f32, radius: f32) -> vec2f {
+fn tube_end(place: f32, height: f32, radius: f32, farthest: f32) -> vec2f {
     let sin = radius / sqrt(height * height + place * place);
     let tan = sin / sqrt((1.0 - sin) * (1.0 + sin));
     let slope = place / height;
-    let low = tube_limit(slope - tan, 1.0 + slope * tan, slope);
-    let high = tube_limit(slope + tan, 1.0 - slope * tan, slope);
+    let low = tube_limit(slope - tan, 1.0 + slope * tan, select(farthest, -farthest, slope < 0.0));
+    let high = tube_limit(slope + tan, 1.0 - slope * tan, select(farthest, -farthest, slope < 0.0));
     return vec2f(0.5 * (low + high), 0.5 * max(high - low, 0.0)) * height;
 }
 
-fn tube_limit(over: f32, under: f32, slope: f32) -> f32 {
-    return select(select(TUBE_FAR, -TUBE_FAR, slope < 0.0), clamp(over / under, -TUBE_FAR, TUBE_FAR), under > 0.0);
+fn tube_limit(over: f32, under: f32, farthest: f32) -> f32 {
+    let limit = abs(farthest);
+    return select(farthest, clamp(over / under, -limit, limit), under > 0.0);
 }

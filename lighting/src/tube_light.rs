@@ -1,5 +1,5 @@
 use crate::flat_light::half_ellipse;
-use crate::gpu::{PLANE_OUTSIDE, PLANE_TUBE, PLANES, TUBE_BESIDE, TUBE_FAR, shape_of};
+use crate::gpu::{PLANE_OUTSIDE, PLANE_TUBE, PLANES, TUBE_BESIDE, TUBE_DEPTH, TUBE_FAR, shape_of};
 use crate::{Area, AreaShape, Light, LightError, LightKind};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
@@ -12,9 +12,10 @@ const AROUND: f32 = 1.531;
 
 /// A tube with round ends (a capsule) that emits the same radiance in all directions from all of its surface.
 ///
-/// Seen from a receiver it is flat: its outline in the plane through its middle line that faces the receiver, two straight lines
-/// and two halves of ellipses, those of the spheres at its ends. A blocker behind that plane does not shade it. A receiver in line with the tube,
-/// within a few of its radii of that line, sees the sphere at the nearer end.
+/// Seen from a receiver it is flat: two straight lines and two halves of ellipses, the outlines of the spheres at its ends. A blocker behind the
+/// plane of this outline does not shade it. That plane is where the tube's surface is in the mean: along the tube if it is seen from beside it; across the
+/// view, at the nearer end, if the tube is seen along its middle line; and between these two, in proportion to how much of the tube's length is
+/// seen. A receiver within a radius of the middle line sees the sphere at the nearer end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TubeLight {
     /// The middles of the spheres at its ends; not the same.
@@ -69,6 +70,8 @@ impl TubeLight {
         // Half the width: of the planes along the tube that touch it.
         let (sin, cos) = (self.radius / height, ((1.0 - self.radius / height) * (1.0 + self.radius / height)).sqrt());
         let across = axis.cross(along) * (height * sin / cos);
+        // Of a tube that is far away along its own line all is farther than that.
+        let farthest = TUBE_FAR * (a.dot(along).max(-b.dot(along)) / height).max(1.0);
         // A sphere seen at the angle φ from the foot under ±δ reaches from tan(φ − δ) to tan(φ + δ).
         let ellipse = |end: Vec3| {
             let place = end.dot(along);
@@ -77,18 +80,44 @@ impl TubeLight {
             let tan = sin / ((1.0 - sin) * (1.0 + sin)).sqrt();
             let slope = place / height;
             let limit = |over: f32, under: f32| {
-                if under > 0.0 { (over / under).clamp(-TUBE_FAR, TUBE_FAR) } else { TUBE_FAR * slope.signum() }
+                if under > 0.0 { (over / under).clamp(-farthest, farthest) } else { farthest * slope.signum() }
             };
             let low = limit(slope - tan, 1.0 + slope * tan);
             let high = limit(slope + tan, 1.0 - slope * tan);
             [0.5 * (low + high) * height, 0.5 * (high - low).max(0.0) * height]
         };
+        let plane = self.plane([a, b], foot / height, height);
         let ([from, low], [to, high]) = (ellipse(a), ellipse(b));
         let mut corners = [Vec3::ZERO; 14];
         let at = |place: f32| foot + along * place;
         corners[..7].copy_from_slice(&half_ellipse(at(to), along * high, across));
         corners[7..].copy_from_slice(&half_ellipse(at(from), along * -low, -across));
+        let (axis, depth) = plane;
+        let corners = corners.map(|p| p * (depth / axis.dot(p)));
         Outline::new(&corners, axis).map(|outline| outline.with_roundness(self.roundness()))
+    }
+
+    /// The plane in which the surface is in the mean, by its normal and its distance. From a receiver: the ends, the direction to the foot of its
+    /// perpendicular on the middle line, and that distance.
+    fn plane(&self, [a, b]: [Vec3; 2], toward: Vec3, height: f32) -> (Vec3, f32) {
+        let inward = TUBE_DEPTH * self.radius;
+        let [near, far] = if a.length_squared() < b.length_squared() { [a, b] } else { [b, a] };
+        let body = far - near;
+        let away = body / body.length();
+        let place = near.dot(away);
+        if place <= 0.0 {
+            // The foot is on the tube.
+            return (toward, height - inward);
+        }
+        let distance = height.hypot(place);
+        let view = (toward * height + away * place) / distance;
+        let side = (away * height - toward * place) / distance;
+        // How long the tube looks beside its nearer end, and how much farther it goes; the end looks as wide as it is.
+        let (beside, deeper) = (body.dot(side), body.dot(view));
+        let whole = beside + 2.0 * self.radius;
+        let slope = deeper * beside / (whole * whole);
+        let length = (1.0 + slope * slope).sqrt();
+        ((view - side * slope) / length, (distance - inward) / length)
     }
 }
 

@@ -7,7 +7,7 @@ use lighting::{
     Environment, EnvironmentError, EnvironmentMap, FlatLight, FlatLightError, Light, LightKind as _, SkyLight,
     SphereLight, SpotLight, SunLight, TubeLight,
 };
-use lobe_core::{LightImage, Lobe, Random, Receiver, Sphere, cap_integral, image_integral, outline_integral};
+use lobe_core::{Cone, LightImage, Lobe, Random, Receiver, Sphere, cap_integral, image_integral, outline_integral};
 use shading::LightLobes;
 use std::sync::Arc;
 
@@ -253,8 +253,34 @@ fn a_tube_seen_along_its_axis_is_its_end() {
     let term = tube.seen_from(&at(Vec3::new(3.0, 0.05, 0.0)));
     assert!(term.outline.is_none());
     let end = Sphere { center: Vec3::X, radius: 0.1 };
-    assert_eq!(term.cone, lobe_core::Cone::of_sphere(Vec3::new(3.0, 0.05, 0.0), end));
+    assert_eq!(term.cone, Cone::of_sphere(Vec3::new(3.0, 0.05, 0.0), end));
     assert!(tube.outline(&at(Vec3::new(0.5, 2.0, 0.0))).is_some());
+}
+
+/// Blockers count up to the surface in the mean: before the middle line from beside, before the nearer end from in front of it.
+#[test]
+fn a_tube_s_plane_is_where_its_surface_is() {
+    let tube = TubeLight { ends: [Vec3::ZERO, Vec3::X], radius: 0.1, radiance: COLOR };
+    let inward = core::f32::consts::FRAC_PI_4 * tube.radius;
+    let plane = |x: Vec3| {
+        let outline = tube.outline(&at(x)).expect("an outline");
+        (outline.axis(), outline.height())
+    };
+    let (axis, height) = plane(Vec3::new(0.5, 2.0, 0.0));
+    assert!(axis.distance(Vec3::NEG_Y) < 1e-5 && (height - 2.0 + inward).abs() < 1e-5, "{axis} {height}");
+    // In line with the tube, where a little of its side is seen, and far away, where none is.
+    for (x, least) in [(Vec3::new(3.0, 0.11, 0.0), 0.7), (Vec3::new(200.0, 0.11, 0.0), 0.999)] {
+        let (axis, height) = plane(x);
+        let toward = Vec3::X - x;
+        let view = toward.normalize();
+        assert!(axis.dot(view) > least, "{axis}");
+        // Toward the middle of the end.
+        let depth = height / axis.dot(view);
+        assert!((depth - toward.length() + inward).abs() < 0.01 * tube.radius, "{depth} for {}", toward.length());
+    }
+    // From the side of an end the plane turns on without a step.
+    let (before, behind) = (plane(Vec3::new(0.999, 0.4, 0.0)), plane(Vec3::new(1.001, 0.4, 0.0)));
+    assert!(before.0.distance(behind.0) < 0.01 && (before.1 - behind.1).abs() < 0.01, "{before:?} {behind:?}");
 }
 
 #[test]

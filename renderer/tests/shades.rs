@@ -7,7 +7,7 @@ use lobe_core::Sphere;
 use ray_tracing::{GBuffer, PixelSamples, World};
 use reference::{Geometry, Reference, ReferenceJob};
 use renderer::{Renderer, Settings};
-use scene::{Animation, BlockerSet, Scene, Strategy};
+use scene::{Animation, BlockerSet, Mesh, Object, Proxy, Scene, Strategy};
 use std::sync::Arc;
 use test_scenes::{around_lampshade, below_leaves};
 
@@ -47,14 +47,20 @@ fn truth(scene: &Scene) -> Vec<(f32, f32)> {
     values.iter().zip(noise).map(|(value, noise)| (value.x, noise.x)).collect()
 }
 
+/// How far the mean error of rays may be beyond the noise: they miss what is between the cells of a mask.
+const RAYS: f32 = 0.015;
+
 /// Prints a scene's errors by silhouettes and rays, of which those by silhouettes are to be at most so much beyond the noise.
 fn check(name: &str, scene: &Scene, [most, most_of_99]: [f32; 2]) {
     let truth = truth(scene);
     for strategy in [Strategy::Silhouettes, Strategy::Rays] {
         let [mean, p99, bias, noise] = own_errors(scene, &truth, strategy);
         println!("{name}, {strategy:?}: own error {mean:.4}, 99 % {p99:.3}, sum {bias:+.4}; noise {noise:.4}");
-        let is_right = mean < noise + most && p99 < 10.0 * noise + most_of_99;
-        assert!(is_right || strategy == Strategy::Rays, "{name}: {mean} {p99} {noise}");
+        let is_right = match strategy {
+            Strategy::Rays => mean < noise + RAYS.max(most),
+            _ => mean < noise + most && p99 < 10.0 * noise + most_of_99,
+        };
+        assert!(is_right, "{name}, {strategy:?}: {mean} {p99} {noise}");
     }
 }
 
@@ -79,6 +85,19 @@ fn lampshades_end_light_above_and_below() {
         let most = if name == "cone, tube" { [0.015, 0.3] } else { [0.005, 0.05] };
         check(name, &around_lampshade(below, above, vec![light]), most);
     }
+}
+
+/// A tube that comes out of a panel at 13°.
+#[test]
+fn tubes_come_out_of_panels() {
+    let (sin, cos) = 13.0_f32.to_radians().sin_cos();
+    let middle = Vec3::new(0.0, 1.5, 0.0);
+    let along = Vec3::new(cos, sin, 0.0);
+    let tube = TubeLight { ends: [middle - along, middle + along], radius: 0.1, radiance: Vec3::splat(9.0) };
+    let mut scene = below_leaves(1, 0.1, vec![tube.into()]);
+    let panel = Mesh::quad(middle, Vec3::X * 1.5, Vec3::Z * 1.5);
+    scene.objects[1] = Object::mesh("panel", panel, 0, Proxy::None);
+    check("tube through a panel", &scene, [0.03, 0.2]);
 }
 
 /// Few leaves and many, of which several lie in one sample of a sky.

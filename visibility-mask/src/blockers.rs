@@ -84,7 +84,7 @@ pub trait Blockers: Sync {
     }
 
     /// Whether a mask that [`splat`](Self::splat) has left dark since [`select`](Self::select) may have an opening between its samples; costs less than
-    /// [`mark_openings`](Self::mark_openings). Provided: no.
+    /// [`mark_openings`](Self::mark_openings). Counts before lights of [`asks_for_openings`](crate::asks_for_openings) alone. Provided: no.
     fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {
         let _ = scratch;
         false

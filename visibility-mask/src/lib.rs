@@ -90,5 +90,5 @@ pub use crate::mixture::{Mixture, MixtureScratch};
 pub use crate::raster::{LitBounds, Raster};
 pub use crate::row::{EightRows, MAX_DEPTH};
 pub use crate::square::UnitSquare;
-pub use crate::visibility::{LookAgain, MaskScratch, MaskVisibility};
+pub use crate::visibility::{LookAgain, MaskScratch, MaskVisibility, asks_for_openings};
 pub use glam;

@@ -16,8 +16,17 @@ pub(crate) const STEEP: f32 = 1.0;
 /// A mask of a wider light than this (1 − cos θ) is turned as one of this width.
 pub(crate) const WIDE: f32 = 0.6;
 
-/// Half a window's side, at distance 1, up to which a light's masks have samples so fine that openings between them are not looked for.
-const NARROW: f32 = 0.05;
+/// Squared sines of half-angles: a light's masks have samples so fine that openings between them are not looked for; openings are looked for
+/// everywhere before the light.
+const NARROW: f32 = 0.0025;
+const WIDE_ANYWAY: f32 = 0.3;
+
+/// Whether openings between the samples of a dark mask of a light are looked for only where blockers [say](Blockers::may_hide_openings) that there may be
+/// some.
+#[must_use]
+pub fn asks_for_openings(light: &Cone) -> bool {
+    (NARROW..WIDE_ANYWAY).contains(&light.sin_sq())
+}
 
 /// The width of an opening that is looked for, in windows' half sides: a thousandth of a sample of 64.
 pub(crate) const NARROWEST_OPENING: f32 = 1.0 / 32768.0;
@@ -245,10 +254,9 @@ impl<B: Blockers> MaskVisibility<B> {
         let is_patch = query.outline.is_some_and(Outline::has_sides);
         let is_thorough = self.again == LookAgain::Everywhere || is_patch;
         // Through an opening between samples much of a wide light's radiance may come; of a narrower one all, where nothing is lit.
-        let width = square.half.max_element();
         let is_wide = is_thorough
-            || width > contour::WIDE
-            || width > NARROW && counts.are_none() && self.blockers.may_hide_openings(blockers);
+            || square.half.max_element() > contour::WIDE
+            || counts.are_none() && asks_for_openings(query.cone) && self.blockers.may_hide_openings(blockers);
         let is_opening = is_thorough || masks.is_opening();
         let seeks = is_wide && is_opening;
         let narrowest = NARROWEST_OPENING * square.half.x;

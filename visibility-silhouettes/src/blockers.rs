@@ -13,7 +13,7 @@ use glam::Vec3;
 use lobe_core::{Outline, Receiver, Sphere};
 use scratch::{Alike, Plane};
 use shading::{Coverage, Shaft, VisibilityQuery};
-use visibility_mask::{Blockers, Edges, Mask, facet_coverage};
+use visibility_mask::{Blockers, Edges, Mask, asks_for_openings, facet_coverage};
 
 mod openings;
 mod scratch;
@@ -23,6 +23,9 @@ pub use scratch::SilhouetteScratch;
 /// The size of details that a tolerance leaves out: this fraction of it, in radii of the light. A root mean square, measured so
 /// that masks differ by less than a quarter of the tolerance in the mean.
 const DETAIL: f32 = 4.0;
+
+/// The depth of a mask whose columns tell whether something may be open between rows.
+const COLUMNS: u32 = 3;
 
 /// The smallest cosine between two normals of one plane.
 const ALONG: f64 = 0.999_9;
@@ -309,8 +312,9 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             }
         } else {
             mask.block_all();
-            scratch.may_hide =
-                scratch.may_hide || scratch.may_hide_fewer(&view) || self.may_show_across(query, scratch, mask);
+            scratch.may_hide = scratch.may_hide
+                || asks_for_openings(query.cone)
+                    && (scratch.may_hide_fewer(&view) || self.may_show_across(query, scratch, mask));
         }
     }
 
@@ -343,14 +347,14 @@ impl<H: AnyHit> SilhouetteBlockers<'_, H> {
         !self.hits.is_hit(origin, direction, distance, hits)
     }
 
-    /// Whether something may be open between the rows of a mask that is dark: on or between the samples of its columns.
+    /// Whether something may be open between the rows of a mask that is dark: on or between the samples of some of its columns.
     fn may_show_across(
         &self,
         query: &VisibilityQuery<'_>,
         scratch: &mut SilhouetteScratch<H::Scratch>,
         mask: &Mask,
     ) -> bool {
-        let turned = scratch.turned_mask(query, mask);
+        let turned = scratch.turned_mask(query, mask, COLUMNS);
         let mut view = View::new(*turned.square(), turned.raster(), turned.side(), query);
         let light = scratch.cross(query, &mut view, &turned);
         scratch.turned = turned;

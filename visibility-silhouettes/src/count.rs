@@ -165,7 +165,7 @@ impl Counter {
         let beside = |k: usize| {
             (0..EIGHT).any(|row| {
                 let here = fewest.rows[k][row];
-                let before = if k % *words > 0 { fewest.rows[k - 1][row] >> (WORD - 1) } else { 0 };
+                let before = if k.is_multiple_of(*words) { 0 } else { fewest.rows[k - 1][row] >> (WORD - 1) };
                 ends[k][row] & begins[k][row] & (here | here << 1 | before) != 0
             })
         };

@@ -134,7 +134,7 @@ impl<H: AnyHit> SilhouetteBlockers<'_, H> {
         scratch.marks.clear();
         self.open_between(query, scratch, mask, narrowest, |_, opening| !opening.is_seen(&raster));
         let of_rows = scratch.marks.len();
-        let turned = scratch.turned_mask(query, mask);
+        let turned = scratch.turned_mask(query, mask, mask.depth());
         self.open_between(query, scratch, &turned, narrowest, |view, opening| {
             // Rows count all of a lower one, or nothing.
             opening.width() * raster.rows < view.raster.samples
