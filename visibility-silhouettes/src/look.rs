@@ -8,7 +8,7 @@ use crate::sky::{KNOWN, NAME, STEP, in_halves};
 use crate::tree::Node;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
-use visibility_mask::sky::{Horizon, Meridians};
+use visibility_mask::sky::{Horizon, Meridians, SkyWindow};
 
 /// Memory that receivers use one after the other.
 #[derive(Clone, Debug, Default)]
@@ -22,13 +22,14 @@ pub(crate) struct LookMemory {
 pub(crate) struct Looker<'a> {
     pub(crate) origin: Vec3,
     pub(crate) horizon: Horizon,
+    pub(crate) window: SkyWindow,
     pub(crate) meridians: &'a Meridians,
     /// [`Fineness::scale`](crate::hull::Fineness::scale).
     pub(crate) scale: f32,
 }
 
 impl Looker<'_> {
-    /// Lists the silhouettes that may cross a meridian above the horizon.
+    /// Lists the silhouettes that may cross a meridian of the window above the horizon.
     #[inline(always)]
     pub(crate) fn find<S: Simd>(&self, simd: S, levels: &Levels, memory: &mut LookMemory, out: &mut Columns<KNOWN>) {
         let LookMemory { list, seen, stack } = memory;
@@ -62,7 +63,7 @@ impl Looker<'_> {
         }
     }
 
-    /// The children of a node that may have silhouettes above the horizon that cross a meridian, as bits.
+    /// The children of a node that may have silhouettes above the horizon that cross a meridian of the window, as bits.
     #[inline(always)]
     fn meets<S: Simd>(&self, simd: S, node: &Node) -> u32 {
         let half = node.vectors(simd, 3);
@@ -81,7 +82,7 @@ impl Looker<'_> {
         if outside.to_bitmask() as u32 & there == there {
             return 0;
         }
-        outside |= !self.meridians.may_cross_boxes(simd, &self.horizon, to, half);
+        outside |= !self.meridians.may_cross_boxes(simd, (&self.horizon, &self.window), to, half);
         !outside.to_bitmask() as u32 & there
     }
 

@@ -10,7 +10,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
 use lobe_core::Receiver;
 use lobe_core::vec3x8::Vec3x8;
-use visibility_mask::sky::{Horizon, Meridians, SkyArcs, SkyBlockers, SkyBuffer, SkyTile};
+use visibility_mask::sky::{Horizon, Meridians, SkyArcs, SkyBlockers, SkyBuffer, SkyTile, SkyWindow};
 
 /// Receivers that share a list: those of a tile that are near each other.
 const PART: usize = 8;
@@ -188,8 +188,9 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
         let scale = scale.unwrap_or_default();
         let (horizon, origin) = (tile.horizons[number], scratch.origins[number]);
         let SkySilhouetteScratch { edges, parts, found, arcs, look: memory, .. } = scratch;
-        let look = SkyOutlines { meshes: rest, meridians: tile.meridians, horizon, origin, scale };
-        let looker = Looker { origin, horizon, meridians: tile.meridians, scale };
+        let window = *buffer.window();
+        let look = SkyOutlines { meshes: rest, meridians: tile.meridians, horizon, window, origin, scale };
+        let looker = Looker { origin, horizon, window, meridians: tile.meridians, scale };
         let Part { known, open, .. } = &parts[part];
         arcs.clear();
         dispatch!(Level::new(), simd => {
@@ -308,6 +309,7 @@ struct SkyOutlines<'a, 'm> {
     meshes: &'a Meshes<'m>,
     meridians: &'a Meridians,
     horizon: Horizon,
+    window: SkyWindow,
     origin: Vec3,
     scale: f32,
 }
@@ -347,7 +349,8 @@ impl SkyOutlines<'_, '_> {
         for first in (0..list.len()).step_by(8) {
             let ends = [list.load3(simd, 0, first).minus(from), list.load3(simd, 3, first).minus(from)];
             let lanes = mask32x8::from_bitmask(simd, u64::from(list.lanes(first)));
-            let kept = arcs.push(simd, self.meridians, &self.horizon, ends, list.load(simd, STEP, first), lanes);
+            let sight = (&self.horizon, &self.window);
+            let kept = arcs.push(simd, self.meridians, sight, ends, list.load(simd, STEP, first), lanes);
             if kept.any_true() {
                 let names = list.load(simd, NAME, first).bitcast::<u32x8<S>>();
                 is_coarse |= (kept & (names & COARSE).simd_ge(u32x8::splat(simd, COARSE))).any_true();

@@ -91,6 +91,12 @@ impl SkyBuffer {
         [first * self.finer, end.saturating_sub(1) * self.finer + 1]
     }
 
+    /// The samples that are drawn.
+    #[must_use]
+    pub const fn window(&self) -> &SkyWindow {
+        &self.window
+    }
+
     /// Whether outlines cross rows as often as those of a crowd, and are not counted as one, or the reverse.
     pub(super) fn is_to_begin_again(&self, resolution: SkyResolution) -> bool {
         Crowd::is_of(self.crossings, resolution) != self.crowd.is_on
