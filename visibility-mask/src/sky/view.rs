@@ -208,7 +208,9 @@ impl SkyView {
         for block in (0..resolution.blocks()).filter(|block| self.buffer.is_crossed(*block)) {
             let end = table.meridians().crossing(simd, block, horizon.local());
             let last = last_column(simd, end, resolution.samples() + 2);
-            for (column, cell) in table.block(horizon.pole(), block)[..last].iter().enumerate() {
+            let samples = table.block(horizon.pole(), block)[..last].iter().enumerate();
+            // Before its first outline a row is as open as others.
+            for (column, cell) in samples.skip(self.buffer.first_crossed(block)) {
                 let mut weight = cell.direction(simd).dot_one(normal).max(zero);
                 if horizon.is_facet() {
                     weight *= above(simd, end, column);
