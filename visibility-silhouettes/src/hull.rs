@@ -174,7 +174,7 @@ impl Hull {
 
     /// The children of a node that may have silhouettes inside the hull, as bits.
     #[inline(always)]
-    fn meets<S: Simd>(&self, simd: S, node: &Node, forms: Option<(&Forms<'_>, &[[f32; 8]; 2])>) -> u32 {
+    pub(crate) fn meets<S: Simd>(&self, simd: S, node: &Node, forms: Option<(&Forms<'_>, &[[f32; 8]; 2])>) -> u32 {
         let middle = node.vectors(simd, 0);
         let half = node.vectors(simd, 3);
         let mut outside = self.region.misses_boxes(simd, middle, half);

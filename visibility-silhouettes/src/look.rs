@@ -18,6 +18,14 @@ pub(crate) struct LookMemory {
     stack: Vec<u32>,
 }
 
+impl LookMemory {
+    /// Which forms a receiver sees.
+    pub(crate) fn seen(&mut self, levels: &Levels, from: Vec3, scale: f32) -> &[bool] {
+        levels.choose(from, scale, &mut self.list, &mut self.seen);
+        &self.seen
+    }
+}
+
 /// A receiver before a sky.
 pub(crate) struct Looker<'a> {
     pub(crate) origin: Vec3,
@@ -40,7 +48,7 @@ impl Looker<'_> {
             let nodes = levels.tree(*form).nodes();
             stack.clear();
             stack.extend((!nodes.is_empty()).then_some(0));
-            let is_coarse = !levels.is_fine(*form);
+            let is_coarse = levels.is_coarse(*form);
             while let Some(number) = stack.pop() {
                 let node = &nodes[number as usize];
                 let mut met = self.meets(simd, node);
@@ -54,7 +62,7 @@ impl Looker<'_> {
                     }
                     let (block, [_, other]) = levels.leaf(first);
                     if seen[usize::from(*other)] {
-                        let is_coarse = is_coarse || (*other != 0 && !levels.is_fine(*other));
+                        let is_coarse = is_coarse || levels.is_coarse(*other);
                         let name = closed | if is_coarse { COARSE } else { 0 };
                         self.silhouettes(simd, (levels, block), (first, count), name, out);
                     }
@@ -82,7 +90,7 @@ impl Looker<'_> {
         if outside.to_bitmask() as u32 & there == there {
             return 0;
         }
-        outside |= !self.meridians.may_cross_boxes(simd, (&self.horizon, &self.window), to, half);
+        outside |= !self.meridians.may_cross_boxes(simd, (&self.horizon, &self.window), to, (half, 0.0));
         !outside.to_bitmask() as u32 & there
     }
 

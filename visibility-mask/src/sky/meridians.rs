@@ -180,18 +180,19 @@ impl Meridians {
         !first.simd_eq(last)
     }
 
-    /// Which of eight boxes may hold edges that cross a meridian of a window: their middles as seen from the receiver, and half their sides.
+    /// Which of eight boxes may hold edges that cross a meridian of a window for receivers that are within `off` of the place from which their
+    /// middles are seen, at right angles to the pole; half the boxes' sides.
     #[inline(always)]
     pub fn may_cross_boxes<S: Simd>(
         &self,
         simd: S,
         (horizon, window): (&Horizon, &SkyWindow),
         middle: Vec3x8<S>,
-        half: Vec3x8<S>,
+        (half, off): (Vec3x8<S>, f32),
     ) -> mask32x8<S> {
         let scale = self.resolution.rows as f32 * 0.25;
         // No wider than a circle around the box, seen along the pole.
-        let off = horizon.pole().reach_of(half) * AROUND;
+        let off = horizon.pole().reach_of(half) * AROUND + off;
         let (p, s) = spread(simd, horizon.pole(), middle, off);
         let first = ((p - s + 2.0) * scale - 0.5).ceil();
         let last = ((p + s + 2.0) * scale - 0.5).ceil();
@@ -288,7 +289,7 @@ mod tests {
             let half = random.axis().as_vec3().abs() * size;
             dispatch!(Level::new(), simd => {
                 let boxes = [middle, half].map(|v| Vec3x8::splat(simd, v));
-                let may = meridians.may_cross_boxes(simd, (&horizon, &whole), boxes[0], boxes[1]);
+                let may = meridians.may_cross_boxes(simd, (&horizon, &whole), boxes[0], (boxes[1], 0.0));
                 if may.any_true() {
                     return;
                 }
