@@ -4,8 +4,14 @@
 //! every vector width, bit for bit. All of them are total (a finite value for every finite input) and free of branches, so
 //! that a loop over them becomes vector instructions.
 
+mod eight;
+
+pub use eight::{exp_of_eight, ln_1p_of_eight};
+
 /// Adding and subtracting it rounds to the nearest integer, which then stands in the lowest bits.
 const ROUND: f32 = 12_582_912.0;
+/// Bits of √½, where a power of two ends and the next begins.
+const HALF_ROOT: i32 = 0x3f35_04f3;
 
 /// `eˣ`; relative error ≤ 2e-7 for `|x| ≤ 1`, growing with `|x|` as the rounding of `x` itself does; 0 below −87.3, the
 /// value at 88.3 above.
@@ -39,8 +45,6 @@ pub fn ln_1p(y: f32) -> f32 {
 #[inline(always)]
 #[must_use]
 pub fn ln_of(u: f32, y: f32) -> f32 {
-    // Bits of √½, where a power of two ends and the next begins.
-    const HALF_ROOT: i32 = 0x3f35_04f3;
     let bits = u.to_bits() as i32;
     let k = (bits - HALF_ROOT) >> 23;
     let mantissa = f32::from_bits((bits - (k << 23)) as u32);

@@ -398,14 +398,20 @@ fn large_meshes_have_forms_before_a_sky() {
     let changed = forms.iter().zip(&before).filter(|(a, b)| a != b).count();
     println!("{changed} of {} changed, mean {mean}, largest {largest}", all.receivers.len());
     assert!(changed > all.receivers.len() / 4 && mean < 5e-4 && largest < 1e-2, "{changed} {mean} {largest}");
-    // Each point by itself.
-    for i in (0..all.receivers.len()).step_by(5) {
-        let one = ShadingPoints {
-            receivers: vec![all.receivers[i]],
-            materials: vec![all.materials[i]],
-            ..ShadingPoints::default()
-        };
-        assert_eq!(shade(&scene, &silhouettes, &one, (0.005, true)), [forms[i]], "{i}");
+    // Each point by itself, also where near points share lists.
+    let mut closer = scene.clone();
+    closer.camera.projection = Projection::perspective(0.15);
+    let near = points(&closer);
+    let of_near = shade(&scene, &silhouettes, &near, (0.005, true));
+    for (all, forms) in [(&all, &forms), (&near, &of_near)] {
+        for i in (0..all.receivers.len()).step_by(5) {
+            let one = ShadingPoints {
+                receivers: vec![all.receivers[i]],
+                materials: vec![all.materials[i]],
+                ..ShadingPoints::default()
+            };
+            assert_eq!(shade(&scene, &silhouettes, &one, (0.005, true)), [forms[i]], "{i}");
+        }
     }
     // Forms follow the mesh.
     if let scene::Shape::Mesh(mesh) = &mut scene.objects[1].shape {

@@ -107,9 +107,10 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
     ///
     /// # Cost
     /// For each mesh [with simplified forms](SilhouetteMesh::with_coarse) that has moved since the last call about as much time as those forms, and 300
-    /// bytes a triangle while the mesh lives.
+    /// bytes a triangle while the mesh lives. Edges of other meshes are copied, 93 bytes a triangle.
     #[must_use]
     pub fn under_sky(self) -> Self {
+        self.meshes.pack();
         let is_exact = self.meshes.fineness == Fineness::default();
         Self { sky: if is_exact { None } else { self.meshes.with_levels() }, ..self }
     }

@@ -1,4 +1,5 @@
 use crate::edge_list::{Block, CLOSED, COARSE, COLUMNS, ENDS, EdgeList, EdgePacket, PLANES};
+use crate::lanes::number;
 use crate::mesh::SilhouetteMesh;
 use crate::tree::{Node, Tree};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
@@ -173,7 +174,7 @@ impl Hull {
 
     /// The children of a node that may have silhouettes inside the hull, as bits.
     #[inline(always)]
-    fn meets<S: Simd>(&self, simd: S, node: &Node, forms: Option<(&Forms<'_>, &[[f32; 8]; 2])>) -> u32 {
+    pub(crate) fn meets<S: Simd>(&self, simd: S, node: &Node, forms: Option<(&Forms<'_>, &[[f32; 8]; 2])>) -> u32 {
         let middle = node.vectors(simd, 0);
         let half = node.vectors(simd, 3);
         let mut outside = self.region.misses_boxes(simd, middle, half);
@@ -365,8 +366,14 @@ impl Hull {
         let mut block: Block<COLUMNS> = [[0.0; 8]; COLUMNS];
         for leaf in leaves {
             let (first, count) = (leaf.first as usize, usize::from(leaf.count));
-            let lanes = mask32x8::from_bitmask(simd, u64::from(mesh.fetch_planes(simd, first, count, &mut block)));
-            let mut keep = (lanes & !self.cancel(simd, &block)).to_bitmask() as u32;
+            let packed = mesh.packed(first);
+            let lanes = match packed {
+                Some(packet) => packet.lanes,
+                None => mesh.fetch_planes(simd, first, count, &mut block),
+            };
+            let planes = packed.map_or(&block, |packet| &packet.columns);
+            let lanes = mask32x8::from_bitmask(simd, u64::from(lanes));
+            let mut keep = (lanes & !self.cancel(simd, planes)).to_bitmask() as u32;
             let mut sometimes = 0;
             if let Some(forms) = forms {
                 (keep, sometimes) = forms.drawn(mesh, first, keep);
@@ -374,7 +381,12 @@ impl Hull {
             if keep == 0 {
                 continue;
             }
-            mesh.fetch_ends(simd, first, keep, [sometimes, mark], base, &mut block);
+            if let Some(packet) = packed {
+                block = packet.columns;
+                number(base + leaf.first, [sometimes, mark], &mut block);
+            } else {
+                mesh.fetch_ends(simd, first, keep, [sometimes, mark], base, &mut block);
+            }
             out.reserve(8);
             self.sift(simd, &block, mask32x8::from_bitmask(simd, u64::from(keep)), out);
         }

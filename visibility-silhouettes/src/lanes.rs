@@ -44,6 +44,12 @@ pub(crate) fn put_ends<S: Simd>(
     for (rows, first) in ends.iter().zip(ENDS) {
         columns(simd, rows, &mut out[first..first + 3]);
     }
+    number(id, marks, out);
+}
+
+/// Numbers the eight edges of a block from `id` on.
+#[inline(always)]
+pub(crate) fn number(id: u32, marks: [u32; 2], out: &mut Block<COLUMNS>) {
     for (lane, number) in (0..).zip(&mut out[ID]) {
         let sometimes = if marks[0] >> lane & 1 == 1 { SOMETIMES } else { 0 };
         *number = f32::from_bits((id + lane) | sometimes | marks[1]);

@@ -177,6 +177,16 @@ impl Levels {
         usize::from(form) > self.nodes.len()
     }
 
+    /// The radius of a sphere around the mesh.
+    pub(crate) fn radius(&self) -> f32 {
+        self.nodes.first().map_or(0.0, |node| node.patch.radius)
+    }
+
+    /// Whether it is a simplified form.
+    pub(crate) fn is_coarse(&self, form: u16) -> bool {
+        form != 0 && !self.is_fine(form)
+    }
+
     /// Memory, in bytes.
     pub(crate) fn bytes(&self) -> usize {
         let trees: usize = self.forms.iter().map(|tree| tree.bytes() + size_of::<Tree>()).sum();

@@ -77,6 +77,7 @@ mod penumbra;
 mod placed;
 mod project;
 mod select;
+mod sift;
 mod sky;
 mod topology;
 mod tree;

@@ -74,6 +74,11 @@ impl<'m> Meshes<'m> {
         (!levels.is_empty() || has_forms).then_some(SkyMeshes { levels, placed, rest })
     }
 
+    /// [`SilhouetteMesh::pack`] of all but instances.
+    pub(crate) fn pack(&self) {
+        self.meshes.iter().for_each(|mesh| mesh.pack());
+    }
+
     /// Adds instances of shared meshes.
     pub(crate) fn with_instances(self, instances: &'m SilhouetteInstances) -> Self {
         Self { instances: (!instances.is_empty()).then_some(instances), ..self }
@@ -295,5 +300,45 @@ impl Lists {
         }
         self.nearby[number] = Nearby { receivers, edges };
         number
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::edge_list::COLUMNS;
+
+    /// A wavy sheet, and the same edges in lists with and without packets.
+    #[test]
+    fn packed_edges_are_listed_as_others_are() {
+        const SIDE: u32 = 30;
+        let at = |i: u32, k: u32| Vec3::new(i as f32, (i as f32 * 0.7).sin() + (k as f32 * 0.9).cos(), k as f32);
+        let positions: Vec<Vec3> = (0..SIDE).flat_map(|i| (0..SIDE).map(move |k| at(i, k))).collect();
+        let squares = (0..SIDE - 1).flat_map(|i| (0..SIDE - 1).map(move |k| i * SIDE + k));
+        let triangles: Vec<[u32; 3]> =
+            squares.flat_map(|a| [[a, a + SIDE, a + 1], [a + 1, a + SIDE, a + SIDE + 1]]).collect();
+        let mesh = SilhouetteMesh::new(0, &positions, &triangles);
+        // Numbers of the second one begin behind those of the first.
+        let meshes = Meshes::new(vec![&mesh, &mesh]);
+        let mut lists = [EdgeList::default(), EdgeList::default()];
+        for (is_packed, out) in [false, true].into_iter().zip(&mut lists) {
+            if is_packed {
+                meshes.pack();
+            }
+            assert_eq!(mesh.packed(0).is_some(), is_packed);
+            for origin in [Vec3::new(3.0, 2.0, 4.0), Vec3::new(20.0, -3.0, 9.0)] {
+                let origins = [origin, origin + 0.3];
+                let hull = Hull::of_sky(&origins, &[Vec3::Y, Vec3::X], None);
+                let mut list = EdgeList::default();
+                let leaves = meshes.list(&hull, usize::MAX, &mut Memory::default(), &mut list);
+                assert!(leaves.is_some_and(|leaves| leaves > 20));
+                (0..list.len()).for_each(|i| out.push(core::array::from_fn(|column| list.get(column, i))));
+            }
+        }
+        let [plain, packed] = &lists;
+        assert!(plain.len() > 300 && plain.len() == packed.len());
+        for (column, i) in (0..COLUMNS).flat_map(|column| (0..plain.len()).map(move |i| (column, i))) {
+            assert_eq!(plain.get(column, i).to_bits(), packed.get(column, i).to_bits(), "{column} {i}");
+        }
     }
 }

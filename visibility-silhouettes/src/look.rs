@@ -9,7 +9,7 @@ use crate::tree::Node;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
 use lobe_core::vec3x8::Vec3x8;
-use visibility_mask::sky::{Horizon, Meridians};
+use visibility_mask::sky::{Horizon, Meridians, SkyWindow};
 
 /// Memory that receivers use one after the other.
 #[derive(Clone, Debug, Default)]
@@ -19,6 +19,14 @@ pub(crate) struct LookMemory {
     pub(crate) stack: Vec<u32>,
     /// Places of shared meshes.
     pub(crate) places: Vec<u32>,
+}
+
+impl LookMemory {
+    /// Which forms a receiver sees.
+    pub(crate) fn seen(&mut self, levels: &Levels, from: Vec3, scale: f32) -> &[bool] {
+        levels.choose(from, scale, &mut self.list, &mut self.seen);
+        &self.seen
+    }
 }
 
 /// How a mesh's own vectors lie in the world.
@@ -60,13 +68,14 @@ pub(crate) struct Looker<'a, T> {
     pub(crate) normal: Vec3,
     /// In the world.
     pub(crate) horizon: Horizon,
+    pub(crate) window: SkyWindow,
     pub(crate) meridians: &'a Meridians,
     /// [`Fineness::scale`](crate::hull::Fineness::scale).
     pub(crate) scale: f32,
 }
 
 impl<T: Space> Looker<'_, T> {
-    /// Lists the silhouettes that may cross a meridian above the horizon.
+    /// Lists the silhouettes that may cross a meridian of the window above the horizon.
     #[inline(always)]
     pub(crate) fn find<S: Simd>(&self, simd: S, levels: &Levels, memory: &mut LookMemory, out: &mut Columns<KNOWN>) {
         let LookMemory { list, seen, stack, .. } = memory;
@@ -77,7 +86,7 @@ impl<T: Space> Looker<'_, T> {
             let nodes = levels.tree(*form).nodes();
             stack.clear();
             stack.extend((!nodes.is_empty()).then_some(0));
-            let is_coarse = !levels.is_fine(*form);
+            let is_coarse = levels.is_coarse(*form);
             while let Some(number) = stack.pop() {
                 let node = &nodes[number as usize];
                 let mut met = self.meets(simd, node);
@@ -91,7 +100,7 @@ impl<T: Space> Looker<'_, T> {
                     }
                     let (block, [_, other]) = levels.leaf(first);
                     if seen[usize::from(*other)] {
-                        let is_coarse = is_coarse || (*other != 0 && !levels.is_fine(*other));
+                        let is_coarse = is_coarse || levels.is_coarse(*other);
                         let name = closed | if is_coarse { COARSE } else { 0 };
                         self.silhouettes(simd, (levels, block), (first, count), name, out);
                     }
@@ -100,7 +109,7 @@ impl<T: Space> Looker<'_, T> {
         }
     }
 
-    /// The children of a node that may have silhouettes above the horizon that cross a meridian, as bits.
+    /// The children of a node that may have silhouettes above the horizon that cross a meridian of the window, as bits.
     #[inline(always)]
     pub(crate) fn meets<S: Simd>(&self, simd: S, node: &Node) -> u32 {
         let half = node.vectors(simd, 3);
@@ -119,7 +128,7 @@ impl<T: Space> Looker<'_, T> {
             return 0;
         }
         let (to, half) = (self.space.vector(to), self.space.half(half));
-        outside |= !self.meridians.may_cross_boxes(simd, &self.horizon, to, half);
+        outside |= !self.meridians.may_cross_boxes(simd, (&self.horizon, &self.window), to, (half, 0.0));
         !outside.to_bitmask() as u32 & there
     }
 

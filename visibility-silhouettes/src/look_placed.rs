@@ -43,8 +43,8 @@ impl<'a> Looker<'a, World> {
         let origin = place.to_own(self.origin).as_vec3();
         // Of its length nothing depends on.
         let normal = matrix.transpose() * self.normal;
-        let (horizon, meridians, scale) = (self.horizon, self.meridians, self.scale);
-        Looker { space: turn, origin, normal: normal.normalize_or(self.normal), horizon, meridians, scale }
+        let Self { horizon, window, meridians, scale, .. } = *self;
+        Looker { space: turn, origin, normal: normal.normalize_or(self.normal), horizon, window, meridians, scale }
     }
 
     /// Lists the places that may have silhouettes above the horizon that cross a meridian.

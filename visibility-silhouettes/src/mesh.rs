@@ -8,7 +8,7 @@ use crate::topology::{Edge, Tag};
 use crate::tree::{Reach, Shape, Tree};
 use core::mem::take;
 use core::ops::Range;
-use fearless_simd::Simd;
+use fearless_simd::{Level, Simd, dispatch};
 use glam::{Vec3, Vec4};
 use lobe_core::vec3x8::LANES;
 use rayon::prelude::*;
@@ -54,6 +54,15 @@ pub struct SilhouetteMesh {
     turns: Vec<f32>,
     /// Forms for a whole sky, made for the first one.
     levels: OnceLock<Option<Box<Levels>>>,
+    /// For a sky before a mesh without simplified forms, the edges of each leaf side by side; empty for others.
+    packets: OnceLock<Vec<Packet>>,
+}
+
+/// Up to eight edges of a leaf, by their numbers in the mesh, and which of them are there and not flat, as bits.
+#[derive(Clone, Debug)]
+pub(crate) struct Packet {
+    pub(crate) columns: Block<COLUMNS>,
+    pub(crate) lanes: u32,
 }
 
 /// Simplified forms are not drawn for receivers nearer than this many radii of their patch: some of these receivers would need one
@@ -158,6 +167,7 @@ impl SilhouetteMesh {
             blur: None,
             turns: Vec::new(),
             levels: OnceLock::new(),
+            packets: OnceLock::new(),
         }
     }
 
@@ -182,6 +192,7 @@ impl SilhouetteMesh {
     /// Computes planes, flat edges, boxes and cones from the positions.
     fn fit(&mut self) {
         self.levels = OnceLock::new();
+        self.packets = OnceLock::new();
         self.fit_planes();
         self.fit_edges();
         self.fit_turns();
@@ -265,6 +276,29 @@ impl SilhouetteMesh {
         self.levels.get_or_init(|| Levels::new(self).map(Box::new)).as_deref()
     }
 
+    /// Puts the edges of each leaf side by side, for many searches: of meshes without simplified forms, which are small.
+    pub(crate) fn pack(&self) {
+        if self.patches.is_empty() && self.blur.is_none() {
+            self.packets.get_or_init(|| (0..self.edges.len()).step_by(LANES).map(|first| self.packet(first)).collect());
+        }
+    }
+
+    fn packet(&self, first: usize) -> Packet {
+        let mut columns: Block<COLUMNS> = [[0.0; LANES]; COLUMNS];
+        let lanes = dispatch!(Level::new(), simd => {
+            let lanes = self.fetch_planes(simd, first, self.edges.len() - first, &mut columns);
+            self.fetch_ends(simd, first, lanes, [0; 2], 0, &mut columns);
+            lanes
+        });
+        Packet { columns, lanes }
+    }
+
+    /// The edges of the leaf that begins with an edge, if they are [packed](Self::pack).
+    #[inline(always)]
+    pub(crate) fn packed(&self, first: usize) -> Option<&Packet> {
+        self.packets.get()?.get(first / LANES)
+    }
+
     /// Corners, and the triangles of the mesh itself between them.
     pub(crate) fn fine_triangles(&self) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         let mut is_fine = vec![false; self.triangles.len()];
@@ -338,6 +372,7 @@ impl SilhouetteMesh {
             + size_of_val(&self.own[..])
             + size_of_val(&self.left_out[..])
             + self.levels.get().and_then(Option::as_ref).map_or(0, |levels| levels.bytes())
+            + self.packets.get().map_or(0, |packets| size_of_val(&packets[..]))
     }
 
     /// The tree of the mesh's edges, and that of edges with simplified forms.

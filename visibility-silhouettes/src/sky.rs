@@ -1,21 +1,25 @@
 //! Silhouettes before a whole sky.
 
-use crate::edge_list::{CLOSED, COARSE, Columns, ENDS, EdgeList, ID, MARKS, PLANES, SOMETIMES};
+use crate::edge_list::{CLOSED, COARSE, Columns, ENDS, EdgeList, ID, MARKS, SOMETIMES};
 use crate::hull::{Fineness, Hull, Memory};
+use crate::levels::Levels;
 use crate::lists::Meshes;
 use crate::look::{LookMemory, Looker, World};
 use crate::select::{drawn, steps};
+use crate::sift::{FormMemory, Shared, Sift};
 use crate::{AnyHit, SilhouetteBlockers};
 use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
 use lobe_core::Receiver;
-use lobe_core::vec3x8::Vec3x8;
-use visibility_mask::sky::{Horizon, Meridians, SkyArcs, SkyBlockers, SkyBuffer, SkyTile};
+use visibility_mask::sky::{Horizon, Meridians, SkyArcs, SkyBlockers, SkyBuffer, SkyTile, SkyWindow};
 
 /// Receivers that share a list: those of a tile that are near each other.
 const PART: usize = 8;
 /// Parts that share a longer list, between that of the tile and theirs.
 const PARTS: usize = 2;
+/// Receivers of a part share the edges of a mesh's forms if they are within this part of the mesh's radius. Farther apart they see too different
+/// edges, and each searches for itself.
+const CLOSE: f32 = 0.25;
 /// Details smaller than this part of the angle between meridians may be left out, root mean square.
 const DETAIL: f32 = 0.05;
 
@@ -43,6 +47,7 @@ pub struct SkySilhouetteScratch<H> {
     arcs: SkyArcs,
     memory: Memory,
     look: LookMemory,
+    forms: FormMemory,
     hits: H,
 }
 
@@ -50,9 +55,10 @@ pub struct SkySilhouetteScratch<H> {
 #[derive(Clone, Debug, Default)]
 struct Part {
     is_listed: bool,
-    /// Edges that are silhouettes for all of its receivers, and those that may be for some.
-    known: Columns<KNOWN>,
-    open: EdgeList,
+    shared: Shared,
+    /// Of each mesh with forms for a sky the edges that the receivers share, if they do; and whether these are listed.
+    forms: Vec<Option<Shared>>,
+    has_forms: bool,
 }
 
 /// Parts that share a list.
@@ -99,7 +105,7 @@ impl<H> SkySilhouetteScratch<H> {
             self.places[*receiver] = place;
         }
         self.parts.resize_with(count.div_ceil(PART), Part::default);
-        self.parts.iter_mut().for_each(|part| part.is_listed = false);
+        self.parts.iter_mut().for_each(|part| (part.is_listed, part.has_forms) = (false, false));
         self.groups.resize_with(count.div_ceil(PART * PARTS), Group::default);
         self.groups.iter_mut().for_each(|group| group.is_listed = false);
     }
@@ -128,9 +134,35 @@ impl<H: AnyHit> SilhouetteBlockers<'_, H> {
         let SkySilhouetteScratch { order, parts, groups, .. } = scratch;
         let own = run(order, number, PART).iter();
         let sift = Sift::new(&hull, tile.meridians, own.map(|i| &tile.horizons[*i]));
-        let Part { is_listed, known, open } = &mut parts[number];
-        dispatch!(Level::new(), simd => sift.narrow(simd, &groups[group].edges, known, open));
+        let Part { is_listed, shared, .. } = &mut parts[number];
+        dispatch!(Level::new(), simd => sift.narrow(simd, &groups[group].edges, shared));
         *is_listed = true;
+    }
+
+    /// Makes the lists of a part before forms for a sky.
+    fn list_forms(
+        &self,
+        tile: &SkyTile<'_>,
+        (levels, scale): (&[&Levels], f32),
+        number: usize,
+        scratch: &mut SkySilhouetteScratch<H::Scratch>,
+    ) {
+        let hull = scratch.hull_of(number, PART, Some(scale));
+        let SkySilhouetteScratch { order, origins, parts, forms: memory, .. } = scratch;
+        let run = run(order, number, PART);
+        let sift = Sift::new(&hull, tile.meridians, run.iter().map(|i| &tile.horizons[*i]));
+        let Part { forms, has_forms, .. } = &mut parts[number];
+        let (_, half) = hull.receivers();
+        forms.resize_with(levels.len(), Default::default);
+        for (levels, shared) in levels.iter().zip(forms) {
+            let is_close = half.length() < CLOSE * levels.radius();
+            *shared = is_close.then(|| shared.take().unwrap_or_default());
+            if let Some(shared) = shared {
+                let origins = run.iter().map(|i| origins[*i]);
+                dispatch!(Level::new(), simd => sift.list_forms(simd, (levels, scale), origins, memory, shared));
+            }
+        }
+        *has_forms = true;
     }
 
     /// The scale of the simplified forms that a sky's meridians allow.
@@ -155,6 +187,7 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
             arcs: SkyArcs::default(),
             memory: Memory::default(),
             look: LookMemory::default(),
+            forms: FormMemory::default(),
             hits: self.hits.scratch(),
         }
     }
@@ -176,36 +209,44 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
     }
 
     fn draw(&self, tile: &SkyTile<'_>, number: usize, buffer: &mut SkyBuffer, scratch: &mut Self::Scratch) -> bool {
-        let (forms, rest) = self.before_sky();
-        if scratch.edges.is_empty() && forms.is_none() {
+        let (sky, rest) = self.before_sky();
+        if scratch.edges.is_empty() && sky.is_none() {
             return false;
         }
+        let (levels, placed) = sky.map_or((&[][..], None), |sky| (&sky.levels[..], sky.placed));
         let scale = self.sky_scale(tile.meridians);
         let part = scratch.places[number] / PART;
         if !scratch.edges.is_empty() && !scratch.parts[part].is_listed {
             self.list_part(tile, part, scratch);
         }
         let scale = scale.unwrap_or_default();
+        let window = *buffer.window();
+        if window.is_whole() && !levels.is_empty() && !scratch.parts[part].has_forms {
+            self.list_forms(tile, (levels, scale), part, scratch);
+        }
         let (horizon, origin) = (tile.horizons[number], scratch.origins[number]);
         let SkySilhouetteScratch { edges, parts, found, arcs, look: memory, .. } = scratch;
-        let look = SkyOutlines { meshes: rest, meridians: tile.meridians, horizon, origin, scale };
+        let look = SkyOutlines { meridians: tile.meridians, horizon, window, origin };
         let (normal, meridians) = (horizon.normal(), tile.meridians);
-        let looker = Looker { space: World, origin, normal, horizon, meridians, scale };
-        let Part { known, open, .. } = &parts[part];
+        let looker = Looker { space: World, origin, normal, horizon, window, meridians, scale };
+        let Part { shared, forms, .. } = &parts[part];
         arcs.clear();
         dispatch!(Level::new(), simd => {
             let mut is_coarse = false;
             if !edges.is_empty() {
-                arcs.reserve(known.len() + open.len());
-                is_coarse |= look.draw_known(simd, known, origin, arcs);
-                look.find(simd, open, found);
-                is_coarse |= look.draw_known(simd, found, Vec3::ZERO, arcs);
+                is_coarse |= look.draw_shared(simd, shared, &(rest, scale), found, arcs);
             }
-            for levels in forms.iter().flat_map(|forms| &forms.levels) {
-                looker.find(simd, levels, memory, found);
-                is_coarse |= look.draw_found(simd, found, arcs);
+            for (number, levels) in levels.iter().enumerate() {
+                let shared = forms.get(number).and_then(Option::as_ref).filter(|_| window.is_whole());
+                if let Some(shared) = shared {
+                    let seen = memory.seen(levels, origin, scale);
+                    is_coarse |= look.draw_shared(simd, shared, &(*levels, seen), found, arcs);
+                } else {
+                    looker.find(simd, levels, memory, found);
+                    is_coarse |= look.draw_found(simd, found, arcs);
+                }
             }
-            if let Some(all) = forms.and_then(|forms| forms.placed) {
+            if let Some(all) = placed {
                 looker.places(simd, all, memory);
                 for number in 0..memory.places.len() {
                     let (placed, _) = all.at(memory.places[number] as usize);
@@ -232,100 +273,66 @@ pub(crate) fn in_halves<S: Simd>(simd: S, step: f32x8<S>, names: f32x8<S>) -> f3
     (names.bitcast::<u32x8<S>>() & mark).simd_eq(mark).select(step, step + step)
 }
 
-/// On which side of a plane all receivers are, 0 where there is no plane, and whether that is known.
-#[inline(always)]
-fn known_side<S: Simd>(simd: S, [front, behind]: [mask32x8<S>; 2], normal: Vec3x8<S>) -> (f32x8<S>, mask32x8<S>) {
-    let zero = f32x8::splat(simd, 0.0);
-    let is_absent = normal.abs().dot_one(Vec3::ONE).simd_eq(zero);
-    let plus = front.select(f32x8::splat(simd, 1.0), zero);
-    (behind.select(f32x8::splat(simd, -1.0), plus), front | behind | is_absent)
+/// The sides of edges by their numbers, and which of them one receiver sees.
+trait Source {
+    /// On which sides of an edge's two triangles a point lies.
+    fn sides(&self, edge: u32, x: Vec3) -> [f32; 2];
+
+    /// Whether the receiver at `x` sees an edge that only some see.
+    fn is_drawn(&self, edge: u32, x: Vec3) -> bool;
 }
 
-/// Narrows a tile's list for a part of its receivers.
-struct Sift<'a> {
-    hull: &'a Hull,
-    meridians: &'a Meridians,
-    /// The horizon's, where all receivers have one pole.
-    horizon: Option<Horizon>,
+/// Meshes, and the scale of their simplified forms.
+impl Source for (&Meshes<'_>, f32) {
+    fn sides(&self, edge: u32, x: Vec3) -> [f32; 2] {
+        self.0.sides(edge, x)
+    }
+
+    fn is_drawn(&self, edge: u32, x: Vec3) -> bool {
+        self.0.is_drawn_at(edge, x, self.1)
+    }
 }
 
-impl<'a> Sift<'a> {
-    fn new<'h>(hull: &'a Hull, meridians: &'a Meridians, mut horizons: impl Iterator<Item = &'h Horizon>) -> Self {
-        let horizon = horizons.next().filter(|first| horizons.all(|other| other.pole() == first.pole()));
-        Self { hull, meridians, horizon: horizon.copied() }
+/// Forms for a sky, and which of them the receiver sees.
+impl Source for (&Levels, &[bool]) {
+    fn sides(&self, edge: u32, x: Vec3) -> [f32; 2] {
+        self.0.sides(edge, x)
     }
 
-    /// Divides the edges that may matter to the part into those whose step is the same for all receivers, and others.
-    #[inline(always)]
-    fn narrow<S: Simd>(&self, simd: S, list: &EdgeList, known: &mut Columns<KNOWN>, open: &mut EdgeList) {
-        known.clear();
-        open.clear();
-        for first in (0..list.len()).step_by(8) {
-            let packet = (list, first);
-            let one = self.hull.faces(simd, &packet, PLANES[0]);
-            let other = self.hull.faces(simd, &packet, PLANES[1]);
-            let lanes = mask32x8::from_bitmask(simd, u64::from(list.lanes(first)));
-            let mut keep = lanes & !((one[0] & other[0]) | (one[1] & other[1]));
-            if !keep.any_true() {
-                continue;
-            }
-            keep &= self.hull.meets_edges(simd, &packet);
-            if keep.any_true()
-                && let Some(horizon) = &self.horizon
-            {
-                keep &= self.crosses(simd, list, first, horizon);
-            }
-            if !keep.any_true() {
-                continue;
-            }
-            let one = known_side(simd, one, list.load3(simd, PLANES[0], first));
-            let other = known_side(simd, other, list.load3(simd, PLANES[1], first));
-            let names = list.load(simd, ID, first);
-            let sometimes = names.bitcast::<u32x8<S>>().simd_ge(u32x8::splat(simd, SOMETIMES));
-            let is_known = one.1 & other.1 & !sometimes;
-            let (sure, unsure) = (keep & is_known, keep & !is_known);
-            if sure.any_true() {
-                known.reserve(8);
-                known.put3(0, sure, list.load3(simd, ENDS[0], first));
-                known.put3(3, sure, list.load3(simd, ENDS[1], first));
-                known.put(STEP, sure, in_halves(simd, other.0 - one.0, names));
-                known.put(NAME, sure, names);
-                known.end(sure);
-            }
-            if unsure.any_true() {
-                open.reserve(8);
-                for column in 0..crate::edge_list::COLUMNS {
-                    open.put(column, unsure, list.load(simd, column, first));
-                }
-                open.end(unsure);
-            }
-        }
-    }
-
-    /// Which of eight edges may cross a meridian of any of the receivers.
-    #[inline(always)]
-    fn crosses<S: Simd>(&self, simd: S, list: &EdgeList, first: usize, horizon: &Horizon) -> mask32x8<S> {
-        let (center, half) = self.hull.receivers();
-        // As far as receivers are from the middle, seen along the pole.
-        let off = f32x8::splat(simd, horizon.pole().reach(half) * 1.01);
-        let ends = [list.load3(simd, ENDS[0], first).minus(center), list.load3(simd, ENDS[1], first).minus(center)];
-        self.meridians.may_cross(simd, horizon, ends, off)
+    fn is_drawn(&self, edge: u32, _: Vec3) -> bool {
+        let (_, tag) = self.0.leaf(edge);
+        tag.iter().all(|form| self.1[usize::from(*form)])
     }
 }
 
 /// One receiver's silhouettes.
-struct SkyOutlines<'a, 'm> {
-    meshes: &'a Meshes<'m>,
+struct SkyOutlines<'a> {
     meridians: &'a Meridians,
     horizon: Horizon,
+    window: SkyWindow,
     origin: Vec3,
-    scale: f32,
 }
 
-impl SkyOutlines<'_, '_> {
+impl SkyOutlines<'_> {
+    /// Appends the arcs of edges that the receiver shares with others; whether any are of simplified forms.
+    #[inline(always)]
+    fn draw_shared<S: Simd>(
+        &self,
+        simd: S,
+        Shared { known, open }: &Shared,
+        source: &impl Source,
+        found: &mut Columns<KNOWN>,
+        arcs: &mut SkyArcs,
+    ) -> bool {
+        arcs.reserve(known.len() + open.len());
+        let is_coarse = self.draw_known(simd, known, self.origin, arcs);
+        self.find(simd, open, source, found);
+        self.draw_known(simd, found, Vec3::ZERO, arcs) || is_coarse
+    }
+
     /// Lists the silhouettes among some edges, seen from the receiver.
     #[inline(always)]
-    fn find<S: Simd>(&self, simd: S, list: &EdgeList, out: &mut Columns<KNOWN>) {
+    fn find<S: Simd>(&self, simd: S, list: &EdgeList, source: &impl Source, out: &mut Columns<KNOWN>) {
         out.clear();
         out.reserve(list.len());
         let x = self.origin;
@@ -334,14 +341,14 @@ impl SkyOutlines<'_, '_> {
             let mut keep = mask32x8::from_bitmask(simd, u64::from(list.lanes(first)));
             let number = |lane: usize| list.get(ID, first + lane).to_bits() & !MARKS;
             // To the right as the receiver sees it; masks are seen from the light.
-            let step = -steps(simd, &(list, first), keep, x, |lane| self.meshes.sides(number(lane), x));
+            let step = -steps(simd, &(list, first), keep, x, |lane| source.sides(number(lane), x));
             keep &= !step.simd_eq(zero);
             if !keep.any_true() {
                 continue;
             }
             let names = list.load(simd, ID, first);
             let sometimes = names.bitcast::<u32x8<S>>().simd_ge(u32x8::splat(simd, SOMETIMES));
-            keep = drawn(simd, keep, sometimes, |lane| self.meshes.is_drawn_at(number(lane), x, self.scale));
+            keep = drawn(simd, keep, sometimes, |lane| source.is_drawn(number(lane), x));
             out.put3(0, keep, list.load3(simd, ENDS[0], first).minus(x));
             out.put3(3, keep, list.load3(simd, ENDS[1], first).minus(x));
             out.put(STEP, keep, in_halves(simd, step, names));
@@ -364,7 +371,8 @@ impl SkyOutlines<'_, '_> {
         for first in (0..list.len()).step_by(8) {
             let ends = [list.load3(simd, 0, first).minus(from), list.load3(simd, 3, first).minus(from)];
             let lanes = mask32x8::from_bitmask(simd, u64::from(list.lanes(first)));
-            let kept = arcs.push(simd, self.meridians, &self.horizon, ends, list.load(simd, STEP, first), lanes);
+            let sight = (&self.horizon, &self.window);
+            let kept = arcs.push(simd, self.meridians, sight, ends, list.load(simd, STEP, first), lanes);
             if kept.any_true() {
                 let names = list.load(simd, NAME, first).bitcast::<u32x8<S>>();
                 is_coarse |= (kept & (names & COARSE).simd_ge(u32x8::splat(simd, COARSE))).any_true();

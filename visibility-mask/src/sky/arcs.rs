@@ -1,4 +1,4 @@
-use super::{Horizon, Meridians};
+use super::{Horizon, Meridians, SkyWindow};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use lobe_core::vec3x8::{LANES, Vec3x8};
 
@@ -55,7 +55,7 @@ impl SkyArcs {
         (1 << (self.len - first).min(LANES)) - 1
     }
 
-    /// Appends the arcs in which edges from `a` to `b`, seen from the receiver, are seen: those of `keep` that cross a meridian and are not
+    /// Appends the arcs in which edges from `a` to `b`, seen from the receiver, are seen: those of `keep` that cross a meridian of the window and are not
     /// wholly below the horizon. `step` is by how many half surfaces the number of surfaces grows to
     /// the right of an edge. Returns which were appended.
     ///
@@ -66,7 +66,7 @@ impl SkyArcs {
         &mut self,
         simd: S,
         meridians: &Meridians,
-        horizon: &Horizon,
+        (horizon, window): (&Horizon, &SkyWindow),
         [a, b]: [Vec3x8<S>; 2],
         step: f32x8<S>,
         keep: mask32x8<S>,
@@ -95,6 +95,10 @@ impl SkyArcs {
         let rows = is_near.select(other, rows);
         // Nothing is crossed between the last row and the first.
         let mut keep = keep & !rows.simd_eq(zero);
+        if !window.is_whole() {
+            let low = first + rows.min(zero);
+            keep &= window.meets(low, low + rows.abs());
+        }
         let mut plane = plane;
         let is_axial = plane.z.simd_eq(zero) & keep;
         if is_axial.any_true() {

@@ -39,8 +39,9 @@ pub struct SkyBuffer {
     /// Samples for each of the table's.
     finer: usize,
     columns: usize,
-    /// For each block of rows which are crossed, as bits.
+    /// For each block of rows which are crossed, as bits, and the first sample in which any is.
     crossed: Vec<u8>,
+    firsts: Vec<u32>,
     blocks: usize,
     /// The samples that are drawn.
     window: SkyWindow,
@@ -65,6 +66,7 @@ impl SkyBuffer {
             self.counts.resize(columns * blocks, [0; LANES]);
             self.folds.resize(columns * blocks, [0; LANES]);
             self.crossed.resize(blocks, 0);
+            self.firsts.resize(blocks, u32::MAX);
             self.runs.resize(blocks * LANES, 0);
             return;
         }
@@ -73,12 +75,14 @@ impl SkyBuffer {
         let end = end + 1;
         for block in last.blocks() {
             if core::mem::take(&mut self.crossed[block]) != 0 {
-                self.counts[block * columns..][..end].fill([0; LANES]);
+                let first = core::mem::replace(&mut self.firsts[block], u32::MAX) as usize;
+                let samples = block * columns + first..block * columns + end;
+                self.counts[samples.clone()].fill([0; LANES]);
                 if has_folds {
-                    self.folds[block * columns..][..end].fill([0; LANES]);
+                    self.folds[samples.clone()].fill([0; LANES]);
                 }
                 if self.crowd.is_on {
-                    self.crowd.clear(block * columns..block * columns + end);
+                    self.crowd.clear(samples);
                 }
             }
         }
@@ -89,6 +93,12 @@ impl SkyBuffer {
         let [first, end] = self.window.columns();
         // The end of the last sample is a place of its own.
         [first * self.finer, end.saturating_sub(1) * self.finer + 1]
+    }
+
+    /// The samples that are drawn.
+    #[must_use]
+    pub const fn window(&self) -> &SkyWindow {
+        &self.window
     }
 
     /// Whether outlines cross rows as often as those of a crowd, and are not counted as one, or the reverse.
@@ -130,7 +140,15 @@ impl SkyBuffer {
             self.has_folds = true;
             self.folds[first][lane] += if step > 0 { HALF - fraction } else { fraction };
         }
-        self.crossed[block] |= 1 << lane;
+        self.cross(row, column);
+    }
+
+    /// Notes that an outline crosses a row in a sample.
+    #[inline(always)]
+    fn cross(&mut self, row: usize, column: usize) {
+        let block = row / LANES;
+        self.crossed[block] |= 1 << (row % LANES);
+        self.firsts[block] = self.firsts[block].min(column as u32);
     }
 
     /// The same where [`Crowd`] counts: all of a step is shared between two samples.
@@ -146,7 +164,7 @@ impl SkyBuffer {
         self.crowd.put(first, lane, fraction, step);
         add(&mut self.counts[first][lane], step * (HALF - fraction), 1);
         add(&mut self.counts[first + 1][lane], step * fraction, -1);
-        self.crossed[block] |= 1 << lane;
+        self.cross(row, column);
     }
 
     /// Draws arcs.
@@ -262,12 +280,15 @@ impl SkyBuffer {
                 continue;
             }
             let last = last_column(simd, end, self.columns).min(finish);
-            let samples = block * self.columns..block * self.columns + last;
+            let first = self.firsts[block] as usize;
+            // Before their first outline rows are as the pole is.
+            is_open |= first > start && is_seen.any_true();
+            let samples = block * self.columns + first.min(last)..block * self.columns + last;
             if self.crowd.is_on {
                 self.crowd.resolve(samples.clone());
             }
             let mut sum = zero;
-            for (column, counts) in self.counts[samples.clone()].iter_mut().enumerate() {
+            for (column, counts) in (first..).zip(&mut self.counts[samples]) {
                 sum += i32x8::simd_from(simd, *counts);
                 *counts = sum.into();
                 if column < start {
@@ -276,7 +297,8 @@ impl SkyBuffer {
                 let is_above = f32x8::splat(simd, column as f32).simd_le(sure);
                 let is_whole = (sum & cuts).simd_eq(zero);
                 low = (is_above & is_whole).select(low.min(sum), low);
-                let least = if is_crowd { self.crowd.starts(simd, samples.start + column) << CUTS } else { sum };
+                let index = block * self.columns + column;
+                let least = if is_crowd { self.crowd.starts(simd, index) << CUTS } else { sum };
                 any = is_above.select(any.min(least), any);
             }
         }
@@ -301,10 +323,16 @@ impl SkyBuffer {
         self.crossed[block] != 0
     }
 
-    /// The part of the light that rows see which nothing crosses, if the samples with the fewest surfaces have none before them.
+    /// The first of the table's samples in which an outline crosses rows of a crossed block.
+    #[inline(always)]
+    pub(super) fn first_crossed(&self, block: usize) -> usize {
+        self.firsts[block] as usize / self.finer
+    }
+
+    /// The part of the light that is seen where no outline is before, if the samples with the fewest surfaces have none before them.
     #[inline(always)]
     pub(super) fn open_part(&self) -> f32 {
-        if self.fewest >= 0 { 1.0 } else { 0.0 }
+        ((self.fewest >> CUTS) + ONE).clamp(0, ONE) as f32 * (1.0 / ONE as f32)
     }
 
     /// The seen parts of eight samples of a crossed block, if those with the fewest surfaces have none before them.

@@ -1,4 +1,4 @@
-use super::{Horizon, Pole};
+use super::{Horizon, Pole, SkyWindow};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::{DVec3, Vec3};
 use lobe_core::vec3x8::{LANES, Vec3x8};
@@ -180,22 +180,24 @@ impl Meridians {
         !first.simd_eq(last)
     }
 
-    /// Which of eight boxes may hold edges that cross a meridian: their middles as seen from the receiver, and half their sides.
+    /// Which of eight boxes may hold edges that cross a meridian of a window for receivers that are within `off` of the place from which their
+    /// middles are seen, at right angles to the pole; half the boxes' sides.
     #[inline(always)]
     pub fn may_cross_boxes<S: Simd>(
         &self,
         simd: S,
-        horizon: &Horizon,
+        (horizon, window): (&Horizon, &SkyWindow),
         middle: Vec3x8<S>,
-        half: Vec3x8<S>,
+        (half, off): (Vec3x8<S>, f32),
     ) -> mask32x8<S> {
         let scale = self.resolution.rows as f32 * 0.25;
         // No wider than a circle around the box, seen along the pole.
-        let off = horizon.pole().reach_of(half) * AROUND;
+        let off = horizon.pole().reach_of(half) * AROUND + off;
         let (p, s) = spread(simd, horizon.pole(), middle, off);
         let first = ((p - s + 2.0) * scale - 0.5).ceil();
         let last = ((p + s + 2.0) * scale - 0.5).ceil();
-        !first.simd_eq(last)
+        let crosses = !first.simd_eq(last);
+        if window.is_whole() { crosses } else { crosses & window.meets(first, last) }
     }
 
     /// Where on their rows eight directions are, in samples from the pole: z of the pole's frame, and the distance from its axis.
@@ -275,6 +277,7 @@ mod tests {
     #[test]
     fn boxes_between_meridians_are_crossed_by_none() {
         let meridians = Meridians::new(SkyResolution::new(64, 64));
+        let whole = SkyWindow::whole(meridians.resolution());
         let mut random = Random::new(9);
         let mut between = 0;
         for case in 0..4000 {
@@ -285,7 +288,8 @@ mod tests {
             let size = random.log_uniform(1e-3, 1.0) as f32;
             let half = random.axis().as_vec3().abs() * size;
             dispatch!(Level::new(), simd => {
-                let may = meridians.may_cross_boxes(simd, &horizon, Vec3x8::splat(simd, middle), Vec3x8::splat(simd, half));
+                let boxes = [middle, half].map(|v| Vec3x8::splat(simd, v));
+                let may = meridians.may_cross_boxes(simd, (&horizon, &whole), boxes[0], (boxes[1], 0.0));
                 if may.any_true() {
                     return;
                 }

@@ -18,6 +18,12 @@ fn lambert(at: &Receiver) -> BrdfLobe {
 
 /// Draws triangles, each for itself.
 fn draw(table: &SkyTable, horizon: &Horizon, triangles: &[[Vec3; 3]], buffer: &mut SkyBuffer) {
+    let window = *buffer.window();
+    draw_arcs(table, (horizon, &window), triangles, buffer);
+}
+
+/// Draws the arcs of triangles that a window needs.
+fn draw_arcs(table: &SkyTable, sight: (&Horizon, &SkyWindow), triangles: &[[Vec3; 3]], buffer: &mut SkyBuffer) {
     let mut arcs = SkyArcs::default();
     arcs.reserve(8 * 3 * triangles.len());
     for corners in triangles {
@@ -30,7 +36,7 @@ fn draw(table: &SkyTable, horizon: &Horizon, triangles: &[[Vec3; 3]], buffer: &m
             dispatch!(Level::new(), simd => {
                 let ends = [a, b].map(|v| Vec3x8::splat(simd, v));
                 let (step, keep) = (f32x8::splat(simd, step), mask32x8::from_bitmask(simd, 1));
-                arcs.push(simd, table.meridians(), horizon, ends, step, keep);
+                arcs.push(simd, table.meridians(), sight, ends, step, keep);
             });
         }
     }
@@ -329,6 +335,39 @@ fn parts_of_narrow_lobes_come_to_them() {
     }
     println!("mean errors of what is seen, and of all: {sums:.5?}, {large} large ones");
     assert!(sums[0] < 4e-3 && sums[1] < 1.5e-3 && large < 10, "{sums:?} {large}");
+}
+
+/// A window is as if all arcs were drawn, also those beside it.
+#[test]
+fn windows_need_only_the_arcs_that_meet_them() {
+    let mut random = Random::new(19);
+    let table = uniform(SkyResolution::new(256, 128));
+    let resolution = table.meridians().resolution();
+    let mut partial = 0;
+    for _ in 0..60 {
+        let normal = random.axis();
+        let at = Receiver::on_surface(Vec3::ZERO, normal.as_vec3(), normal.as_vec3());
+        let horizon = Horizon::new(&at, false);
+        let axis = beside(&mut random, normal, 1.2).as_vec3();
+        let mut corner = || beside(&mut random, normal, 1.5).as_vec3();
+        let triangles: Vec<[Vec3; 3]> = (0..8).map(|_| [corner(), corner(), corner()]).collect();
+        let window = SkyWindow::around(resolution, horizon.pole().local(axis), 0.3);
+        let blend = SkyBlend::of_level(&[SkyResolution::new(128, 64), resolution], 1, axis);
+        let lobe = Lobe::new(axis, 600.0, Vec3::ONE).into();
+        let [all, own] = [SkyWindow::whole(resolution), window].map(|drawn| {
+            let mut view = SkyView::default();
+            view.begin_in(&table, horizon, window);
+            view.draw(&table, |buffer| {
+                draw_arcs(&table, (&horizon, &drawn), &triangles, buffer);
+                false
+            });
+            view.settle(&table, false, |v| triangles.iter().any(|corners| meets(v.as_dvec3(), corners)));
+            view.integrals_of(&table, &at, &lobe, blend)
+        });
+        assert_eq!(own, all);
+        partial += usize::from(own[0] != own[1] && own[0] != Vec3::ZERO);
+    }
+    assert!(partial > 10, "{partial}");
 }
 
 /// The integral of light times a lobe by rings about its axis, which lie the closer the nearer to it.

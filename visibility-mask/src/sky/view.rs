@@ -5,7 +5,7 @@ use crate::lanes::sum;
 use core::f32::consts::FRAC_1_PI;
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::Vec3;
-use lobe_core::special::{exp, ln_1p};
+use lobe_core::special::{exp_of_eight, ln_1p_of_eight};
 use lobe_core::vec3x8::{LANES, Vec3x8};
 use lobe_core::{BrdfLobe, BrushedAt, Facets, Lobe, MicrofacetsAt, Receiver, Schlick, is_lambert};
 use shading::Coverage;
@@ -208,7 +208,9 @@ impl SkyView {
         for block in (0..resolution.blocks()).filter(|block| self.buffer.is_crossed(*block)) {
             let end = table.meridians().crossing(simd, block, horizon.local());
             let last = last_column(simd, end, resolution.samples() + 2);
-            for (column, cell) in table.block(horizon.pole(), block)[..last].iter().enumerate() {
+            let samples = table.block(horizon.pole(), block)[..last].iter().enumerate();
+            // Before its first outline a row is as open as others.
+            for (column, cell) in samples.skip(self.buffer.first_crossed(block)) {
                 let mut weight = cell.direction(simd).dot_one(normal).max(zero);
                 if horizon.is_facet() {
                     weight *= above(simd, end, column);
@@ -343,18 +345,14 @@ impl Values<1> for PowerLobe {
         if !v.dot_one(self.axis).simd_gt(f32x8::splat(simd, self.least)).any_true() {
             return None;
         }
-        let chord = v.minus(self.axis);
-        let half: [f32; LANES] = (chord.dot(chord) * 0.5).into();
-        let mut values = [0.0; LANES];
-        for (value, half) in values.iter_mut().zip(half) {
-            let power = exp(self.exponent * ln_1p(-half));
-            *value = if half < 1.0 { self.scale * power } else { 0.0 };
-        }
+        let zero = f32x8::splat(simd, 0.0);
+        let half = v.minus(self.axis).length_squared() * 0.5;
+        let power = exp_of_eight(simd, ln_1p_of_eight(simd, -half) * self.exponent);
+        let mut values = half.simd_lt(f32x8::splat(simd, 1.0)).select(power * self.scale, zero);
         if let Some(normal) = self.normal {
-            let cos = v.dot_one(normal).max(f32x8::splat(simd, 0.0));
-            values = (f32x8::simd_from(simd, values) * cos).into();
+            values *= v.dot_one(normal).max(zero);
         }
-        Some([values])
+        Some([values.into()])
     }
 }
 

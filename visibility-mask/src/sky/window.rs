@@ -1,5 +1,6 @@
 use super::SkyResolution;
 use core::f32::consts::{FRAC_PI_2, PI};
+use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
 use lobe_core::vec3x8::LANES;
 
@@ -64,8 +65,8 @@ impl SkyWindow {
     }
 
     /// Whether it is made as all samples.
-    #[inline(always)]
-    pub(super) const fn is_whole(&self) -> bool {
+    #[must_use]
+    pub const fn is_whole(&self) -> bool {
         self.is_whole
     }
 
@@ -88,6 +89,16 @@ impl SkyWindow {
         beyond < self.count
     }
 
+    /// Which of eight runs of rows hold any in the window. A run goes from its first row to before its end, whose numbers go on around the pole.
+    #[inline(always)]
+    pub(super) fn meets<S: Simd>(&self, first: f32x8<S>, end: f32x8<S>) -> mask32x8<S> {
+        let [begin, len, all] = [self.first, self.count, self.all].map(|blocks| (blocks * LANES) as f32);
+        let start = first - begin;
+        let start = start - (start / all).floor() * all;
+        // Into the window, or round and into it again.
+        start.simd_lt(len) | (start + (end - first)).simd_gt(all)
+    }
+
     /// Of so many rows from a first one on, counted around `all`, a run that holds those in the window: its first row and how many.
     #[inline(always)]
     pub(super) fn clipped(&self, first: i32, count: i32, all: i32) -> [i32; 2] {
@@ -108,6 +119,7 @@ impl SkyWindow {
 mod tests {
     use super::super::Meridians;
     use super::*;
+    use fearless_simd::{Level, dispatch};
     use lobe_core::oracle::Random;
 
     /// Each sample within the angle is in the window, and a window is not much larger than its cone.
@@ -156,6 +168,25 @@ mod tests {
                     };
                     let [a, b] = window.clipped(start, len, all as i32);
                     assert_eq!(rows(a, b), rows(start, len), "{window:?} {start} {len}: {a} {b}");
+                }
+            }
+        }
+    }
+
+    /// Runs meet the window if any of their rows is in it, whichever numbers they have.
+    #[test]
+    fn runs_that_meet_the_window_have_rows_in_it() {
+        let all = 64;
+        for (first, count) in [(0, 3), (6, 4), (2, 8), (5, 1)] {
+            let window = SkyWindow { first, count, all: all / LANES, columns: [0, 1], is_whole: false };
+            for start in -70..70_i32 {
+                for len in 1..=2 * all as i32 {
+                    let wanted = (start..start + len).any(|row| window.has_row(row.rem_euclid(all as i32) as usize));
+                    let meets = dispatch!(Level::new(), simd => {
+                        let [first, end] = [start, start + len].map(|row| f32x8::splat(simd, row as f32));
+                        window.meets(first, end).any_true()
+                    });
+                    assert_eq!(meets, wanted, "{window:?} {start} {len}");
                 }
             }
         }
