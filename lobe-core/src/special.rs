@@ -6,6 +6,8 @@
 
 mod eight;
 
+// For the workspace alone.
+#[doc(hidden)]
 pub use eight::{exp_of_eight, ln_1p_of_eight};
 
 /// Adding and subtracting it rounds to the nearest integer, which then stands in the lowest bits.
