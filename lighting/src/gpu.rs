@@ -20,8 +20,9 @@ pub(crate) const PLANE_DISC: f32 = 1.0;
 pub(crate) const PLANE_TUBE: f32 = 2.0;
 /// Its corners are the same for all receivers.
 pub(crate) const PLANE_SKY: f32 = 3.0;
-/// Receivers nearer to a tube's middle line than this number of radii may see one end before the other.
-pub(crate) const TUBE_BESIDE: f32 = 1.05;
+/// Receivers nearer to a tube's middle line than this number of radii see the sphere at the nearer end: it is at most 7 % too small there, and the outline,
+/// whose corners are set in a plane along the tube, would be more than that too large.
+pub(crate) const TUBE_BESIDE: f32 = 1.4;
 /// How far a tube's surface is before its middle line in the mean, in radii.
 pub(crate) const TUBE_DEPTH: f32 = core::f32::consts::FRAC_PI_4;
 /// Tangent of the angle beyond which a tube goes on unseen.

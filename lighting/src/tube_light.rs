@@ -15,7 +15,7 @@ const AROUND: f32 = 1.531;
 /// Seen from a receiver it is flat: two straight lines and two halves of ellipses, the outlines of the spheres at its ends. A blocker behind the
 /// plane of this outline does not shade it. That plane is where the tube's surface is in the mean: along the tube if it is seen from beside it; across the
 /// view, at the nearer end, if the tube is seen along its middle line; and between these two, in proportion to how much of the tube's length is
-/// seen. A receiver within a radius of the middle line sees the sphere at the nearer end.
+/// seen. A receiver within 1.4 radii of the middle line sees the sphere at the nearer end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TubeLight {
     /// The middles of the spheres at its ends; not the same.

@@ -40,9 +40,7 @@ impl<'b> ExrChannels<'b> {
             return Ok(None);
         }
         let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| match e {
-            Error::NotSupported(_) => format!(
-                "its channels differ in resolution, as luminance and chroma do, or are of a kind that is not read: {EXPECTED}"
-            ),
+            Error::NotSupported(_) => subsampled(),
             e => format!("not a readable OpenEXR file: {e}"),
         })?;
         let flat: Vec<&Header> = meta.headers.iter().filter(|header| !header.deep).collect();
@@ -51,6 +49,9 @@ impl<'b> ExrChannels<'b> {
             return Err(format!("its pixels are deep: {EXPECTED}"));
         }
         let Some((part, channels)) = choose(&names)? else { return Ok(None) };
+        if flat[part].channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
+            return Err(subsampled());
+        }
         let window = flat[part].shared_attributes.display_window;
         let first = flat[part].own_attributes.layer_position;
         Ok(Some(Self { bytes, channels, window: (window.position, window.size), first }))
@@ -100,6 +101,12 @@ impl<'b> ExrChannels<'b> {
         };
         read.map_err(|e| format!("not a readable OpenEXR file: {e}"))
     }
+}
+
+fn subsampled() -> String {
+    format!(
+        "its channels differ in resolution, as luminance and chroma do, or are of a kind that is not read: {EXPECTED}"
+    )
 }
 
 fn names(header: &Header) -> Vec<String> {
@@ -179,14 +186,18 @@ mod tests {
         assert!(told(&many.iter().map(String::as_str).collect::<Vec<_>>()).contains("\"c11\" and 8 more: expected"));
     }
 
-    /// A header whose channels differ in resolution, as programs write luminance and chroma.
+    /// Headers whose channels have less resolution, as programs write luminance and chroma.
     #[test]
     fn channels_of_less_resolution_are_told() {
-        let mut bytes = file(&["BY", "RY", "Y"]);
-        let at = bytes.windows(3).position(|part| part == b"BY\0").expect("a channel") + 3;
-        // Behind the type and four more bytes the samplings along x and y.
-        bytes[at + 8] = 2;
-        let told = ExrChannels::find(&bytes).map(|_| ()).expect_err("subsampled");
-        assert!(told.starts_with("its channels differ in resolution, as luminance and chroma do"), "{told}");
+        let told = |channels: &[&str]| {
+            let mut bytes = file(channels);
+            let name = [channels[0].as_bytes(), b"\0"].concat();
+            let at = bytes.windows(name.len()).position(|part| part == name).expect("a channel") + name.len();
+            // Behind the type and four more bytes the samplings along x and y.
+            bytes[at + 8] = 2;
+            ExrChannels::find(&bytes).map(|_| ()).expect_err("subsampled")
+        };
+        assert!(told(&["GREY"]).starts_with("its channels differ in resolution"), "{}", told(&["GREY"]));
+        assert!(told(&["BY", "RY", "Y"]).contains("expected R, G and B, one channel of grey"));
     }
 }
