@@ -7,7 +7,7 @@ use crate::lists::{Meshes, SkyMeshes};
 use crate::look::{LookMemory, Looker, Space, World};
 use crate::select::{drawn, steps};
 use crate::sift::{FormMemory, Shared, Sift};
-use crate::{AnyHit, SilhouetteBlockers};
+use crate::{AnyHit, SilhouetteBlockers, SilhouetteInstances};
 use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
 use lobe_core::Receiver;
@@ -277,32 +277,10 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
                     is_coarse |= look.draw_found(simd, found, arcs);
                 }
             }
-            let all = sky.and_then(|sky| sky.placed);
-            // Through windows receivers search for themselves.
-            let count = match all {
-                Some(all) if !window.is_whole() => {
-                    looker.places(simd, all, memory);
-                    memory.places.len()
-                }
-                _ => *places,
-            };
-            for (number, all) in all.into_iter().flat_map(|all| (0..count).map(move |number| (number, all))) {
-                let (place, shared) = match window.is_whole() {
-                    true => (placed[number].0, placed[number].1.as_ref()),
-                    false => (memory.places[number], None),
-                };
-                let (at, _) = all.at(place as usize);
-                let Some(levels) = at.levels() else { continue };
-                let own = looker.at(at.place);
-                if let Some(shared) = shared {
-                    let Looker { space, origin, .. } = own;
-                    let seen = memory.seen(levels, origin, scale);
-                    let look = SkyOutlines { space, meridians, horizon, window, origin };
-                    is_coarse |= look.draw_shared(simd, shared, &(levels, seen), found, arcs);
-                } else {
-                    own.find(simd, levels, memory, found);
-                    is_coarse |= look.draw_found(simd, found, arcs);
-                }
+            if let Some(all) = sky.and_then(|sky| sky.placed) {
+                // Through windows receivers search for themselves.
+                let listed = window.is_whole().then_some(&placed[..*places]);
+                is_coarse |= look.draw_placed(simd, all, &looker, listed, (memory, found), arcs);
             }
             buffer.draw(simd, tile.meridians, arcs);
             is_coarse
@@ -428,6 +406,46 @@ impl<T: Space> SkyOutlines<'_, T> {
             if kept.any_true() {
                 let names = list.load(simd, NAME, first).bitcast::<u32x8<S>>();
                 is_coarse |= (kept & (names & COARSE).simd_ge(u32x8::splat(simd, COARSE))).any_true();
+            }
+        }
+        is_coarse
+    }
+}
+
+impl SkyOutlines<'_, World> {
+    /// Appends the arcs of shared meshes at their places: of those that are listed for a part, or of those that the receiver finds itself; whether
+    /// any are of simplified forms.
+    #[inline(always)]
+    fn draw_placed<S: Simd>(
+        &self,
+        simd: S,
+        all: &SilhouetteInstances,
+        looker: &Looker<'_, World>,
+        listed: Option<&[(u32, Option<Shared>)]>,
+        (memory, found): (&mut LookMemory, &mut Columns<KNOWN>),
+        arcs: &mut SkyArcs,
+    ) -> bool {
+        if listed.is_none() {
+            looker.places(simd, all, memory);
+        }
+        let mut is_coarse = false;
+        for number in 0..listed.map_or(memory.places.len(), <[_]>::len) {
+            let (place, shared) = match listed {
+                Some(listed) => (listed[number].0, listed[number].1.as_ref()),
+                None => (memory.places[number], None),
+            };
+            let (placed, _) = all.at(place as usize);
+            let Some(levels) = placed.levels() else { continue };
+            let own = looker.at(placed.place);
+            if let Some(shared) = shared {
+                let Looker { space, origin, .. } = own;
+                let seen = memory.seen(levels, origin, looker.scale);
+                let Self { meridians, horizon, window, .. } = *self;
+                let outlines = SkyOutlines { space, meridians, horizon, window, origin };
+                is_coarse |= outlines.draw_shared(simd, shared, &(levels, seen), found, arcs);
+            } else {
+                own.find(simd, levels, memory, found);
+                is_coarse |= self.draw_found(simd, found, arcs);
             }
         }
         is_coarse
