@@ -37,6 +37,9 @@ pub(crate) trait Space {
     /// Half the sides of a box around one of such half sides.
     fn half<S: Simd>(&self, half: Vec3x8<S>) -> Vec3x8<S>;
 
+    /// The same for one box.
+    fn half_of(&self, half: Vec3) -> Vec3;
+
     /// Whether left and right are exchanged.
     fn is_mirrored(&self) -> bool;
 }
@@ -52,6 +55,10 @@ impl Space for World {
 
     #[inline(always)]
     fn half<S: Simd>(&self, half: Vec3x8<S>) -> Vec3x8<S> {
+        half
+    }
+
+    fn half_of(&self, half: Vec3) -> Vec3 {
         half
     }
 

@@ -3,6 +3,7 @@
 use crate::edge_list::{CLOSED, COARSE, Columns, ENDS, EdgeList, EdgePacket, ID, PLANES, SOMETIMES};
 use crate::hull::{Hull, vectors};
 use crate::levels::Levels;
+use crate::look::Space;
 use crate::sky::{KNOWN, NAME, STEP, in_halves};
 use crate::tree::Node;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
@@ -44,8 +45,9 @@ fn known_side<S: Simd>(simd: S, [front, behind]: [mask32x8<S>; 2], normal: Vec3x
     (behind.select(f32x8::splat(simd, -1.0), plus), front | behind | is_absent)
 }
 
-/// Finds the edges that matter to a part of a tile's receivers.
-pub(crate) struct Sift<'a> {
+/// Finds the edges of meshes that matter to a part of a tile's receivers; these are in the meshes' coordinates.
+pub(crate) struct Sift<'a, T> {
+    space: T,
     hull: &'a Hull,
     meridians: &'a Meridians,
     window: SkyWindow,
@@ -53,16 +55,18 @@ pub(crate) struct Sift<'a> {
     horizon: Option<(Horizon, f32)>,
 }
 
-impl<'a> Sift<'a> {
+impl<'a, T: Space> Sift<'a, T> {
     pub(crate) fn new<'h>(
+        space: T,
         hull: &'a Hull,
         meridians: &'a Meridians,
         mut horizons: impl Iterator<Item = &'h Horizon>,
     ) -> Self {
         let horizon = horizons.next().filter(|first| horizons.all(|other| other.pole() == first.pole()));
         let (_, half) = hull.receivers();
+        let half = space.half_of(half);
         let horizon = horizon.map(|horizon| (*horizon, horizon.pole().reach(half) * 1.01));
-        Self { hull, meridians, window: SkyWindow::whole(meridians.resolution()), horizon }
+        Self { space, hull, meridians, window: SkyWindow::whole(meridians.resolution()), horizon }
     }
 
     /// Divides the edges of a list that may matter to the part.
@@ -127,11 +131,12 @@ impl<'a> Sift<'a> {
 
     /// The children of a node that may have silhouettes which cross a meridian above any of the horizons, as bits.
     #[inline(always)]
-    fn meets<S: Simd>(&self, simd: S, node: &Node) -> u32 {
+    pub(crate) fn meets<S: Simd>(&self, simd: S, node: &Node) -> u32 {
         let met = self.hull.meets(simd, node, None);
         let Some((horizon, off)) = self.horizon.as_ref().filter(|_| met != 0) else { return met };
         let (center, _) = self.hull.receivers();
-        let (to, half) = (node.vectors(simd, 0).minus(center), node.vectors(simd, 3));
+        let to = self.space.vector(node.vectors(simd, 0).minus(center));
+        let half = self.space.half(node.vectors(simd, 3));
         met & self.meridians.may_cross_boxes(simd, (horizon, &self.window), to, (half, *off)).to_bitmask() as u32
     }
 
@@ -187,7 +192,7 @@ impl<'a> Sift<'a> {
         let (center, _) = self.hull.receivers();
         // Closures would be compiled without wide instructions.
         let [a, b] = [vectors(simd, packet, ENDS[0]), vectors(simd, packet, ENDS[1])];
-        let ends = [a.minus(center), b.minus(center)];
+        let ends = [self.space.vector(a.minus(center)), self.space.vector(b.minus(center))];
         self.meridians.may_cross(simd, horizon, ends, f32x8::splat(simd, off))
     }
 }

@@ -3,11 +3,11 @@
 use crate::edge_list::{CLOSED, COARSE, Columns, ENDS, EdgeList, ID, MARKS, SOMETIMES};
 use crate::hull::{Fineness, Hull, Memory};
 use crate::levels::Levels;
-use crate::lists::Meshes;
-use crate::look::{LookMemory, Looker, World};
+use crate::lists::{Meshes, SkyMeshes};
+use crate::look::{LookMemory, Looker, Space, World};
 use crate::select::{drawn, steps};
 use crate::sift::{FormMemory, Shared, Sift};
-use crate::{AnyHit, SilhouetteBlockers};
+use crate::{AnyHit, SilhouetteBlockers, SilhouetteInstances};
 use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
 use lobe_core::Receiver;
@@ -59,6 +59,9 @@ struct Part {
     /// Of each mesh with forms for a sky the edges that the receivers share, if they do; and whether these are listed.
     forms: Vec<Option<Shared>>,
     has_forms: bool,
+    /// The same of places of shared meshes that matter to the receivers, with their numbers. Behind the first so many are old ones.
+    placed: Vec<(u32, Option<Shared>)>,
+    places: usize,
 }
 
 /// Parts that share a list.
@@ -119,6 +122,13 @@ impl<H> SkySilhouetteScratch<H> {
     }
 }
 
+/// Gives receivers that are close together for a mesh's size lists to share, and others none.
+fn share(hull: &Hull, levels: &Levels, shared: &mut Option<Shared>) {
+    let (_, half) = hull.receivers();
+    let is_close = half.length() < CLOSE * levels.radius();
+    *shared = is_close.then(|| shared.take().unwrap_or_default());
+}
+
 impl<H: AnyHit> SilhouetteBlockers<'_, H> {
     /// Makes the lists of a part.
     fn list_part(&self, tile: &SkyTile<'_>, number: usize, scratch: &mut SkySilhouetteScratch<H::Scratch>) {
@@ -133,7 +143,7 @@ impl<H: AnyHit> SilhouetteBlockers<'_, H> {
         let hull = scratch.hull_of(number, PART, scale);
         let SkySilhouetteScratch { order, parts, groups, .. } = scratch;
         let own = run(order, number, PART).iter();
-        let sift = Sift::new(&hull, tile.meridians, own.map(|i| &tile.horizons[*i]));
+        let sift = Sift::new(World, &hull, tile.meridians, own.map(|i| &tile.horizons[*i]));
         let Part { is_listed, shared, .. } = &mut parts[number];
         dispatch!(Level::new(), simd => sift.narrow(simd, &groups[group].edges, shared));
         *is_listed = true;
@@ -143,26 +153,48 @@ impl<H: AnyHit> SilhouetteBlockers<'_, H> {
     fn list_forms(
         &self,
         tile: &SkyTile<'_>,
-        (levels, scale): (&[&Levels], f32),
+        (sky, scale): (&SkyMeshes<'_>, f32),
         number: usize,
         scratch: &mut SkySilhouetteScratch<H::Scratch>,
     ) {
         let hull = scratch.hull_of(number, PART, Some(scale));
-        let SkySilhouetteScratch { order, origins, parts, forms: memory, .. } = scratch;
+        let SkySilhouetteScratch { order, origins, normals, parts, forms: memory, look, .. } = scratch;
         let run = run(order, number, PART);
-        let sift = Sift::new(&hull, tile.meridians, run.iter().map(|i| &tile.horizons[*i]));
-        let Part { forms, has_forms, .. } = &mut parts[number];
-        let (_, half) = hull.receivers();
-        forms.resize_with(levels.len(), Default::default);
-        for (levels, shared) in levels.iter().zip(forms) {
-            let is_close = half.length() < CLOSE * levels.radius();
-            *shared = is_close.then(|| shared.take().unwrap_or_default());
+        let horizons = || run.iter().map(|i| &tile.horizons[*i]);
+        let sift = Sift::new(World, &hull, tile.meridians, horizons());
+        let Part { forms, has_forms, placed, places, .. } = &mut parts[number];
+        forms.resize_with(sky.levels.len(), Default::default);
+        for (levels, shared) in sky.levels.iter().zip(forms) {
+            share(&hull, levels, shared);
             if let Some(shared) = shared {
                 let origins = run.iter().map(|i| origins[*i]);
                 dispatch!(Level::new(), simd => sift.list_forms(simd, (levels, scale), origins, memory, shared));
             }
         }
         *has_forms = true;
+        *places = 0;
+        let Some(all) = sky.placed else { return };
+        dispatch!(Level::new(), simd => sift.places(simd, all, look));
+        for place in &look.places {
+            let (mesh, _) = all.at(*place as usize);
+            let (at, Some(levels)) = (mesh.place, mesh.levels()) else { continue };
+            let own = run.iter().map(|i| at.own(origins[*i], normals[*i]));
+            let (own_origins, own_normals): (Vec<Vec3>, Vec<Vec3>) =
+                own.map(|[origin, normal]| (origin, normal)).unzip();
+            let hull = Hull::of_sky(&own_origins, &own_normals, Some(scale));
+            if *places == placed.len() {
+                placed.push((0, None));
+            }
+            let (known, shared) = &mut placed[*places];
+            *known = *place;
+            *places += 1;
+            share(&hull, levels, shared);
+            if let Some(shared) = shared {
+                let sift = Sift::new(at.turn(), &hull, tile.meridians, horizons());
+                let own = own_origins.iter().copied();
+                dispatch!(Level::new(), simd => sift.list_forms(simd, (levels, scale), own, memory, shared));
+            }
+        }
     }
 
     /// The scale of the simplified forms that a sky's meridians allow.
@@ -213,7 +245,6 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
         if scratch.edges.is_empty() && sky.is_none() {
             return false;
         }
-        let (levels, placed) = sky.map_or((&[][..], None), |sky| (&sky.levels[..], sky.placed));
         let scale = self.sky_scale(tile.meridians);
         let part = scratch.places[number] / PART;
         if !scratch.edges.is_empty() && !scratch.parts[part].is_listed {
@@ -221,22 +252,22 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
         }
         let scale = scale.unwrap_or_default();
         let window = *buffer.window();
-        if window.is_whole() && !levels.is_empty() && !scratch.parts[part].has_forms {
-            self.list_forms(tile, (levels, scale), part, scratch);
+        if let (true, Some(sky), false) = (window.is_whole(), sky, scratch.parts[part].has_forms) {
+            self.list_forms(tile, (sky, scale), part, scratch);
         }
         let (horizon, origin) = (tile.horizons[number], scratch.origins[number]);
         let SkySilhouetteScratch { edges, parts, found, arcs, look: memory, .. } = scratch;
-        let look = SkyOutlines { meridians: tile.meridians, horizon, window, origin };
+        let look = SkyOutlines { space: World, meridians: tile.meridians, horizon, window, origin };
         let (normal, meridians) = (horizon.normal(), tile.meridians);
         let looker = Looker { space: World, origin, normal, horizon, window, meridians, scale };
-        let Part { shared, forms, .. } = &parts[part];
+        let Part { shared, forms, placed, places, .. } = &parts[part];
         arcs.clear();
         dispatch!(Level::new(), simd => {
             let mut is_coarse = false;
             if !edges.is_empty() {
                 is_coarse |= look.draw_shared(simd, shared, &(rest, scale), found, arcs);
             }
-            for (number, levels) in levels.iter().enumerate() {
+            for (number, levels) in sky.iter().flat_map(|sky| &sky.levels).enumerate() {
                 let shared = forms.get(number).and_then(Option::as_ref).filter(|_| window.is_whole());
                 if let Some(shared) = shared {
                     let seen = memory.seen(levels, origin, scale);
@@ -246,15 +277,10 @@ impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
                     is_coarse |= look.draw_found(simd, found, arcs);
                 }
             }
-            if let Some(all) = placed {
-                looker.places(simd, all, memory);
-                for number in 0..memory.places.len() {
-                    let (placed, _) = all.at(memory.places[number] as usize);
-                    if let Some(levels) = placed.levels() {
-                        looker.at(placed.place).find(simd, levels, memory, found);
-                        is_coarse |= look.draw_found(simd, found, arcs);
-                    }
-                }
+            if let Some(all) = sky.and_then(|sky| sky.placed) {
+                // Through windows receivers search for themselves.
+                let listed = window.is_whole().then_some(&placed[..*places]);
+                is_coarse |= look.draw_placed(simd, all, &looker, listed, (memory, found), arcs);
             }
             buffer.draw(simd, tile.meridians, arcs);
             is_coarse
@@ -305,15 +331,16 @@ impl Source for (&Levels, &[bool]) {
     }
 }
 
-/// One receiver's silhouettes.
-struct SkyOutlines<'a> {
+/// One receiver's silhouettes, of a mesh in whose coordinates the receiver is.
+struct SkyOutlines<'a, T> {
+    space: T,
     meridians: &'a Meridians,
     horizon: Horizon,
     window: SkyWindow,
     origin: Vec3,
 }
 
-impl SkyOutlines<'_> {
+impl<T: Space> SkyOutlines<'_, T> {
     /// Appends the arcs of edges that the receiver shares with others; whether any are of simplified forms.
     #[inline(always)]
     fn draw_shared<S: Simd>(
@@ -369,13 +396,56 @@ impl SkyOutlines<'_> {
     fn draw_known<S: Simd>(&self, simd: S, list: &Columns<KNOWN>, from: Vec3, arcs: &mut SkyArcs) -> bool {
         let mut is_coarse = false;
         for first in (0..list.len()).step_by(8) {
-            let ends = [list.load3(simd, 0, first).minus(from), list.load3(simd, 3, first).minus(from)];
+            let (a, b) = (list.load3(simd, 0, first).minus(from), list.load3(simd, 3, first).minus(from));
+            let ends = [self.space.vector(a), self.space.vector(b)];
+            let step = list.load(simd, STEP, first);
+            let step = if self.space.is_mirrored() { -step } else { step };
             let lanes = mask32x8::from_bitmask(simd, u64::from(list.lanes(first)));
             let sight = (&self.horizon, &self.window);
-            let kept = arcs.push(simd, self.meridians, sight, ends, list.load(simd, STEP, first), lanes);
+            let kept = arcs.push(simd, self.meridians, sight, ends, step, lanes);
             if kept.any_true() {
                 let names = list.load(simd, NAME, first).bitcast::<u32x8<S>>();
                 is_coarse |= (kept & (names & COARSE).simd_ge(u32x8::splat(simd, COARSE))).any_true();
+            }
+        }
+        is_coarse
+    }
+}
+
+impl SkyOutlines<'_, World> {
+    /// Appends the arcs of shared meshes at their places: of those that are listed for a part, or of those that the receiver finds itself; whether
+    /// any are of simplified forms.
+    #[inline(always)]
+    fn draw_placed<S: Simd>(
+        &self,
+        simd: S,
+        all: &SilhouetteInstances,
+        looker: &Looker<'_, World>,
+        listed: Option<&[(u32, Option<Shared>)]>,
+        (memory, found): (&mut LookMemory, &mut Columns<KNOWN>),
+        arcs: &mut SkyArcs,
+    ) -> bool {
+        if listed.is_none() {
+            looker.places(simd, all, memory);
+        }
+        let mut is_coarse = false;
+        for number in 0..listed.map_or(memory.places.len(), <[_]>::len) {
+            let (place, shared) = match listed {
+                Some(listed) => (listed[number].0, listed[number].1.as_ref()),
+                None => (memory.places[number], None),
+            };
+            let (placed, _) = all.at(place as usize);
+            let Some(levels) = placed.levels() else { continue };
+            let own = looker.at(placed.place);
+            if let Some(shared) = shared {
+                let Looker { space, origin, .. } = own;
+                let seen = memory.seen(levels, origin, looker.scale);
+                let Self { meridians, horizon, window, .. } = *self;
+                let outlines = SkyOutlines { space, meridians, horizon, window, origin };
+                is_coarse |= outlines.draw_shared(simd, shared, &(levels, seen), found, arcs);
+            } else {
+                own.find(simd, levels, memory, found);
+                is_coarse |= self.draw_found(simd, found, arcs);
             }
         }
         is_coarse
