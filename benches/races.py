@@ -353,12 +353,12 @@ def race(name: str, case: Case, spp: int, folder: Path, others: dict[str, Any]) 
         def mitsuba(samples: int) -> Callable[[], Any]:
             return lambda: np.mean([np.array(mi.render(other, spp=min(samples, 256), seed=seed)) for seed in range(max(1, samples // 256))], axis=0)
 
-        run("mitsuba", mitsuba, (4, 16, 64, 256, 1024), lambda samples: 2 if samples <= 64 else 1)
+        run("mitsuba", mitsuba, (16, 64, 256, 1024), lambda samples: 2 if samples <= 64 else 1)
     if (bpy := others.get("bpy")) and not case.glossy and case.lights[0]["kind"] != "sky":
         shoot = cycles_scene(bpy, case, folder)
         # Its hierarchy is made anew for each picture: that time is taken off.
         ready, _ = shortest(lambda: shoot(1), 2)
-        run("cycles", lambda samples: lambda: shoot(samples), (4, 16, 64, 256), lambda samples: 2 if samples <= 64 else 1)
+        run("cycles", lambda samples: lambda: shoot(samples), (4, 16, 64), lambda samples: 2 if samples <= 16 else 1)
         result["cycles"]["curve"] = [(error, max(seconds - ready, 1e-3)) for error, seconds in result["cycles"]["curve"]]
     return result
 

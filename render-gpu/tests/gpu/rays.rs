@@ -127,8 +127,8 @@ impl Ways {
         }
     }
 
-    /// Below a light of 70° to 74°, whose masks are bands on a GPU, rays are as near to the exact silhouettes as on a CPU. They
-    /// search each band for blockers by itself, and miss fewer.
+    /// Below a light of 70° to 74°, whose masks are bands on a GPU, rays are about as near to the exact silhouettes as on a CPU. They search each
+    /// band for blockers by itself and miss fewer, but fewer single cells of a band ask for finer searches.
     pub(crate) fn compare_wide(self, gpu: &Gpu) {
         let light = SphereLight::new(Sphere { center: Vec3::Y * 20.85, radius: 20.0 }, Vec3::ONE).into();
         let scene = Scene { lights: vec![light], ..fence() };
@@ -145,7 +145,7 @@ impl Ways {
                 / whole.len() as f64
         });
         println!("wide light: {want:.1e} off by CPU, {got:.1e} by GPU; {counts:?} {ours:?}");
-        assert!(counts.penumbra_points > 300 && got < 1.05 * want + 1e-5, "{want} off by CPU, {got} by GPU");
+        assert!(counts.penumbra_points > 300 && got < 1.12 * want + 1e-5, "{want} off by CPU, {got} by GPU");
     }
 
     /// Neither the unit of length nor the position matters.
