@@ -96,7 +96,7 @@ impl Budget {
         (Self::left(&self.state()) / (4 * TRIANGLE)) as usize
     }
 
-    /// How many lights by emission a scene of so many triangles may have.
+    /// The most lights by emission of a scene with a number of triangles.
     pub(crate) fn lights(&self, triangles: usize) -> usize {
         let all = SEARCHED + SEARCHED_A_BYTE * self.state().read;
         (all / triangles.max(1) as u64) as usize

@@ -181,7 +181,8 @@ fn by_default(
     }
     let room = most.saturating_sub(used);
     let is_full = || {
-        let few = if most < MOST_LIGHTS { ", as many as so small a file of so many triangles may have" } else { "" };
+        let few =
+            if most < MOST_LIGHTS { ", as many as so small a file with this number of triangles may have" } else { "" };
         format!("the scene has {most} lights by emission already{few}")
     };
     // Before curved meshes are fitted, which takes long.

@@ -9,7 +9,7 @@ use std::io::Cursor;
 
 /// The first bytes of the format.
 const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
-/// A message names so many channels.
+/// The most channels that a message names.
 const MOST_NAMED: usize = 12;
 const EXPECTED: &str = "expected R, G and B, one channel of grey, or one layer with R, G and B";
 

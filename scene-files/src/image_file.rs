@@ -99,7 +99,7 @@ struct Most {
 }
 
 impl Most {
-    /// Refuses images without pixels, larger ones, and those that so many bytes cannot hold.
+    /// Refuses images without pixels, larger ones, and those with more pixels than the number of bytes can hold.
     fn check(&self, name: &str, [width, height]: [u32; 2], bytes: usize) -> Result<(), String> {
         let pixels = u64::from(width) * u64::from(height);
         if pixels == 0 {

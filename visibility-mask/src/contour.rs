@@ -9,7 +9,7 @@ pub(crate) const WHOLE: i8 = i8::MAX;
 pub(crate) const RIM: usize = 32;
 /// Number of columns that share one test of the contour's height between two rows.
 const STRIDE: usize = 2;
-/// So many single cells between others are foliage, whose leaves may lie between tested cells.
+/// The number of single cells between others from which on these are foliage, whose leaves may lie between tested cells.
 pub(crate) const MANY: u32 = 24;
 /// Half a window's side, at distance 1, beyond which a light is wide: through an opening, of a wall or between leaves, little of it may be seen.
 pub(crate) const WIDE: f32 = 0.3;

@@ -107,7 +107,7 @@ impl<H> SilhouetteScratch<H> {
             && dispatch!(Level::new(), simd => counter.may_hide_fewer(simd, view, crossings, fewest))
     }
 
-    /// A mask whose rows are the columns of another one, so many of them; put it back after use.
+    /// A mask whose rows are the columns of another one, of a depth; put it back after use.
     pub(super) fn turned_mask(&mut self, query: &VisibilityQuery<'_>, mask: &Mask, depth: u32) -> Mask {
         let mut turned = core::mem::take(&mut self.turned);
         turned.reset_to(&mask.square().turned(), depth, query.at.normal, query.outline);
