@@ -63,53 +63,46 @@ impl<'a> Looker<'a, World> {
         let Self { horizon, window, meridians, scale, .. } = *self;
         Looker { space: place.turn(), origin, normal, horizon, window, meridians, scale }
     }
+}
 
-    /// Lists the places that may have silhouettes above the horizon that cross a meridian.
+/// Who looks for shared meshes: one receiver, or those of a part.
+pub(crate) trait Search {
+    /// The children of a node that may have silhouettes which cross a meridian above a horizon, as bits.
+    fn meets<S: Simd>(&self, simd: S, node: &Node) -> u32;
+
+    /// Lists the places that may have such silhouettes.
     #[inline(always)]
-    pub(crate) fn places<S: Simd>(&self, simd: S, all: &SilhouetteInstances, memory: &mut LookMemory) {
-        memory.begin(all);
-        while let Some((node, stack, places)) = memory.next(all) {
-            add(node, self.meets(simd, node), stack, places);
+    fn places<S: Simd>(&self, simd: S, all: &SilhouetteInstances, LookMemory { places, stack, .. }: &mut LookMemory) {
+        let nodes = all.top().nodes();
+        places.clear();
+        stack.clear();
+        stack.extend((!nodes.is_empty()).then_some(0));
+        while let Some(number) = stack.pop() {
+            let node = &nodes[number as usize];
+            let mut met = self.meets(simd, node);
+            while met != 0 {
+                let k = met.trailing_zeros() as usize & 7;
+                met &= met - 1;
+                let (first, count) = (node.first[k], usize::from(node.count[k]));
+                match count {
+                    0 => stack.push(first),
+                    _ => places.extend((first..).take(count)),
+                }
+            }
         }
     }
 }
 
-impl Sift<'_, World> {
-    /// The same for all receivers of a part.
+impl Search for Looker<'_, World> {
     #[inline(always)]
-    pub(crate) fn places<S: Simd>(&self, simd: S, all: &SilhouetteInstances, memory: &mut LookMemory) {
-        memory.begin(all);
-        while let Some((node, stack, places)) = memory.next(all) {
-            add(node, self.meets(simd, node), stack, places);
-        }
+    fn meets<S: Simd>(&self, simd: S, node: &Node) -> u32 {
+        Looker::meets(self, simd, node)
     }
 }
 
-impl LookMemory {
-    fn begin(&mut self, all: &SilhouetteInstances) {
-        self.places.clear();
-        self.stack.clear();
-        self.stack.extend((!all.top().nodes().is_empty()).then_some(0));
-    }
-
-    /// The next node, and where what is met of it goes.
+impl Search for Sift<'_, World> {
     #[inline(always)]
-    fn next<'n>(&mut self, all: &'n SilhouetteInstances) -> Option<(&'n Node, &mut Vec<u32>, &mut Vec<u32>)> {
-        let number = self.stack.pop()?;
-        Some((&all.top().nodes()[number as usize], &mut self.stack, &mut self.places))
-    }
-}
-
-/// Adds the children of a node that are met: nodes to the first list, places to the second.
-#[inline(always)]
-fn add(node: &Node, mut met: u32, stack: &mut Vec<u32>, places: &mut Vec<u32>) {
-    while met != 0 {
-        let k = met.trailing_zeros() as usize & 7;
-        met &= met - 1;
-        let (first, count) = (node.first[k], usize::from(node.count[k]));
-        match count {
-            0 => stack.push(first),
-            _ => places.extend((first..).take(count)),
-        }
+    fn meets<S: Simd>(&self, simd: S, node: &Node) -> u32 {
+        Sift::meets(self, simd, node)
     }
 }

@@ -5,6 +5,7 @@ use crate::hull::{Fineness, Hull, Memory};
 use crate::levels::Levels;
 use crate::lists::{Meshes, SkyMeshes};
 use crate::look::{LookMemory, Looker, Space, World};
+use crate::look_placed::Search;
 use crate::select::{drawn, steps};
 use crate::sift::{FormMemory, Shared, Sift};
 use crate::{AnyHit, SilhouetteBlockers, SilhouetteInstances};
