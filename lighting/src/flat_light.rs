@@ -1,7 +1,7 @@
 use crate::gpu::{PLANE_DISC, PLANE_OUTSIDE, PLANE_POLYGON, PLANES, shape_of};
 use crate::tube_light::to_segment;
 use crate::{Area, AreaShape, Light, LightKind, ShownImage};
-use core::f32::consts::{FRAC_PI_2, PI, TAU};
+use core::f32::consts::{PI, TAU};
 use glam::{Mat4, Vec3};
 use lobe_core::{FlatShape, LightImage, Outline, Receiver, SeenLight, Sphere, Tile, TileLight};
 use shading::gpu::GpuText;
@@ -344,17 +344,6 @@ fn distinct(points: &[Vec3]) -> Vec<Vec3> {
 fn longest_side(corners: &[Vec3]) -> Vec3 {
     let sides = corners.iter().zip(corners.iter().cycle().skip(1)).map(|(p, q)| *q - *p);
     sides.fold(Vec3::ZERO, |long, side| if side.length_squared() > long.length_squared() { side } else { long })
-}
-
-/// Corners of half an ellipse about `center` from `-across` over `along` to `across`, of its area: six sides.
-pub(crate) fn half_ellipse(center: Vec3, along: Vec3, across: Vec3) -> [Vec3; 7] {
-    const SIDES: f32 = 6.0;
-    let step = PI / SIDES;
-    let reach = step / step.sin();
-    core::array::from_fn(|k| {
-        let (sin, cos) = (k as f32 * step - FRAC_PI_2).sin_cos();
-        center + along * (reach * cos) + across * sin
-    })
 }
 
 /// Whether a polygon in a plane of this normal is convex: every corner turns the same way, and all together once.

@@ -20,13 +20,12 @@ pub(crate) const PLANE_DISC: f32 = 1.0;
 pub(crate) const PLANE_TUBE: f32 = 2.0;
 /// Its corners are the same for all receivers.
 pub(crate) const PLANE_SKY: f32 = 3.0;
-/// Receivers nearer to a tube's middle line than this number of radii see the sphere at the nearer end: it is at most 7 % too small there, and the outline,
-/// whose corners are set in a plane along the tube, would be more than that too large.
-pub(crate) const TUBE_BESIDE: f32 = 1.4;
-/// How far a tube's surface is before its middle line in the mean, in radii.
-pub(crate) const TUBE_DEPTH: f32 = core::f32::consts::FRAC_PI_4;
-/// Tangent of the angle beyond which a tube goes on unseen.
-pub(crate) const TUBE_FAR: f32 = 60.0;
+/// Receivers nearer to a tube's middle line than this number of radii see it as from there: its outline would not end nearer to them.
+pub(crate) const TUBE_BESIDE: f32 = 1.1;
+/// How much less than a radius a tube's surface is before its middle line in the mean, from far away, in radii.
+pub(crate) const TUBE_DEPTH: f32 = 1.0 - core::f32::consts::FRAC_PI_4;
+/// Sides of the arcs of both ends.
+pub(crate) const TUBE_STEPS: usize = 12;
 /// The number of the object that the light is inside of, where there is none.
 pub(crate) const PLANE_OUTSIDE: f32 = -1.0;
 
@@ -41,8 +40,7 @@ static PLANES_WGSL: Piece = Piece::new(include_str!("plane_lights.wgsl"))
         PLANE_SKY = PLANE_SKY,
         TUBE_BESIDE = TUBE_BESIDE,
         TUBE_DEPTH = TUBE_DEPTH,
-        TUBE_FAR = TUBE_FAR,
-        TUBE_REACH = core::f32::consts::FRAC_PI_3,
+        TUBE_STEPS = TUBE_STEPS,
         PLANE_OUTSIDE = PLANE_OUTSIDE,
     ])
     .needs(&[&OUTLINE]);

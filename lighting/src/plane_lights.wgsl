@@ -56,40 +56,73 @@ fn tube_outline(at: Receiver) {
     let along = (b - a) / length;
     // From the receiver to the foot of its perpendicular on the middle line.
     let foot = a - along * dot(a, along);
-    let height = sqrt(dot(foot, foot));
-    if (!(height > TUBE_BESIDE * radius && length > 0.0)) {
+    let own_height = sqrt(dot(foot, foot));
+    let places = vec2f(dot(a, along), dot(b, along));
+    let is_beside = places.x <= 0.0 && places.y >= 0.0;
+    if (!(own_height > 0.0 && length > 0.0 && (is_beside || own_height > radius))) {
         return;
     }
-    let axis = foot / height;
-    let sin = radius / height;
-    let across = cross(axis, along) * (height * sin / sqrt((1.0 - sin) * (1.0 + sin)));
-    let places = vec2f(dot(a, along), dot(b, along));
-    // Of a tube that is far away along its own line all is farther than that.
-    let farthest = TUBE_FAR * max(max(places.x, -places.y) / height, 1.0);
-    let start = tube_end(places.x, height, radius, farthest);
-    let end = tube_end(places.y, height, radius, farthest);
-    for (var k = 0u; k < 7u; k++) {
-        let turn = outline_turn(2u * k);
-        outline_corners[k] = foot + along * (end.x + end.y * TUBE_REACH * turn.y) - across * turn.x;
-        outline_corners[7u + k] = foot + along * (start.x - start.y * TUBE_REACH * turn.y) + across * turn.x;
-    }
-    let plane = tube_plane(a, b, axis, height, radius);
-    for (var k = 0u; k < 14u; k++) {
+    let toward = foot / own_height;
+    let height = max(own_height, TUBE_BESIDE * radius);
+    let side = cross(toward, along);
+    let start = tube_end(radius, height, toward, -along, -places.x);
+    let end = tube_end(radius, height, toward, along, places.y);
+    let part = end.half_turn / (start.half_turn + end.half_turn);
+    let steps = clamp(u32(round(f32(TUBE_STEPS) * part)), 1u, TUBE_STEPS - 1u);
+    tube_arc(end, side, 0u, steps);
+    tube_arc(start, -side, steps + 1u, TUBE_STEPS - steps);
+    let plane = tube_plane(toward * height + along * places.x, toward * height + along * places.y, toward, height, radius);
+    for (var k = 0u; k < TUBE_STEPS + 2u; k++) {
         outline_corners[k] *= plane.w / dot(plane.xyz, outline_corners[k]);
     }
-    outline_new(14u, plane.xyz);
+    outline_new(TUBE_STEPS + 2u, plane.xyz);
+}
+
+// The sphere at an end as a receiver sees it: `TubeEnd`.
+struct TubeEnd {
+    middle: vec3f,
+    outermost: vec3f,
+    circle: f32,
+    half_turn: f32,
+}
+
+fn tube_end(radius: f32, height: f32, toward: vec3f, outward: vec3f, place: f32) -> TubeEnd {
+    let distance = sqrt(height * height + place * place);
+    let sin = radius / distance;
+    let cos = sqrt((1.0 - sin) * (1.0 + sin));
+    let slope = radius / height;
+    let half_turn = atan2(sqrt((1.0 - slope) * (1.0 + slope)) / cos, slope * place / (distance * cos));
+    let outermost = (outward * height - toward * place) / distance;
+    return TubeEnd((toward * height + outward * place) * (cos * cos), outermost, radius * cos, half_turn);
+}
+
+// Corners from `first` on of a polygon with the area of the arc: `TubeEnd::write_arc`.
+fn tube_arc(end: TubeEnd, side: vec3f, first: u32, last: u32) {
+    let step = 2.0 * end.half_turn / f32(last);
+    let grown = step / max(sin(step), 1e-30);
+    let inner = f32(last) - 2.0;
+    var reach = 1.0;
+    if (last == 2u) {
+        reach = grown;
+    } else if (last > 2u) {
+        reach = (sqrt(1.0 + inner * (inner + 2.0) * grown) - 1.0) / inner;
+    }
+    for (var k = 0u; k <= last; k++) {
+        let turn = f32(k) * step - end.half_turn;
+        let length = end.circle * select(reach, 1.0, k == 0u || k == last);
+        outline_corners[first + k] = end.middle + (end.outermost * cos(turn) + side * sin(turn)) * length;
+    }
 }
 
 // The plane in which the surface is in the mean: `TubeLight::plane`. Its normal, and its distance.
 fn tube_plane(a: vec3f, b: vec3f, toward: vec3f, height: f32, radius: f32) -> vec4f {
-    let inward = TUBE_DEPTH * radius;
     let is_first = dot(a, a) < dot(b, b);
     let near = select(b, a, is_first);
     let body = select(a, b, is_first) - near;
     let away = body / sqrt(dot(body, body));
     let place = dot(near, away);
     if (place <= 0.0) {
-        return vec4f(toward, height - inward);
+        return vec4f(toward, height - tube_inward(radius, height));
     }
     let distance = sqrt(height * height + place * place);
     let view = (toward * height + away * place) / distance;
@@ -98,20 +131,7 @@ fn tube_plane(a: vec3f, b: vec3f, toward: vec3f, height: f32, radius: f32) -> ve
     let whole = beside + 2.0 * radius;
     let slope = dot(body, view) * beside / (whole * whole);
     let length = sqrt(1.0 + slope * slope);
-    return vec4f((view - side * slope) / length, (distance - inward) / length);
+    return vec4f((view - side * slope) / length, (distance - tube_inward(radius, distance)) / length);
 }
 
-// Middle and half-length of the ellipse in which the sphere at an end is seen: from the angle φ − δ to φ + δ.
-fn tube_end(place: f32, height: f32, radius: f32, farthest: f32) -> vec2f {
-    let sin = radius / sqrt(height * height + place * place);
-    let tan = sin / sqrt((1.0 - sin) * (1.0 + sin));
-    let slope = place / height;
-    let low = tube_limit(slope - tan, 1.0 + slope * tan, select(farthest, -farthest, slope < 0.0));
-    let high = tube_limit(slope + tan, 1.0 - slope * tan, select(farthest, -farthest, slope < 0.0));
-    return vec2f(0.5 * (low + high), 0.5 * max(high - low, 0.0)) * height;
-}
-
-fn tube_limit(over: f32, under: f32, farthest: f32) -> f32 {
-    let limit = abs(farthest);
-    return select(farthest, clamp(over / under, -limit, limit), under > 0.0);
-}
+fn tube_inward(radius: f32, distance: f32) -> f32 { return radius * (1.0 - TUBE_DEPTH * (1.0 - radius / distance)); }

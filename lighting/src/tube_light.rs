@@ -1,5 +1,4 @@
-use crate::flat_light::half_ellipse;
-use crate::gpu::{PLANE_OUTSIDE, PLANE_TUBE, PLANES, TUBE_BESIDE, TUBE_DEPTH, TUBE_FAR, shape_of};
+use crate::gpu::{PLANE_OUTSIDE, PLANE_TUBE, PLANES, TUBE_BESIDE, TUBE_DEPTH, TUBE_STEPS, shape_of};
 use crate::{Area, AreaShape, Light, LightError, LightKind};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
@@ -12,10 +11,11 @@ const AROUND: f32 = 1.531;
 
 /// A tube with round ends (a capsule) that emits the same radiance in all directions from all of its surface.
 ///
-/// Seen from a receiver it is flat: two straight lines and two halves of ellipses, the outlines of the spheres at its ends. A blocker behind the
+/// Seen from a receiver it is flat: two straight lines, and arcs of the outlines of the spheres at its ends. A blocker behind the
 /// plane of this outline does not shade it. That plane is where the tube's surface is in the mean: along the tube if it is seen from beside it; across the
 /// view, at the nearer end, if the tube is seen along its middle line; and between these two, in proportion to how much of the tube's length is
-/// seen. A receiver within 1.4 radii of the middle line sees the sphere at the nearer end.
+/// seen. A receiver within a radius of the middle line, beyond the ends, sees the sphere at the nearer end. One that is nearer to its side than a tenth of
+/// the radius sees it as from there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TubeLight {
     /// The middles of the spheres at its ends; not the same.
@@ -54,45 +54,33 @@ impl TubeLight {
         Sphere { center, radius: self.radius }
     }
 
-    /// The outline that a receiver sees; none near the line through the tube, where an end covers the rest.
+    /// The outline that a receiver sees: two lines along the tube, which touch it, and between these the arcs of the cones around its ends. None beyond
+    /// the ends at most a radius off the middle line, where the nearer end covers the rest.
     #[must_use]
     pub fn outline(&self, at: &Receiver) -> Option<Outline> {
         let [a, b] = self.ends.map(|p| p - at.position);
         let length = a.distance(b);
         let along = (b - a) / length;
+        let places = [a.dot(along), b.dot(along)];
         // From the receiver to the foot of its perpendicular on the middle line.
-        let foot = a - along * a.dot(along);
+        let foot = a - along * places[0];
         let height = foot.length();
-        if !(height > TUBE_BESIDE * self.radius && length > 0.0) {
+        let is_beside = places[0] <= 0.0 && places[1] >= 0.0;
+        if !(height > 0.0 && length > 0.0 && (is_beside || height > self.radius)) {
             return None;
         }
-        let axis = foot / height;
-        // Half the width: of the planes along the tube that touch it.
-        let (sin, cos) = (self.radius / height, ((1.0 - self.radius / height) * (1.0 + self.radius / height)).sqrt());
-        let across = axis.cross(along) * (height * sin / cos);
-        // Of a tube that is far away along its own line all is farther than that.
-        let farthest = TUBE_FAR * (a.dot(along).max(-b.dot(along)) / height).max(1.0);
-        // A sphere seen at the angle φ from the foot under ±δ reaches from tan(φ − δ) to tan(φ + δ).
-        let ellipse = |end: Vec3| {
-            let place = end.dot(along);
-            let distance = height.hypot(place);
-            let sin = self.radius / distance;
-            let tan = sin / ((1.0 - sin) * (1.0 + sin)).sqrt();
-            let slope = place / height;
-            let limit = |over: f32, under: f32| {
-                if under > 0.0 { (over / under).clamp(-farthest, farthest) } else { farthest * slope.signum() }
-            };
-            let low = limit(slope - tan, 1.0 + slope * tan);
-            let high = limit(slope + tan, 1.0 - slope * tan);
-            [0.5 * (low + high) * height, 0.5 * (high - low).max(0.0) * height]
-        };
-        let plane = self.plane([a, b], foot / height, height);
-        let ([from, low], [to, high]) = (ellipse(a), ellipse(b));
-        let mut corners = [Vec3::ZERO; 14];
-        let at = |place: f32| foot + along * place;
-        corners[..7].copy_from_slice(&half_ellipse(at(to), along * high, across));
-        corners[7..].copy_from_slice(&half_ellipse(at(from), along * -low, -across));
-        let (axis, depth) = plane;
+        let toward = foot / height;
+        let height = height.max(TUBE_BESIDE * self.radius);
+        let side = toward.cross(along);
+        let start = TubeEnd::new(self.radius, height, [toward, -along, -side], -places[0]);
+        let end = TubeEnd::new(self.radius, height, [toward, along, side], places[1]);
+        let part = end.half_turn / (start.half_turn + end.half_turn);
+        let steps = ((TUBE_STEPS as f32 * part).round() as usize).clamp(1, TUBE_STEPS - 1);
+        let mut corners = [Vec3::ZERO; TUBE_STEPS + 2];
+        let (ends, starts) = corners.split_at_mut(steps + 1);
+        end.write_arc(ends);
+        start.write_arc(starts);
+        let (axis, depth) = self.plane(places.map(|place| toward * height + along * place), toward, height);
         let corners = corners.map(|p| p * (depth / axis.dot(p)));
         Outline::new(&corners, axis).map(|outline| outline.with_roundness(self.roundness()))
     }
@@ -100,14 +88,15 @@ impl TubeLight {
     /// The plane in which the surface is in the mean, by its normal and its distance. From a receiver: the ends, the direction to the foot of its
     /// perpendicular on the middle line, and that distance.
     fn plane(&self, [a, b]: [Vec3; 2], toward: Vec3, height: f32) -> (Vec3, f32) {
-        let inward = TUBE_DEPTH * self.radius;
+        // Of a strip near the receiver more than of half a cylinder far away.
+        let inward = |distance: f32| self.radius * (1.0 - TUBE_DEPTH * (1.0 - self.radius / distance));
         let [near, far] = if a.length_squared() < b.length_squared() { [a, b] } else { [b, a] };
         let body = far - near;
         let away = body / body.length();
         let place = near.dot(away);
         if place <= 0.0 {
             // The foot is on the tube.
-            return (toward, height - inward);
+            return (toward, height - inward(height));
         }
         let distance = height.hypot(place);
         let view = (toward * height + away * place) / distance;
@@ -117,7 +106,60 @@ impl TubeLight {
         let whole = beside + 2.0 * self.radius;
         let slope = deeper * beside / (whole * whole);
         let length = (1.0 + slope * slope).sqrt();
-        ((view - side * slope) / length, (distance - inward) / length)
+        ((view - side * slope) / length, (distance - inward(distance)) / length)
+    }
+}
+
+/// The sphere at an end as a receiver sees it: a cone, which the two planes along the tube touch.
+struct TubeEnd {
+    /// The middle of the circle in which the cone touches the sphere.
+    middle: Vec3,
+    /// From there to the outermost point of that circle, and across the tube.
+    axes: [Vec3; 2],
+    /// From the outermost point to where the planes touch.
+    half_turn: f32,
+}
+
+impl TubeEnd {
+    /// Of this radius, `place` along the tube's middle line, whose distance is `height`. Directions: toward the foot of the perpendicular on
+    /// that line, outward along it, across it.
+    fn new(radius: f32, height: f32, [toward, outward, side]: [Vec3; 3], place: f32) -> Self {
+        let end = toward * height + outward * place;
+        let distance = height.hypot(place);
+        let sin = radius / distance;
+        let cos = ((1.0 - sin) * (1.0 + sin)).sqrt();
+        let circle = radius * cos;
+        let outermost = (outward * height - toward * place) / distance;
+        // The planes' own angle to the middle line.
+        let slope = radius / height;
+        let touch = [slope * place / (distance * cos), ((1.0 - slope) * (1.0 + slope)).sqrt() / cos];
+        Self {
+            middle: end * (cos * cos),
+            axes: [outermost * circle, side * circle],
+            half_turn: touch[1].atan2(touch[0]),
+        }
+    }
+
+    /// Corners of a polygon with the area of the arc, from one plane to the other.
+    fn write_arc(&self, corners: &mut [Vec3]) {
+        let last = corners.len() - 1;
+        let step = 2.0 * self.half_turn / last as f32;
+        // Of a triangle from the middle to what it stands for.
+        let grown = step / step.sin().max(f32::MIN_POSITIVE);
+        // All corners but the two on the planes are this far out: (n − 2)R² + 2R = n·grown.
+        let reach = match last {
+            1 => 1.0,
+            2 => grown,
+            _ => {
+                let inner = last as f32 - 2.0;
+                ((1.0 + inner * (inner + 2.0) * grown).sqrt() - 1.0) / inner
+            }
+        };
+        for (k, corner) in corners.iter_mut().enumerate() {
+            let (sin, cos) = (k as f32 * step - self.half_turn).sin_cos();
+            let reach = if k == 0 || k == last { 1.0 } else { reach };
+            *corner = self.middle + (self.axes[0] * cos + self.axes[1] * sin) * reach;
+        }
     }
 }
 

@@ -261,13 +261,15 @@ fn a_tube_seen_along_its_axis_is_its_end() {
 #[test]
 fn a_tube_s_plane_is_where_its_surface_is() {
     let tube = TubeLight { ends: [Vec3::ZERO, Vec3::X], radius: 0.1, radiance: COLOR };
-    let inward = core::f32::consts::FRAC_PI_4 * tube.radius;
+    // Half a cylinder far away is π/4 of its radius before its middle line in the mean, a strip next to the receiver all of it.
+    let inward =
+        |distance: f32| tube.radius * (1.0 - (1.0 - core::f32::consts::FRAC_PI_4) * (1.0 - tube.radius / distance));
     let plane = |x: Vec3| {
         let outline = tube.outline(&at(x)).expect("an outline");
         (outline.axis(), outline.height())
     };
     let (axis, height) = plane(Vec3::new(0.5, 2.0, 0.0));
-    assert!(axis.distance(Vec3::NEG_Y) < 1e-5 && (height - 2.0 + inward).abs() < 1e-5, "{axis} {height}");
+    assert!(axis.distance(Vec3::NEG_Y) < 1e-5 && (height - 2.0 + inward(2.0)).abs() < 1e-5, "{axis} {height}");
     // In line with the tube, where a little of its side is seen, and far away, where none is.
     for (x, least) in [(Vec3::new(3.0, 0.141, 0.0), 0.7), (Vec3::new(200.0, 0.141, 0.0), 0.999)] {
         let (axis, height) = plane(x);
@@ -276,7 +278,8 @@ fn a_tube_s_plane_is_where_its_surface_is() {
         assert!(axis.dot(view) > least, "{axis}");
         // Toward the middle of the end.
         let depth = height / axis.dot(view);
-        assert!((depth - toward.length() + inward).abs() < 0.01 * tube.radius, "{depth} for {}", toward.length());
+        let distance = toward.length();
+        assert!((depth - distance + inward(distance)).abs() < 0.01 * tube.radius, "{depth} for {distance}");
         // The end covers most of what is seen, and the outline is little too large.
         let facing = Receiver::on_surface(x, axis, axis);
         let lobe = Lobe::new(axis, 1.0, Vec3::ONE);
@@ -287,6 +290,51 @@ fn a_tube_s_plane_is_where_its_surface_is() {
     // From the side of an end the plane turns on without a step.
     let (before, behind) = (plane(Vec3::new(0.999, 0.4, 0.0)), plane(Vec3::new(1.001, 0.4, 0.0)));
     assert!(before.0.distance(behind.0) < 0.01 && (before.1 - behind.1).abs() < 0.01, "{before:?} {behind:?}");
+}
+
+/// From everywhere that is a tenth of the radius off the surface, against a count of the directions that meet the capsule.
+#[test]
+fn a_tube_looks_as_large_as_it_is() {
+    for [length, radius] in [[1.0, 0.1], [0.02, 0.1], [12.0, 0.1]] {
+        let tube = TubeLight { ends: [Vec3::ZERO, Vec3::X * length], radius, radiance: COLOR };
+        for height in [1.1, 1.4, 2.0, 6.0] {
+            for place in [-20.0, -2.0, -0.3, 0.0, 0.5 * length / radius] {
+                let x = Vec3::new(place, height, 0.0) * radius;
+                let middle = tube.outline(&at(x)).expect("not covered by an end").middle().normalize();
+                let facing = Receiver::on_surface(x, middle, middle);
+                let outline = tube.outline(&facing).expect("as before");
+                let seen = outline_integral(&facing, Lobe::new(middle, 1.0, Vec3::ONE), &outline);
+                let ends = tube.ends.map(|p| (p - x).as_dvec3());
+                let widest = outline.corners().iter().map(|p| middle.angle_between(*p)).fold(0.0, f32::max);
+                let truth = capsule_moment(ends, f64::from(radius), middle.as_dvec3(), f64::from(1.1 * widest));
+                let off = (f64::from(PI * seen) / truth - 1.0).abs();
+                assert!(off < 2e-3, "{length} long, {height} and {place} radii off: {seen} {truth}");
+            }
+        }
+    }
+}
+
+/// The integral of the cosine to `axis` over a capsule, summed over 600 × 600 directions within the angle `reach` of that.
+fn capsule_moment(ends: [DVec3; 2], radius: f64, axis: DVec3, reach: f64) -> f64 {
+    const CELLS: u32 = 600;
+    let (u, v) = axis.any_orthonormal_pair();
+    let body = ends[1] - ends[0];
+    let meets = |d: DVec3| {
+        // The place of the middle line next to the ray's line; the capsule is convex, so that it is before or behind the eye as a whole.
+        let [across, start] = [body, ends[0]].map(|p| p - d * p.dot(d));
+        let place = (-start.dot(across) / across.length_squared().max(1e-300)).clamp(0.0, 1.0);
+        (start + across * place).length() <= radius && (ends[0] + body * place).dot(d) > 0.0
+    };
+    let cell = |k: u32| (f64::from(k) + 0.5) / f64::from(CELLS);
+    let sum: f64 = (0..CELLS * CELLS)
+        .map(|k| {
+            let (sin, cos) = (reach * cell(k / CELLS)).sin_cos();
+            let turn = core::f64::consts::TAU * cell(k % CELLS);
+            let d = axis * cos + (u * turn.cos() + v * turn.sin()) * sin;
+            if meets(d) { sin * cos.max(0.0) } else { 0.0 }
+        })
+        .sum();
+    core::f64::consts::TAU * reach * sum / f64::from(CELLS * CELLS)
 }
 
 #[test]
