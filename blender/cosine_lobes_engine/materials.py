@@ -13,7 +13,6 @@ _IGNORED = {
     "Subsurface Weight": 0,
     "Anisotropic": 0,
     "Transmission Weight": 0,
-    "Coat Weight": 0,
     "Sheen Weight": 0,
     "Thin Film Thickness": 0,
 }
@@ -45,12 +44,17 @@ class Look:
     base: tuple = (0.8, 0.8, 0.8)
     metallic: float = 0.0
     roughness: float = 1.0
-    # Refractive index of the coat; 1 without one.
+    # Refractive index of the dielectric; 1 without a reflection.
     ior: float = 1.0
-    # Colour of the coat's reflectance at normal incidence.
+    # Colour of its reflectance at normal incidence.
     tint: tuple = (1.0, 1.0, 1.0)
     # Whether light that scatters between facets more than once counts.
     scatters: bool = True
+    # The clear coat: its weight, roughness, refractive index and colour.
+    coat: float = 0.0
+    coat_roughness: float = 0.03
+    coat_ior: float = 1.5
+    coat_tint: tuple = (1.0, 1.0, 1.0)
     emission: tuple = (0.0, 0.0, 0.0)
     color_image: Optional[Picture] = None
     metallic_image: Optional[Picture] = None
@@ -330,7 +334,30 @@ def _principled(reader, node):
         roughness_image=roughness_image,
         emission_image=emission_image,
     )
-    return reader.alpha(node, reader.normal(node, look))
+    return reader.alpha(node, reader.normal(node, _coated(reader, node, look)))
+
+
+def _coated(reader, node, look):
+    """The clear coat of a Principled."""
+    weight = min(max(reader.number(node, "Coat Weight"), 0.0), 1.0)
+    if weight == 0:
+        return look
+    tint, tint_image = reader.color(node, "Coat Tint")
+    if tint_image:
+        reader.note("an image of \"Coat Tint\" is not read")
+    if reader.source(node.inputs["Coat Normal"]) is not None:
+        reader.note("\"Coat Normal\" is not supported: the coat has the normal of what is below")
+    elif reader.source(node.inputs["Normal"]) is not None:
+        reader.note("the coat has the normal of what is below it")
+    if any(look.emission):
+        reader.note("the coat does not reduce emission")
+    return replace(
+        look,
+        coat=weight,
+        coat_roughness=min(max(reader.number(node, "Coat Roughness", 0.03), 0.0), 1.0),
+        coat_ior=min(max(reader.number(node, "Coat IOR", 1.5), 1.0), 1e3),
+        coat_tint=tuple(min(max(t, 0.0), 1.0) for t in tint),
+    )
 
 
 def _clipped(reader, color):
@@ -365,7 +392,7 @@ def placed(uvs, place):
 def made(cl, look, image_of):
     """The engine's material of a look. `image_of(kind, picture)` gives the arrays of images."""
     emission = look.emission if any(look.emission) else None
-    if look.metallic == 0 and look.ior == 1:
+    if look.metallic == 0 and look.ior == 1 and not look.coat:
         material = cl.Material.lambert(look.base, emission=emission)
     else:
         material = cl.Material.principled(
@@ -375,6 +402,10 @@ def made(cl, look, image_of):
             ior=look.ior,
             tint=look.tint,
             scatters=look.scatters,
+            coat=look.coat,
+            coat_roughness=look.coat_roughness,
+            coat_ior=look.coat_ior,
+            coat_tint=look.coat_tint,
             emission=emission,
         )
     given = {

@@ -76,6 +76,21 @@ def test_highlights_of_plastic_and_metal_under_a_disc_and_a_sun():
     assert compared("plastic and metal, disc and sun") < MOST
 
 
+def test_clear_coats_over_plastic_and_metal():
+    """One is coloured, and thick enough that its refractive index counts."""
+    stage.reset(width=80, height=60, samples=512)
+    stage.camera((2, -3, 2.2))
+    stage.plane(look=stage.material("floor", Base_Color=(0.5, 0.5, 0.5), Roughness=0.6, Coat_Weight=1.0, Coat_Roughness=0.3))
+    paint = stage.material("paint", Base_Color=(0.8, 0.2, 0.1), Roughness=0.5, Coat_Weight=0.7, Coat_Roughness=0.35, Coat_IOR=1.8)
+    stage.sphere(0.4, paint, (-0.45, 0, 0.4), 192, 96)
+    metal = stage.material("metal", Base_Color=(0.9, 0.6, 0.3), Roughness=0.5, Metallic=1.0, Coat_Weight=1.0, Coat_Roughness=0.25)
+    metal.node_tree.nodes["Principled BSDF"].inputs["Coat Tint"].default_value = (0.9, 0.6, 0.5, 1)
+    stage.sphere(0.4, metal, (0.5, 0.2, 0.4), 192, 96)
+    stage.lamp("AREA", (-1, -1, 3), energy=200, shape="DISK", size=1.2)
+    stage.lamp("SUN", (2, -1, 3), energy=1, angle=math.radians(6))
+    assert compared("coats, disc and sun") < MOST
+
+
 def sky(width=128):
     image = bpy.data.images.new("sky", width, width // 2, float_buffer=True)
     v, u = (np.mgrid[0 : width // 2, 0:width] + 0.5) / np.array([width // 2, width])[:, None, None]

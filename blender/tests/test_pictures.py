@@ -100,7 +100,7 @@ def notes():
 def test_what_is_not_supported_is_said():
     scene = simple()
     inputs = bpy.data.materials["red"].node_tree.nodes["Principled BSDF"].inputs
-    inputs["Coat Weight"].default_value = 0.5
+    inputs["Sheen Weight"].default_value = 0.5
     inputs["Transmission Weight"].default_value = 1
     area = bpy.data.objects["area"]
     area.data.spread, area.data.use_shadow = 1.0, False
@@ -108,7 +108,7 @@ def test_what_is_not_supported_is_said():
     scene.render.pixel_aspect_x = 2
     said = notes()
     for line in (
-        'red: "Coat Weight" is not supported',
+        'red: "Sheen Weight" is not supported',
         'red: "Transmission Weight" is not supported',
         "area: its spread of 57°",
         "area: it casts shadows all the same",

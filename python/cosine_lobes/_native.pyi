@@ -270,6 +270,10 @@ class Material:
         ior: float = 1.5,
         tint: Optional[_Color] = None,
         scatters: bool = True,
+        coat: float = 0.0,
+        coat_roughness: float = 0.03,
+        coat_ior: float = 1.5,
+        coat_tint: Optional[_Color] = None,
         emission: Optional[_Color] = None,
     ) -> Material: ...
     def with_images(

@@ -115,10 +115,12 @@ impl Material {
         Self::checked(metal.with_coat(f0, 1.0).or_raise()?, &emission)
     }
 
-    /// Blender's Principled, of which it has the base with its coat: `ior` is the coat's refractive index (1 for none), `tint` colours what it
-    /// reflects at normal incidence, and with `scatters` light that scatters between the facets more than once counts. On the CPU alone.
+    /// Blender's Principled, of which it has the base and the clear coat: `ior` is the base's refractive index (1 for none), `tint` colours what it
+    /// reflects at normal incidence, and with `scatters` light that scatters between the facets more than once counts. A clear coat of the weight `coat` lies over
+    /// all. On the CPU alone.
     #[staticmethod]
-    #[pyo3(signature = (base, *, metallic = 0.0, roughness = 0.5, ior = 1.5, tint = None, scatters = true, emission = None))]
+    #[pyo3(signature = (base, *, metallic = 0.0, roughness = 0.5, ior = 1.5, tint = None, scatters = true, coat = 0.0, coat_roughness = 0.03, coat_ior = 1.5, coat_tint = None, emission = None))]
+    #[expect(clippy::too_many_arguments, reason = "each is a keyword")]
     fn principled(
         base: &Bound<'_, PyAny>,
         metallic: f64,
@@ -126,6 +128,10 @@ impl Material {
         ior: f64,
         tint: Given<'_>,
         scatters: bool,
+        coat: f64,
+        coat_roughness: f64,
+        coat_ior: f64,
+        coat_tint: Given<'_>,
         emission: Given<'_>,
     ) -> PyResult<Self> {
         let fractions = |name: &str, color: Vec3| {
@@ -133,10 +139,14 @@ impl Material {
             if color.max_element() <= 1.0 { Ok(color) } else { Err(wrong()) }
         };
         let base = fractions("base", color("base", base)?)?;
-        let tint = fractions("tint", tint.map_or(Ok(Vec3::ONE), |tint| color("tint", &tint))?)?;
+        let tinted =
+            |name: &str, tint: Given<'_>| fractions(name, tint.map_or(Ok(Vec3::ONE), |tint| color(name, &tint))?);
+        let (tint, coat_tint) = (tinted("tint", tint)?, tinted("coat_tint", coat_tint)?);
         let numbers = [within("metallic", metallic, 0.0, 1.0)?, within("roughness", roughness, 0.0, 1.0)?];
         let ior = within("ior", ior, 1.0, 1e3)?;
-        let model = Principled::new(base, numbers, f64::from(ior), tint, scatters);
+        let coat = [within("coat", coat, 0.0, 1.0)?, within("coat_roughness", coat_roughness, 0.0, 1.0)?];
+        let coat_ior = within("coat_ior", coat_ior, 1.0, 1e3)?;
+        let model = Principled::new(base, numbers, f64::from(ior), tint, scatters).with_coat(coat, coat_ior, coat_tint);
         Self::checked(brdf::Material::Custom(Arc::new(model)), &emission)
     }
 

@@ -1,4 +1,4 @@
-//! Blender's Principled: GGX with several scatterings over a diffuse base, layered by the light that the coat reflects.
+//! Blender's Principled: GGX with several scatterings over a diffuse base, layered by the light that the dielectric reflects, below a clear coat.
 
 use cosine_lobes::brdf::{Brdf, Factors, Material, Model};
 use cosine_lobes::lobe_core::{BrdfLobe, Lobe, Microfacets, Receiver};
@@ -20,17 +20,49 @@ const MIN_ALPHA: f32 = 1e-3;
 /// - `m = 1 + F_ms (1 − E)/E` gives back what scatters more than once, `F_ms = F_ss E_avg/(1 − F_ss (1 − E_avg))` (C. Kulla and A. Conty, *Revisiting
 ///   Physically Based Shading at Imageworks*, 2017), `E` the part that a white coat reflects toward this view, `E_avg` its mean.
 /// - `k` is Fresnel's reflection over Schlick's, both of all light toward this view: for lobes alone, Schlick's shape has Fresnel's strength.
-/// - `A` is what the coat reflects in all toward this view, the largest channel.
+/// - `A` is what the dielectric reflects in all toward this view, the largest channel.
+///
+/// With a clear coat of weight `c` it is `c·k_c·S_c + (1 − c·A_c)·(1 + c·(t^d − 1))·f̃`, where `S_c` and `k_c` are as of a dielectric whose light scatters once, `t` is the coat's tint and
+/// `d = 1/cos θ_t` the way through it of a view that is refracted into it.
 #[derive(Clone, Debug)]
 pub(crate) struct Principled {
     pub(crate) base: Vec3,
     pub(crate) metallic: f32,
     pub(crate) roughness: f32,
-    /// Of the coat at normal incidence.
+    /// Of the dielectric at normal incidence.
     pub(crate) f0: Vec3,
     /// Whether light that scatters more than once counts.
     pub(crate) scatters: bool,
     table: Arc<Table>,
+    coat: Option<Coat>,
+}
+
+/// A clear coat over all.
+#[derive(Clone, Debug)]
+struct Coat {
+    weight: f32,
+    roughness: f32,
+    ior: f32,
+    tint: Vec3,
+    table: Arc<Table>,
+}
+
+impl Coat {
+    fn alpha(&self) -> f32 {
+        (self.roughness * self.roughness).max(MIN_ALPHA)
+    }
+
+    /// The reflectances of its lobes, at normal and at grazing incidence, and the part of all light below that remains.
+    fn layer(&self, cos: f32) -> ([Vec3; 2], Vec3) {
+        let (node, _) = self.table.at(self.roughness, cos);
+        let f0 = normal_incidence(f64::from(self.ior)) as f32;
+        let reflected = |rise: f32| f0 * (node.all - rise) + rise;
+        let full = reflected(node.fresnel);
+        let strength = self.weight * full / reflected(node.schlick).max(1e-6);
+        let refracted = (1.0 - (1.0 - cos * cos) / (self.ior * self.ior)).max(1e-6).sqrt();
+        let through = Vec3::ONE.lerp(self.tint.powf(1.0 / refracted), self.weight);
+        ([Vec3::splat(f0 * strength), Vec3::splat(strength)], through * (1.0 - self.weight * full))
+    }
 }
 
 /// At a roughness, for a view.
@@ -44,7 +76,7 @@ struct Node {
     fresnel: f32,
 }
 
-/// The reflection of coats of one refractive index.
+/// The reflection of dielectrics of one refractive index.
 #[derive(Debug)]
 struct Table {
     nodes: Vec<[Node; VIEWS]>,
@@ -148,10 +180,17 @@ fn place(at: f32, nodes: usize) -> (usize, f32) {
 }
 
 impl Principled {
-    /// Base colour, metalness, roughness and tint within [0, 1], and the refractive index of the coat, at least 1.
+    /// Base colour, metalness, roughness and tint within [0, 1], and the refractive index of the dielectric, at least 1.
     pub(crate) fn new(base: Vec3, [metallic, roughness]: [f32; 2], ior: f64, tint: Vec3, scatters: bool) -> Self {
         let (f0, table) = (normal_incidence(ior) as f32 * tint, Arc::new(Table::new(ior)));
-        Self { base, metallic, roughness, f0, scatters, table }
+        Self { base, metallic, roughness, f0, scatters, table, coat: None }
+    }
+
+    /// Weight, roughness and tint of the coat within [0, 1], and its refractive index, at least 1.
+    pub(crate) fn with_coat(self, [weight, roughness]: [f32; 2], ior: f32, tint: Vec3) -> Self {
+        let coat =
+            (weight > 0.0).then(|| Coat { weight, roughness, ior, tint, table: Arc::new(Table::new(f64::from(ior))) });
+        Self { coat, ..self }
     }
 
     fn alpha(&self) -> f32 {
@@ -169,21 +208,24 @@ impl Principled {
     }
 
     fn lobes(&self, at: &Receiver) -> impl Iterator<Item = BrdfLobe> + use<> {
-        let (node, mean) = self.table.at(self.roughness, at.normal.dot(at.view).clamp(0.0, 1.0));
-        let coat = 1.0 - self.metallic;
+        let cos = at.normal.dot(at.view).clamp(0.0, 1.0);
+        let (node, mean) = self.table.at(self.roughness, cos);
+        let (coat, beneath) = self.coat.as_ref().map_or(([Vec3::ZERO; 2], Vec3::ONE), |coat| coat.layer(cos));
+        let dielectric = 1.0 - self.metallic;
         let reflected = |f0: Vec3, rise: f32| f0 * (node.all - rise) + rise;
         let (full, plain) = (reflected(self.f0, node.fresnel), reflected(self.f0, node.schlick));
         let fss = self.f0.lerp(Vec3::ONE, self.table.fresnel);
-        // No coat without a refractive index.
-        let has_coat = if self.f0 == Vec3::ZERO { 0.0 } else { 1.0 };
-        let scatter = self.again(node, mean, fss) * has_coat;
-        let strength = scatter * full / plain.max(Vec3::splat(1e-6)) * coat;
+        // No reflection without a refractive index.
+        let reflects = if self.f0 == Vec3::ZERO { 0.0 } else { 1.0 };
+        let scatter = self.again(node, mean, fss) * reflects;
+        let strength = scatter * full / plain.max(Vec3::splat(1e-6)) * dielectric;
         let metal = self.again(node, mean, self.base.lerp(Vec3::ONE, 1.0 / 21.0)) * self.metallic;
-        let reflectances = [self.f0 * strength + self.base * metal, strength + metal];
+        let reflectances = [self.f0 * strength + self.base * metal, strength + metal].map(|f| f * beneath);
         let below = 1.0 - (full * scatter).max_element().clamp(0.0, 1.0);
-        let diffuse = Lobe::with_flux(at.normal, 1.0, self.base * (coat * below));
+        let diffuse = Lobe::with_flux(at.normal, 1.0, self.base * beneath * (dielectric * below));
         let facets = Microfacets::new(at.view, self.alpha(), reflectances);
-        let all = core::iter::once(diffuse.into()).chain(facets.map(BrdfLobe::Microfacets));
+        let coat = Microfacets::new(at.view, self.coat.as_ref().map_or(1.0, Coat::alpha), coat);
+        let all = core::iter::once(diffuse.into()).chain(facets.into_iter().chain(coat).map(BrdfLobe::Microfacets));
         all.filter(|lobe: &BrdfLobe| lobe.flux() != Vec3::ZERO)
     }
 }
@@ -210,7 +252,7 @@ impl Model for Principled {
     }
 
     fn lobe_count(&self) -> usize {
-        3
+        if self.coat.is_some() { 5 } else { 3 }
     }
 
     /// One of many, a point's own.

@@ -121,11 +121,28 @@ def test_principled_gives_back_what_it_gets(roughness):
     assert (once <= metal + 0.01).all()
 
 
-def test_principled_without_coat_is_diffuse_and_arguments_are_checked():
+@pytest.mark.parametrize("cosine", [1.0, 0.6, 0.3])
+def test_a_coat_of_principled_takes_what_it_reflects(cosine):
+    # Over white the sum is all of the light, over black its own part, in proportion to its weight.
+    coat = {"coat_roughness": 0.4, "coat_ior": 1.6}
+    white = white_furnace(cl.Material.principled(1.0, ior=1, coat=1.0, **coat), cosine)
+    assert white == pytest.approx([1, 1, 1], abs=0.01)
+    own, half = (white_furnace(cl.Material.principled(0.0, ior=1, coat=weight, **coat), cosine) for weight in (1.0, 0.5))
+    assert half == pytest.approx(0.5 * own, rel=1e-3)
+    # Beer's law along the refracted view.
+    tint = np.array([0.9, 0.5, 0.2])
+    tinted = white_furnace(cl.Material.principled(1.0, ior=1, coat=1.0, coat_tint=tint, **coat), cosine)
+    through = tint ** (1 / math.sqrt(1 - (1 - cosine**2) / 1.6**2))
+    assert tinted - own == pytest.approx((1 - own) * through, abs=0.01)
+
+
+def test_principled_without_ior_is_diffuse_and_arguments_are_checked():
     assert white_furnace(cl.Material.principled((0.2, 0.4, 0.6), ior=1), 0.6) == pytest.approx([0.2, 0.4, 0.6], rel=5e-3)
     assert cl.Material.principled(0.5).model == "principled"
     with pytest.raises(ValueError, match="base is"):
         cl.Material.principled(1.5)
+    with pytest.raises(ValueError, match="coat_ior is 0.5"):
+        cl.Material.principled(0.5, coat=1, coat_ior=0.5)
     with pytest.raises(TypeError, match="one of ior, f0"):
         cl.Material.metallic_roughness(0.5, ior=1.5, f0=0.04)
     coat = cl.Material.metallic_roughness(0.5, metallic=0, roughness=0.4, f0=0.04)
