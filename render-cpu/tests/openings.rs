@@ -12,8 +12,8 @@ use visibility_mask::MaskVisibility;
 use visibility_silhouettes::SilhouetteBlockers;
 
 const LIGHT: DVec3 = DVec3::new(0.0, 0.3, -12.5);
-/// Half a side of squares of light, and the radii of spheres: wide ones, and those that a room sees as 9° and 15° to each side.
-const SQUARES: [f64; 3] = [11.0, 15.0, 2.0];
+/// Half a side of squares of light, and the radii of spheres: wide ones, and those that a room sees as 9° and 15° to each side; squares that fill most of a hemisphere.
+const SQUARES: [f64; 5] = [11.0, 15.0, 2.0, 30.0, 60.0];
 const SPHERES: [f64; 3] = [6.0, 3.4, 2.0];
 /// Sides of the polygon that stands for the outline of the sphere.
 const SIDES: u32 = 1024;
@@ -202,6 +202,27 @@ fn rooms_behind_openings_are_lit() {
     check("window", [-0.6, 0.6, -0.2, 0.8], &[], [[0.005, 0.03], [0.004, 0.02], [0.012, 0.07], [0.014, 0.07]]);
     check("small window", [-0.2, 0.2, 0.1, 0.5], &[], [[0.005, 0.02], [0.004, 0.02], [0.011, 0.03], [0.008, 0.03]]);
     check("slit", [-0.3, -0.28, -1.2, 0.8], &[], [[0.008, 0.03], [0.008, 0.03], [0.006, 0.02], [0.007, 0.03]]);
+}
+
+/// Openings that neither rows nor columns of a mask cross.
+#[test]
+fn openings_between_all_lines_are_found() {
+    let small = [-0.2, 0.2, 0.3, 0.7];
+    let hole = [0.3, 0.38, -0.2, -0.12];
+    const FEW: [f64; 3] = [0.007, 0.03, 0.02];
+    for (name, opening, emits, light, [most, most_of_99, darkest]) in [
+        ("small window, square of 60 m", small, square(SQUARES[3]), square_seen::<3> as Seen, FEW),
+        ("small window, square of 120 m", small, square(SQUARES[4]), square_seen::<4>, FEW),
+        ("hole, square of 22 m", hole, square(SQUARES[0]), square_seen::<0>, FEW),
+        ("hole, square of 60 m", hole, square(SQUARES[3]), square_seen::<3>, FEW),
+        // It shows one point the sphere's very rim.
+        ("hole, sphere", hole, sphere(SPHERES[0]), sphere_seen::<0>, [0.015, 0.03, 0.2]),
+    ] {
+        let outside = Outside { opening, light, blocker: Vec::new() };
+        let [mean, p99, dark] = own_errors(&room(opening, emits), &outside);
+        println!("{name}: own error {mean:.5}, 99 % {p99:.4}, darkened {dark:.4}");
+        assert!(mean < most && p99 < most_of_99 && dark < darkest, "{name}: {mean} {p99} {dark}");
+    }
 }
 
 /// A slit that shows some points the middle of lights that are long or wide.

@@ -15,6 +15,7 @@ use scratch::{Alike, Plane};
 use shading::{Coverage, Shaft, VisibilityQuery};
 use visibility_mask::{Blockers, Edges, Mask, asks_for_openings, facet_coverage};
 
+mod between;
 mod openings;
 mod scratch;
 

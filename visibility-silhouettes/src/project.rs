@@ -58,7 +58,11 @@ impl View {
 
     /// The same for a position in a row, in samples of the row without shift.
     pub(crate) fn ray_at(&self, row: usize, at: f32) -> (Vec3, f32) {
-        let p = self.point(row, at);
+        self.ray_to(self.point(row, at))
+    }
+
+    /// The same for a point in plane coordinates.
+    pub(crate) fn ray_to(&self, p: Vec2) -> (Vec3, f32) {
         let length = (1.0 + p.length_squared()).sqrt();
         (self.square.world(p.extend(1.0)) / length, self.far * length)
     }
@@ -67,6 +71,30 @@ impl View {
     pub(crate) fn point(&self, row: usize, at: f32) -> Vec2 {
         let Raster { left, bottom, samples, rows, .. } = self.raster;
         Vec2::new(left + at / samples, bottom + (row as f32 + 0.5) / rows)
+    }
+
+    /// The corners of the window.
+    pub(crate) fn corners(&self) -> (Vec2, Vec2) {
+        (self.square.center - self.square.half, self.square.center + self.square.half)
+    }
+
+    /// The heights, in plane coordinates, between which the part of a piece of an outline before the light's plane is, and its line `x = s + t y` there as `[s, t]`.
+    pub(crate) fn on_plane(&self, ends: [Vec3; 2]) -> Option<([f32; 2], [f32; 2])> {
+        let [mut a, mut b] = ends.map(|p| self.square.local(p));
+        // Clipped ends would be too far outside for it.
+        let line = a.cross(b - a);
+        for (plane, sign) in [(self.near, 1.0), (self.clip, -1.0)] {
+            match [a, b].map(|p| sign * p.z > sign * plane) {
+                [false, false] => return None,
+                [true, true] => {}
+                [is_before, _] => {
+                    let cut = (a.lerp(b, (plane - a.z) / (b.z - a.z))).with_z(plane);
+                    (a, b) = if is_before { (a, cut) } else { (cut, b) };
+                }
+            }
+        }
+        // One that is level is crossed by no line.
+        (line.x != 0.0).then(|| ([a, b].map(|p| p.y / p.z), [-line.z / line.x, -line.y / line.x]))
     }
 
     /// Position, in samples, of a line that crosses the visible part of the light in every row and stays inside of the window: a light

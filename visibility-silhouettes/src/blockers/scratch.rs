@@ -1,3 +1,4 @@
+use super::between::Between;
 use super::openings::Openings;
 use crate::clip::{Chord, Front, LightSphere};
 use crate::count::{Counter, Fewest};
@@ -48,6 +49,7 @@ pub struct SilhouetteScratch<H> {
     /// Whether a mask of the current receiver that is dark may hide an opening between its samples.
     pub(super) may_hide: bool,
     pub(super) openings: Openings,
+    pub(super) between: Between,
     /// Ends of openings, and a mask for those between rows.
     pub(super) marks: Vec<[Vec2; 2]>,
     pub(super) turned: Mask,
@@ -82,6 +84,7 @@ impl<H> SilhouetteScratch<H> {
             next: Fewest::default(),
             may_hide: false,
             openings: Openings::default(),
+            between: Between::default(),
             marks: Vec::new(),
             turned: Mask::default(),
             hits,
@@ -116,8 +119,8 @@ impl<H> SilhouetteScratch<H> {
 
     /// Lists the crossings of outlines with the rows of a mask. Returns the light if triangles reach into it.
     pub(super) fn project_outlines(&mut self, query: &VisibilityQuery<'_>, view: &mut View) -> Option<LightSphere> {
-        let Self { origin, silhouettes, outside, arcs, crossings, near, light, .. } = self;
-        crossings.clear();
+        self.crossings.clear();
+        let Self { origin, silhouettes, outside, arcs, near, light, .. } = self;
         // If triangles reach into the light, surfaces count as far as its front side; else as far as its plane.
         let is_flat = query.outline.is_some();
         let sphere = (self.is_clipped && !is_flat).then(|| LightSphere::new(*light, *origin));
@@ -133,7 +136,8 @@ impl<H> SilhouetteScratch<H> {
             sphere.outside(silhouettes, outside);
             self.is_outside_known = true;
         }
-        let is_cut = sphere.is_some() || is_flat && !arcs.is_empty();
+        let is_cut = self.is_cut(is_flat);
+        let Self { silhouettes, outside, arcs, crossings, .. } = self;
         if is_cut {
             crossings.extend(arcs.iter().filter_map(|(a, b, step)| Crossing::of_segment(view, *a, *b, *step)));
         }
@@ -144,6 +148,11 @@ impl<H> SilhouetteScratch<H> {
         let drawn = if is_cut { &*outside } else { &*silhouettes };
         dispatch!(Level::new(), simd => project(simd, drawn, view, crossings));
         sphere
+    }
+
+    /// Whether the light's surface or its plane has cut outlines, whose parts `outside` are drawn.
+    pub(super) fn is_cut(&self, is_flat: bool) -> bool {
+        if is_flat { !self.arcs.is_empty() } else { self.is_clipped }
     }
 }
 
