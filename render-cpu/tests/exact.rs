@@ -1,9 +1,7 @@
 //! Shadow rays against the truth in f64: the size of a floor does not matter to what stands on it.
 
-#[path = "exact/truth.rs"]
 mod truth;
 
-use crate::truth::{Light, Truth};
 use brdf::Material;
 use core::f32::consts::{PI, TAU};
 use glam::{Mat4, Quat, Vec3};
@@ -17,6 +15,7 @@ use scene::{BlockerSet, Camera, Frame, Mesh, Object, Projection, Proxy, Scene, S
 use shading::{Accuracy, Visibility};
 use std::collections::HashMap;
 use std::sync::atomic::AtomicBool;
+use truth::{Light, Truth};
 use visibility_mask::MaskVisibility;
 use visibility_rays::RayBlockers;
 use visibility_spheres::SphereBlockers;

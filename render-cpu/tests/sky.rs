@@ -1,6 +1,5 @@
 //! A whole sky through one buffer a receiver, against many exact rays.
 
-#[path = "sky/oracle.rs"]
 mod oracle;
 
 use brdf::{Material, MetallicRoughness, ModifiedPhong};

@@ -1,18 +1,16 @@
 //! The device that shades: the cores of the CPU, or a GPU.
 
-use crate::event::check;
 use crate::{Device, RenderError};
 use brdf::Material;
 use core::error::Error;
 use glam::Vec3;
 use lighting::Light;
-use render_cpu::{CpuShader, Layers as PointLayers, ShadeRequest, SkyLighting};
+use render_cpu::{Layers as PointLayers, ShadeRequest};
 use scene::{Frame, Shade, ShadeStats, ShadingPoints};
-use shading::{Integrator, Visibility};
 
 #[cfg(feature = "gpu")]
 use {
-    crate::error::{LAYERS, NO_GPU},
+    crate::error::LAYERS,
     paper::Tables,
     ray_tracing::World,
     render_gpu::{Gpu, GpuError, GpuOptions, GpuPicture, GpuShader, GpuWorld, Occlusion, PixelMeans, ShadowCasting},
@@ -231,32 +229,6 @@ pub trait Shader: Shade<Material, Light, Error: Error + Into<RenderError>> {
         picture: &GpuPicture,
         request: &ShadeRequest<'_>,
     ) -> impl Future<Output = Result<ShadeStats, RenderError>>;
-}
-
-impl<V: Visibility, I: Integrator<V>, K: SkyLighting> Shader for CpuShader<V, I, K> {
-    async fn shade_with(
-        &mut self,
-        points: &ShadingPoints,
-        frame: &Frame<'_>,
-        out: &mut [Vec3],
-        request: &ShadeRequest<'_>,
-    ) -> Result<(ShadeStats, PointLayers), RenderError> {
-        let shaded = CpuShader::shade_with(self, points, frame, out, request);
-        request.cancel.map_or(Ok(()), check)?;
-        Ok(shaded)
-    }
-
-    #[cfg(feature = "gpu")]
-    async fn shade_picture(
-        &mut self,
-        _: &ShadingPoints,
-        _: &PixelMeans<'_>,
-        _: &Frame<'_>,
-        _: &GpuPicture,
-        _: &ShadeRequest<'_>,
-    ) -> Result<ShadeStats, RenderError> {
-        Err(RenderError::NotOnGpu(NO_GPU))
-    }
 }
 
 /// Refuses layers, which a GPU does not have.

@@ -1,3 +1,4 @@
+use crate::cpu_shading::AnyCpuShader;
 use crate::on_objects::OnObjects;
 use crate::turn::at_once;
 use crate::{Backend, CustomStrategy, Device, KeptSky, Method, Plan, RenderError, Settings, Shader, SkyFrame};
@@ -215,7 +216,7 @@ impl<'a> FrameBlockers<'a> {
     /// # Errors
     /// Those of [`shade`](Self::shade).
     pub async fn shade_async<W: ShaderTask>(
-        self,
+        mut self,
         backend: &mut Backend,
         method: Method,
         tables: Option<&Tables>,
@@ -228,30 +229,34 @@ impl<'a> FrameBlockers<'a> {
         }
         #[cfg(not(feature = "gpu"))]
         let Backend::Cpu = backend;
+        work.with(&mut self.on_cpu(method, tables)).await
+    }
+
+    /// The shader of the CPU. Takes blockers that are not borrowed.
+    fn on_cpu<'s>(&'s mut self, method: Method, tables: Option<&'s Tables>) -> AnyCpuShader<'s> {
         let is_summed = self.sums_skies(method);
         let (spheres, silhouettes) = (self.spheres, self.silhouettes.as_ref());
-        let sky = self.sky.filter(|_| is_summed);
+        let sky = self.sky.take().filter(|_| is_summed);
         let sky = sky.map(|sky| SkyShader::new(sky.tables, sky.replaced, (spheres, silhouettes)));
-        let maps = self.maps.map(|maps| Mixture::new(maps, self.drawn));
+        let (drawn, rays) = (self.drawn.take(), self.rays.take());
+        let maps = self.maps.take().map(|maps| Mixture::new(maps, drawn));
         let form = (method, self.of_own, self.is_interpolated);
         let custom = DynMixture(self.custom.iter().map(|own| own.blockers()).collect());
-        match (spheres, maps, silhouettes, self.rays) {
+        match (spheres, maps, silhouettes, rays) {
             parts if !custom.0.is_empty() => {
                 let (spheres, maps, silhouettes, rays) = parts;
                 let triangles = Mixture::new(silhouettes, Mixture::new(maps, rays));
-                masked(Mixture::new(custom, Mixture::new(spheres, triangles)), sky, form, tables, work).await
+                masked(Mixture::new(custom, Mixture::new(spheres, triangles)), sky, form, tables)
             }
             (None, None, None, None) => match tables {
-                Some(tables) => {
-                    work.with(&mut CpuShader::with_integrator(Unshadowed, PaperIntegrator { tables })).await
-                }
-                None => work.with(&mut CpuShader::new(Unshadowed).with_sky(sky)).await,
+                Some(tables) => AnyCpuShader::new(CpuShader::with_integrator(Unshadowed, PaperIntegrator { tables })),
+                None => AnyCpuShader::new(CpuShader::new(Unshadowed).with_sky(sky)),
             },
-            (Some(spheres), None, None, None) => masked(spheres, sky, form, tables, work).await,
-            (None, None, Some(silhouettes), None) => masked(silhouettes, sky, form, tables, work).await,
+            (Some(spheres), None, None, None) => masked(spheres, sky, form, tables),
+            (None, None, Some(silhouettes), None) => masked(silhouettes, sky, form, tables),
             (spheres, maps, silhouettes, rays) => {
                 let triangles = Mixture::new(silhouettes, Mixture::new(maps, rays));
-                masked(Mixture::new(spheres, triangles), sky, form, tables, work).await
+                masked(Mixture::new(spheres, triangles), sky, form, tables)
             }
         }
     }
@@ -317,23 +322,22 @@ const fn look_again(of_own: bool) -> LookAgain {
     if of_own { LookAgain::Everywhere } else { LookAgain::Openings }
 }
 
-/// Shades with masks, by a method, with the tolerance relative to [own radiance](Settings::own_radiance) or not, with
+/// A shader with masks, by a method, with the tolerance relative to [own radiance](Settings::own_radiance) or not, with
 /// [interpolation](Settings::interpolate) or without.
-async fn masked<B: Blockers, W: ShaderTask>(
+fn masked<'s, B: Blockers + 's>(
     blockers: B,
-    sky: Option<Sky<'_>>,
+    sky: Option<Sky<'s>>,
     (method, of_own, is_interpolated): (Method, bool, bool),
-    tables: Option<&Tables>,
-    work: W,
-) -> Result<W::Output, RenderError> {
+    tables: Option<&'s Tables>,
+) -> AnyCpuShader<'s> {
     let visibility = MaskVisibility::new(blockers).look_again(look_again(of_own));
     match (method, tables) {
-        (Method::Lobes, _) => work.with(&mut CpuShader::with_integrator(visibility.with_lobes(), LobeIntegrator)).await,
+        (Method::Lobes, _) => AnyCpuShader::new(CpuShader::with_integrator(visibility.with_lobes(), LobeIntegrator)),
         (Method::Paper, Some(tables)) => {
             let visibility = PaperVisibility::new(visibility.into_blockers(), tables);
-            work.with(&mut CpuShader::with_integrator(visibility, PaperIntegrator { tables })).await
+            AnyCpuShader::new(CpuShader::with_integrator(visibility, PaperIntegrator { tables }))
         }
-        _ => work.with(&mut CpuShader::new(visibility).interpolating(is_interpolated).with_sky(sky)).await,
+        _ => AnyCpuShader::new(CpuShader::new(visibility).interpolating(is_interpolated).with_sky(sky)),
     }
 }
 

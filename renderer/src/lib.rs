@@ -30,6 +30,7 @@ mod bands;
 mod budget;
 mod cache;
 mod clocks;
+mod cpu_shading;
 mod custom_strategy;
 mod edit;
 mod edit_error;

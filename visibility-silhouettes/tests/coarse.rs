@@ -1,8 +1,6 @@
 //! Simplified forms of meshes: masks stay near the exact ones, and depend only on the receiver and its light.
 
-mod common;
-
-use common::{Rays, Soup, globe};
+use crate::common::{Rays, Soup, globe};
 use glam::Vec3;
 use lobe_core::{Cone, FlatShape, Lobe, Outline, Receiver, Sphere};
 use shading::{Accuracy, LightCoverage, LightExtent, LightId, LightVisibility, Shaft, Visibility};

@@ -1,9 +1,7 @@
 //! Masks of flat lights from silhouettes, sample by sample, against f64 rays to every sample.
 
-mod common;
-
-use common::soups::{soup, vec};
-use common::{Rays, Soup};
+use crate::common::soups::{soup, vec};
+use crate::common::{Rays, Soup};
 use core::f32::consts::TAU;
 use glam::{DVec3, Vec2, Vec3};
 use lobe_core::oracle::Random;

@@ -1,8 +1,6 @@
 //! A group of receivers gets the same results as each alone, and receivers on one face with one result take one ray.
 
-mod common;
-
-use common::{Rays, Soup, cuboid};
+use crate::common::{Rays, Soup, cuboid};
 use core::sync::atomic::{AtomicU32, Ordering};
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;

@@ -1,8 +1,7 @@
 //! Equivalent descriptions of a scene give the same light.
 
-mod common;
-
-use common::moment::{EXPONENTS, Moment};
+use crate::common::Soup;
+use crate::common::moment::{EXPONENTS, Moment};
 use glam::{DQuat, DVec3};
 use lobe_core::oracle::Random;
 
@@ -83,7 +82,7 @@ fn triangles_that_are_there_twice() {
 fn a_corner_listed_twice_is_one() {
     assert_same(&differences(|_, m| {
         let mut new = m.clone();
-        new.soup = common::Soup::default();
+        new.soup = Soup::default();
         m.soup.corners().for_each(|corners| new.soup.add(corners));
         new
     }));

@@ -1,8 +1,6 @@
 //! The visible fraction of a light changes as smoothly as the scene moves.
 
-mod common;
-
-use common::moment::{EXPONENTS, Moment};
+use crate::common::moment::{EXPONENTS, Moment};
 use lobe_core::oracle::Random;
 
 const SWEEPS: [&str; 5] = ["lobe", "blocker", "light", "receiver", "normal"];

@@ -1,9 +1,7 @@
 //! Masks from silhouettes, sample by sample, against f64 rays to every sample.
 
-mod common;
-
-use common::soups::{soup, vec};
-use common::{Rays, Soup, globe, turn};
+use crate::common::soups::{soup, vec};
+use crate::common::{Rays, Soup, globe, turn};
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
 use lobe_core::{Cone, Receiver, Sphere};

@@ -1,7 +1,5 @@
 //! Triangles that are tested one by one in f64.
 
-#![allow(dead_code, reason = "not every test makes everything")]
-
 pub(crate) mod moment;
 pub(crate) mod soups;
 
