@@ -22,7 +22,7 @@ mod arcs;
 mod blend;
 mod blockers;
 pub(crate) mod buffer;
-mod crowd;
+pub(crate) mod crowd;
 mod horizon;
 pub(crate) mod meridians;
 pub(crate) mod pole;

@@ -5,7 +5,7 @@
 //! [`FACET`] need a [`header`].
 
 use crate::row::{COARSE, WIDTH};
-use crate::sky::{SkyResolution, buffer, meridians, pole, spread, view};
+use crate::sky::{SkyResolution, buffer, crowd, meridians, pole, spread, view};
 use crate::{
     Fineness, MAX_DEPTH, accuracy, contour, edges, fineness, near_masks, places, square, visibility, visible_fraction,
 };
@@ -60,17 +60,21 @@ pub static FACET: Piece = Piece::new(include_str!("facet.wgsl")).needs(&[&lobes:
 
 /// The sky before one receiver: the horizon, meridians, and counts of surfaces along them. Needs a [`sky_header`], a binding `sky_table` of
 /// [these numbers](crate::sky::SkyTable::packed), and blockers that call `sky_draw_arc` or `sky_cross`.
-pub static SKY_BUFFER: Piece = Piece::new(include_str!("sky/buffer.wgsl"))
-    .numbers(wgsl_numbers![
-        SKY_PLACES = buffer::HALF as u32,
-        SKY_CUTS = buffer::CUTS,
-        SKY_AXES = pole::AXES,
-        SKY_SURE = 1.0 + buffer::MARGIN,
-        SKY_AROUND = meridians::AROUND,
-        SKY_DIAGONAL = meridians::DIAGONAL,
-        SKY_SPREAD = meridians::SPREAD,
-    ])
-    .needs(&[&lobes::SPECIAL, &lobes::GEOMETRY]);
+pub static SKY_BUFFER: Piece =
+    Piece::new(concat!(include_str!("sky/buffer.wgsl"), "\n", include_str!("sky/crowd.wgsl")))
+        .numbers(wgsl_numbers![
+            SKY_PLACES = buffer::HALF as u32,
+            SKY_CUTS = buffer::CUTS,
+            SKY_RUN = buffer::RUN as u32,
+            SKY_FINER = crowd::FINER as u32,
+            SKY_SPARSE = crowd::SPARSE as u32,
+            SKY_AXES = pole::AXES,
+            SKY_SURE = 1.0 + buffer::MARGIN,
+            SKY_AROUND = meridians::AROUND,
+            SKY_DIAGONAL = meridians::DIAGONAL,
+            SKY_SPREAD = meridians::SPREAD,
+        ])
+        .needs(&[&lobes::SPECIAL, &lobes::GEOMETRY]);
 /// Sums of lobes over what is seen. Needs one of [`SKY_MICROFACETS`] and [`SKY_NO_MICROFACETS`].
 pub static SKY_VIEW: Piece = Piece::new(include_str!("sky/view.wgsl"))
     .numbers(wgsl_numbers![SKY_STEEP = view::STEEP, SKY_LITTLE = view::LITTLE])

@@ -8,29 +8,49 @@ var<workgroup> sky_is_dark: u32;
 // Sums the first `count` lobes over what is seen if the fewest surfaces are none, and returns the fewest. Requires uniform control flow.
 fn sky_sum(lane: u32, at: Receiver, count: u32) -> i32 {
     var part = SKY_LISTS;
-    var is_crowded = false;
+    var rows = LANES;
+    var is_crowd = false;
+    var is_drawn = true;
     // Mostly some sample has as many surfaces before it as the pole, and none has fewer.
     var fewest = 0;
     loop {
-        sky_begin_part(lane, part);
+        let lists = part == SKY_LISTS || (is_crowd && part % SKY_ALONG == 0u);
+        sky_begin_part(lane, part, rows, is_crowd);
         workgroupBarrier();
-        if (part == SKY_LISTS || is_crowded) {
+        if (lists || is_drawn) {
             blockers_sky(lane, at);
-        } else {
+        } else if (!is_crowd) {
             sky_draw_list(lane);
         }
         workgroupBarrier();
-        if (part == SKY_LISTS) {
-            is_crowded = sky_is_crowded(lane);
-            part = 0u;
-            continue;
+        if (lists) {
+            let found = sky_found(lane);
+            if (part == SKY_LISTS) {
+                is_crowd = sky_is_crowd_of(found);
+                is_drawn = !is_crowd && found > SKY_ROOM;
+                rows = select(LANES, SKY_CROWD_ROWS, is_crowd);
+                part = 0u;
+                continue;
+            }
+            if (found > SKY_LINKS) {
+                // Fewer rows, or, of more than are listed of one, no crowd.
+                is_crowd = rows > 1u;
+                is_drawn = !is_crowd;
+                part = select(0u, 2u * part, is_crowd);
+                rows = select(LANES, rows / 2u, is_crowd);
+                continue;
+            }
         }
-        sky_count(lane, fewest);
+        if (is_crowd) {
+            sky_count_crowd(lane, fewest);
+        } else {
+            sky_count(lane, fewest);
+        }
         for (var k = 0u; k < count; k++) {
             sky_add(lane, at, k);
         }
         part += 1u;
-        if (part == SKY_PARTS) {
+        if (part >= SKY_ALONG * ((SKY_ROWS + rows - 1u) / rows)) {
             let found = sky_fewest(lane);
             if (found == fewest) {
                 break;

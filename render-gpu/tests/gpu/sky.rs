@@ -12,14 +12,18 @@ use render_gpu::{Gpu, GpuShader, GpuSky, GpuWorld, Occlusion};
 use scene::{Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints};
 use shading::gpu::GpuBlockers;
 use shading::{Accuracy, LightLobes as _};
-use test_scenes::{environment_map, globe};
+use test_scenes::{below_leaves, environment_map, globe};
 use visibility_mask::MaskVisibility;
 use visibility_mask::sky::{SkyResolution, SkyTable};
 use visibility_silhouettes::{GpuSilhouettes, SilhouetteBlockers};
 use visibility_spheres::SphereBlockers;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
-    vec![trial("skies_at_once", gpu, skies_at_once), trial("skies_before_spheres", gpu, before_spheres)]
+    vec![
+        trial("skies_at_once", gpu, skies_at_once),
+        trial("skies_before_spheres", gpu, before_spheres),
+        trial("skies_behind_leaves", gpu, behind_leaves),
+    ]
 }
 
 /// A smooth sky with a glow and a hard window, and a sphere around the scene.
@@ -159,11 +163,8 @@ fn before_spheres(gpu: &Gpu) {
     let crumbs: Vec<Sphere> = (0..900).map(crumb).collect();
     let many = SphereBlockers::new(&crumbs, &[9; 900], &[0.0; 900]);
     let mut shader = GpuShader::new(gpu, Occlusion::default()).expect("a shader");
-    // A CPU counts those of a crowd in finer samples.
-    const CROWD: [f32; 2] = [0.01, 0.1];
-    for (spheres, rows, samples, most) in
-        [(&few, 32, 64, SAME), (&few, 64, 64, SAME), (&few, 128, 64, SAME), (&many, 64, 64, CROWD)]
-    {
+    // The last ones are a crowd, whose samples are divided.
+    for (spheres, rows, samples) in [(&few, 32, 64), (&few, 64, 64), (&few, 128, 64), (&many, 64, 64)] {
         let table = table(&environment, SkyResolution::new(rows, samples));
         let mut want = vec![Vec3::ZERO; points.receivers.len()];
         CpuShader::new(MaskVisibility::new(spheres))
@@ -173,6 +174,38 @@ fn before_spheres(gpu: &Gpu) {
         let own: &[&dyn GpuBlockers] = &[spheres];
         shader.occlude(Occlusion::of(own)).expect("a shader");
         let case = Case { points: &points, frame: &frame, table: &table, replaced: replaced.clone() };
-        case.compare(gpu, &want, &mut shader, most);
+        case.compare(gpu, &want, &mut shader, SAME);
+    }
+}
+
+/// The same behind leaves, whose corners both round in their own way.
+const LEAVES: [f32; 2] = [3e-4, 6e-3];
+
+/// Foliage: several leaves lie in one sample. Of the last ones fewer rows than usual are listed at a time.
+fn behind_leaves(gpu: &Gpu) {
+    let environment = environment();
+    let lights: Vec<Light> = environment.lights().to_vec();
+    let replaced = environment.patches_among(&lights).expect("its patches");
+    let mut shader = GpuShader::new(gpu, Occlusion::default()).expect("a shader");
+    for (count, size, rows, samples) in [(1500, 0.12, 64, 64), (4000, 0.06, 128, 64), (1000, 0.3, 64, 64)] {
+        let mut scene = below_leaves(count, size, lights.clone());
+        (scene.width, scene.height) = (18, 12);
+        let world = World::new(&scene);
+        let points = GBuffer::new(&world, scene.width, scene.height, 1).points;
+        let frame: Frame<'_> = Frame::new(&scene.materials, &lights, Accuracy::new(0.005));
+        let silhouettes = SceneSilhouettes::new(&scene, |_| true);
+        let blockers = SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |_| true));
+        let rays = GpuWorld::only(gpu, &scene, |_| true).expect("geometry");
+        let ours = GpuSilhouettes::new(silhouettes.meshes());
+        let own: &[&dyn GpuBlockers] = &[&ours];
+        shader.occlude(Occlusion { blockers: own, any_hit: Some(&rays) }).expect("a shader");
+        let table = table(&environment, SkyResolution::new(rows, samples));
+        let mut want = vec![Vec3::ZERO; points.receivers.len()];
+        CpuShader::new(MaskVisibility::new(&blockers))
+            .with_sky(SkyShader::new([&table], replaced.clone(), &blockers))
+            .shade(&points, &frame, &mut want)
+            .expect("shaded");
+        let case = Case { points: &points, frame: &frame, table: &table, replaced: replaced.clone() };
+        case.compare(gpu, &want, &mut shader, LEAVES);
     }
 }

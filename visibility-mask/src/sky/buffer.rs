@@ -13,7 +13,7 @@ pub(crate) const CUTS: u32 = 7;
 /// Samples whose lower end is so near to the horizon are not certain to be above it.
 pub(crate) const MARGIN: f32 = 0.01;
 /// The most samples of a row: the unit of runs.
-const RUN: usize = SkyResolution::MOST[1];
+pub(crate) const RUN: usize = SkyResolution::MOST[1];
 /// The most rays that are traced.
 const WITNESSES: usize = 3;
 

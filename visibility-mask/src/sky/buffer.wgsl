@@ -9,11 +9,11 @@ const SKY_COLUMNS = 16u;
 const SKY_CELLS = SKY_COLUMNS * LANES;
 // Parts of the buffer: along LANES meridians, then along the next ones.
 const SKY_ALONG = SKY_SAMPLES / SKY_COLUMNS;
-const SKY_PARTS = SKY_ALONG * ((SKY_ROWS + LANES - 1u) / LANES);
 // Instead of a part: crossings are listed.
-const SKY_LISTS = SKY_PARTS;
+const SKY_LISTS = 0xffffffffu;
 // Crossings that are listed, one a word; if there are more, blockers draw again for each part.
 const SKY_ROOM = 768u;
+const SKY_WORDS = SKY_CELLS + SKY_ROOM;
 // Half a surface.
 const SKY_HALF = i32(SKY_PLACES);
 // A count that no sample has.
@@ -21,10 +21,9 @@ const SKY_MOST = 0x7fffffff;
 
 // For each sample of the part the change of the count, then how much of it is seen.
 var<workgroup> sky_counts: array<atomic<i32>, SKY_CELLS>;
-// The parts that folds hide besides, where other outlines pass.
-var<workgroup> sky_folds: array<atomic<i32>, SKY_CELLS>;
-// Row, column, fraction and step.
-var<workgroup> sky_crossings: array<u32, SKY_ROOM>;
+// For each sample the part that folds hide besides, where other outlines pass; then crossings: row, column, fraction and step. Or all of it
+// lists the crossings of a crowd.
+var<workgroup> sky_words: array<atomic<u32>, SKY_WORDS>;
 var<workgroup> sky_crossing_count: atomic<u32>;
 // Rows that are crossed, as bits.
 var<workgroup> sky_crossed: array<atomic<u32>, (SKY_ROWS + 31u) / 32u>;
@@ -47,9 +46,12 @@ struct SkyHorizon {
 }
 
 var<private> sky_horizon: SkyHorizon;
-// The part that is drawn.
+// The part that is drawn; how many rows it has, their first, and whether they are a crowd's.
 var<private> sky_part: u32;
-// The thread's row: the count of the last sample, the fewest of whole samples, the present run with these, the longest.
+var<private> sky_rows: u32;
+var<private> sky_first_row: u32;
+var<private> sky_is_crowd: bool;
+// The thread's row: the count of the last sample (of a crowd the surfaces before the next one), the fewest of whole samples, the present run with these, the longest.
 var<private> sky_number: i32;
 var<private> sky_row_least: i32;
 var<private> sky_run: u32;
@@ -120,7 +122,15 @@ fn sky_may_cross(middle: vec3f, half: vec3f) -> bool {
     // The azimuth number turns no faster than the azimuth.
     let spread = select(4.0, off / distance, distance > 0.0) + SKY_SPREAD;
     let azimuth = sky_azimuth(to);
-    return sky_rows_before(azimuth - spread) != sky_rows_before(azimuth + spread);
+    let begin = sky_rows_before(azimuth - spread);
+    let end = sky_rows_before(azimuth + spread);
+    return begin != end && (!sky_is_crowd || sky_are_drawn(i32(begin), u32(end - begin)));
+}
+
+// Whether any of so many rows is among those of the part.
+fn sky_are_drawn(begin: i32, count: u32) -> bool {
+    let off = u32(begin - i32(sky_first_row) + 4 * i32(SKY_ROWS)) % SKY_ROWS;
+    return off < sky_rows || off + count > SKY_ROWS;
 }
 
 // Where on its row a direction is, in samples from the pole: its z, and its distance from the axis.
@@ -140,7 +150,7 @@ fn sky_direction_at(row: u32, sample: f32) -> vec3f {
 }
 
 // A great-circle arc that crosses meridians: the normal of its plane in the pole's frame, the first row after its beginning, and how
-// many it crosses (negative: clockwise; 0: it is left out).
+// many it crosses (negative: clockwise; 0: it is left out, as before a crowd where it crosses none of the part's rows).
 struct SkyArc {
     plane: vec3f,
     first: i32,
@@ -171,7 +181,11 @@ fn sky_arc(a: vec3f, b: vec3f) -> SkyArc {
         }
         plane = vec3f(0.0);
     }
-    return SkyArc(plane, i32(first), i32(rows));
+    let arc = SkyArc(plane, i32(first), i32(rows));
+    if (sky_is_crowd && !sky_are_drawn(arc.first + min(arc.rows, 0), u32(abs(arc.rows)))) {
+        return SkyArc();
+    }
+    return arc;
 }
 
 // Draws an arc, to the right of which the number of surfaces grows by `step`, in half surfaces.
@@ -191,6 +205,10 @@ fn sky_draw_arc(arc: SkyArc, step: i32) {
 fn sky_cross(row: u32, place: f32, step: i32) {
     let column = floor(place);
     let fraction = u32((place - column) * f32(SKY_HALF) + 0.5);
+    if (sky_is_crowd) {
+        sky_link(row, u32(column), fraction, step);
+        return;
+    }
     if (sky_part != SKY_LISTS) {
         sky_put(row, u32(column), i32(fraction), step);
         return;
@@ -198,14 +216,15 @@ fn sky_cross(row: u32, place: f32, step: i32) {
     atomicOr(&sky_crossed[row / 32u], 1u << (row % 32u));
     let place_in_list = atomicAdd(&sky_crossing_count, 1u);
     if (place_in_list < SKY_ROOM) {
-        sky_crossings[place_in_list] = row | (u32(column) << 8u) | (fraction << 16u) | (u32(step + 8) << 28u);
+        let crossing = row | (u32(column) << 8u) | (fraction << 16u) | (u32(step + 8) << 28u);
+        atomicStore(&sky_words[SKY_CELLS + place_in_list], crossing);
     }
 }
 
 // Adds a crossing to the counts of the part: `SkyBuffer::put`.
 fn sky_put(row: u32, column: u32, fraction: i32, step: i32) {
     // Rows and columns before the part wrap to numbers beyond all.
-    let lane = row - sky_part / SKY_ALONG * LANES;
+    let lane = row - sky_first_row;
     let here = column - sky_part % SKY_ALONG * SKY_COLUMNS;
     let next = here + 1u;
     if (lane >= LANES) {
@@ -217,7 +236,7 @@ fn sky_put(row: u32, column: u32, fraction: i32, step: i32) {
         let more = select(others, 0, step > 0) + usual * (SKY_HALF - fraction);
         atomicAdd(&sky_counts[here * LANES + lane], (more << SKY_CUTS) + 1);
         if (others != 0) {
-            atomicAdd(&sky_folds[here * LANES + lane], select(fraction, SKY_HALF - fraction, step > 0));
+            atomicAdd(&sky_words[here * LANES + lane], u32(select(fraction, SKY_HALF - fraction, step > 0)));
         }
     }
     if (next < SKY_COLUMNS) {
@@ -236,22 +255,31 @@ fn sky_begin(lane: u32) {
     }
 }
 
-// Begins a part, and the sums of all parts with the first.
-fn sky_begin_part(lane: u32, part: u32) {
+// Begins a part of so many rows, and the sums of all parts with the first. A crowd's rows are whole ones, and are drawn with their first part.
+fn sky_begin_part(lane: u32, part: u32, rows: u32, is_crowd: bool) {
     sky_part = part;
+    sky_rows = rows;
+    sky_is_crowd = is_crowd;
     if (part == SKY_LISTS) {
         return;
     }
-    for (var k = lane; k < SKY_CELLS; k += LANES) {
-        atomicStore(&sky_counts[k], 0);
-        atomicStore(&sky_folds[k], 0);
+    sky_first_row = part / SKY_ALONG * rows;
+    let is_first_of_rows = part % SKY_ALONG == 0u;
+    if (!is_crowd || is_first_of_rows) {
+        for (var k = lane; k < SKY_CELLS; k += LANES) {
+            atomicStore(&sky_counts[k], 0);
+            atomicStore(&sky_words[k], 0u);
+        }
+    }
+    if (is_crowd && is_first_of_rows && lane == 0u) {
+        atomicStore(&sky_crossing_count, 0u);
     }
     if (part == 0u) {
         sky_own_least = SKY_MOST;
         sky_own_least_of_any = SKY_MOST;
         sky_own_run = 0u;
     }
-    if (part % SKY_ALONG == 0u) {
+    if (is_first_of_rows) {
         sky_number = 0;
         sky_row_least = SKY_MOST;
         sky_run = 0u;
@@ -259,25 +287,25 @@ fn sky_begin_part(lane: u32, part: u32) {
     }
 }
 
-// Whether there are more crossings than are listed. Requires uniform control flow.
-fn sky_is_crowded(lane: u32) -> bool {
+// How many crossings were found. Requires uniform control flow.
+fn sky_found(lane: u32) -> u32 {
     if (lane == 0u) {
         sky_plan = i32(atomicLoad(&sky_crossing_count));
     }
-    return workgroupUniformLoad(&sky_plan) > i32(SKY_ROOM);
+    return u32(workgroupUniformLoad(&sky_plan));
 }
 
 // Draws the listed crossings into the part.
 fn sky_draw_list(lane: u32) {
     let count = min(atomicLoad(&sky_crossing_count), SKY_ROOM);
     for (var k = lane; k < count; k += LANES) {
-        let crossing = sky_crossings[k];
+        let crossing = atomicLoad(&sky_words[SKY_CELLS + k]);
         sky_put(crossing & 255u, (crossing >> 8u) & 255u, i32((crossing >> 16u) & 4095u), i32(crossing >> 28u) - 8);
     }
 }
 
-// The thread's row in the part, and its first sample there.
-fn sky_row(lane: u32) -> u32 { return sky_part / SKY_ALONG * LANES + lane; }
+// The thread's row in the part, or the number of all rows; and its first sample there.
+fn sky_row(lane: u32) -> u32 { return select(SKY_ROWS, sky_first_row + lane, lane < sky_rows); }
 
 fn sky_column() -> u32 { return sky_part % SKY_ALONG * SKY_COLUMNS; }
 
@@ -294,36 +322,49 @@ fn sky_count(lane: u32, fewest: i32) {
         let cell = c * LANES + lane;
         sky_number += atomicLoad(&sky_counts[cell]);
         let cuts = sky_number & ((1 << SKY_CUTS) - 1);
-        let is_above = f32(first + c) <= sure;
-        if (is_above) {
-            sky_own_least_of_any = min(sky_own_least_of_any, sky_number);
-            if (cuts == 0 && sky_number < sky_row_least) {
-                sky_row_least = sky_number;
-                sky_run = 0u;
-                sky_row_run = 0u;
-            }
-        }
-        if (is_above && sky_number == sky_row_least) {
-            sky_run += 512u;
-            sky_row_run = max(sky_row_run, sky_run + first + c);
-        } else {
-            sky_run = 0u;
-        }
+        sky_note(f32(first + c) <= sure, first + c, sky_number, sky_number);
         var hidden = sky_number >> SKY_CUTS;
         if (cuts > 1) {
-            hidden += atomicLoad(&sky_folds[cell]);
+            hidden += i32(atomicLoad(&sky_words[cell]));
         }
         atomicStore(&sky_counts[cell], clamp((fewest >> SKY_CUTS) + 2 * SKY_HALF - hidden, 0, 2 * SKY_HALF));
     }
-    if (first + SKY_COLUMNS == SKY_SAMPLES && sky_row_least <= sky_own_least) {
+    sky_end_row(row);
+}
+
+// Notes the count of a sample, and the least there can be before a part of it.
+fn sky_note(is_above: bool, sample: u32, count: i32, least: i32) {
+    if (is_above) {
+        sky_own_least_of_any = min(sky_own_least_of_any, least);
+        let cuts = count & ((1 << SKY_CUTS) - 1);
+        if (cuts == 0 && count < sky_row_least) {
+            sky_row_least = count;
+            sky_run = 0u;
+            sky_row_run = 0u;
+        }
+    }
+    if (is_above && count == sky_row_least) {
+        sky_run += SKY_RUN;
+        sky_row_run = max(sky_row_run, sky_run + sample);
+    } else {
+        sky_run = 0u;
+    }
+}
+
+// With the last part of a row notes its fewest and its longest run.
+fn sky_end_row(row: u32) {
+    if (sky_column() + SKY_COLUMNS == SKY_SAMPLES && sky_row_least <= sky_own_least) {
         let run = select(0u, (sky_row_run << 8u) | (255u - row), sky_row_run > 0u);
         sky_own_run = select(run, max(run, sky_own_run), sky_row_least == sky_own_least);
         sky_own_least = sky_row_least;
     }
 }
 
-// The part of a sample that is seen, after `sky_count`.
-fn sky_seen_part(lane: u32, c: u32) -> f32 { return f32(atomicLoad(&sky_counts[c * LANES + lane])) / f32(2 * SKY_HALF); }
+// The part of a sample that is seen, after `sky_count` or `sky_count_crowd`.
+fn sky_seen_part(lane: u32, c: u32) -> f32 {
+    let cell = select(c, sky_column() + c, sky_is_crowd) * sky_rows + lane;
+    return f32(atomicLoad(&sky_counts[cell])) * select(1.0, 1.0 / f32(SKY_FINER), sky_is_crowd) / f32(2 * SKY_HALF);
+}
 
 // The fewest surfaces of all parts, and the longest runs. Requires uniform control flow.
 fn sky_fewest(lane: u32) -> i32 {
@@ -397,7 +438,8 @@ fn sky_witness(fewest: i32) -> vec3f {
         return sky_horizon.normal;
     }
     let run = best >> 8u;
-    return sky_direction_at(255u - (best & 255u), f32(run % 512u) + 1.0 - 0.5 * f32(run / 512u));
+    let sample = f32(run % SKY_RUN) + 1.0 - 0.5 * f32(run / SKY_RUN);
+    return sky_direction_at(255u - (best & 255u), select(sample, sample / f32(SKY_FINER), sky_is_crowd));
 }
 
 // Whether nothing crosses any row. Requires that `sky_fewest` has run.

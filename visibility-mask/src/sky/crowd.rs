@@ -4,9 +4,9 @@ use fearless_simd::{Simd, i32x8, prelude::*};
 use lobe_core::vec3x8::LANES;
 
 /// Outlines are a crowd if they cross more samples than one in this number: several in one sample hide parts of it that overlap.
-const SPARSE: usize = 4;
+pub(crate) const SPARSE: usize = 4;
 /// The samples of a crowd for each of the table's.
-pub(super) const FINER: usize = 4;
+pub(crate) const FINER: usize = 4;
 /// Bits of one of two parts of a sample.
 const PART: u32 = 16;
 
