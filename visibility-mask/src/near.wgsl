@@ -4,8 +4,9 @@
 // Their windows, the lower corner and the upper one in plane coordinates, and their number.
 var<workgroup> near_windows: array<vec4f, PLACES_CELLS>;
 var<workgroup> near_count: u32;
-// The windows that are drawn in cells, 0 for one window.
+// The masks that are drawn in cells, 0 for one window; and into how many parts a window is divided along each side, a mask for each.
 var<workgroup> near_cells: u32;
+var<workgroup> near_parts: u32;
 // The window that is tried.
 var<private> near_square: UnitSquare;
 // The number of the mask that is drawn or read, and the area of its samples over that of the whole light's.
@@ -21,9 +22,11 @@ var<private> near_box: vec4f;
 fn near_begin(lane: u32) {
     near_box = vec4f(-1e30);
     places_clear(lane);
+    places_are_listed = false;
     if (lane == 0u) {
         near_count = 0u;
         near_cells = 0u;
+        near_parts = 1u;
     }
 }
 
@@ -51,20 +54,32 @@ fn near_add(lane: u32, mask: Mask, inner: vec2<bool>) -> vec2u {
 }
 
 // Whether so little of the light is lit that few samples measure its size: `counts` has its lit and its emitting samples, and its rows with
-// lit ones; there are `rows` in all. Where none is lit, an opening between samples may be marked, or looked for.
+// lit ones; there are `rows` in all. Where none is lit, an opening between samples may be marked, or lie between the marks' lines.
 fn near_is_little(counts: vec4f, rows: u32) -> bool {
     if (counts.x == 0.0) {
-        return counts.y > 0.0 && (frame.look_again > 1u || atomicLoad(&places_count) > 0u);
+        let may_be_missed = near_seeks() && places_are_listed;
+        return counts.y > 0.0 && (frame.look_again > 1u || atomicLoad(&places_count) > 0u || may_be_missed);
     }
+    return near_are_few(counts, rows) || (near_seeks() && near_is_narrow(counts));
+}
+
+// Whether so few samples are lit, or so few rows have any, that their number is no measure: `LitCounts::are_few`.
+fn near_are_few(counts: vec4f, rows: u32) -> bool {
     let is_few = NEAR_LEAST * counts.x < counts.y || NEAR_OF * counts.z < NEAR_FEW * f32(rows);
     return frame.look_again > 0u && NEAR_LITTLE * counts.x < counts.y && is_few;
 }
 
+// Whether openings between samples are marked beside lit ones, or the lit ones may all be one more, or one less, in a row after another.
+fn near_is_narrow(counts: vec4f) -> bool {
+    let is_narrow = NEAR_NARROW * counts.x < counts.z * f32(row_width);
+    return NEAR_SLIGHT * counts.x < counts.y && (is_narrow || atomicLoad(&places_count) > 0u);
+}
+
 // Whether that is looked at again: of an opening the lit part ends at blockers on two opposite sides, of an ordinary penumbra where the light does,
-// of which that is done if it is slight. `counts` has the lit and the emitting samples, the rows with lit samples and those of them that end where the light does, `columns` the same across them.
-fn near_is_opening(counts: vec4f, columns: vec2f) -> bool {
+// of which that is done if few samples show it and it is slight. `counts` has the lit and the emitting samples, the rows with lit samples and those of them that end where the light does, `columns` the same across them.
+fn near_is_opening(counts: vec4f, columns: vec2f, rows: u32) -> bool {
     let is_opening = NEAR_ENDS * counts.w < counts.z || NEAR_ENDS * columns.y < columns.x;
-    let is_slight = NEAR_SLIGHT * counts.x < counts.y;
+    let is_slight = near_are_few(counts, rows) && NEAR_SLIGHT * counts.x < counts.y;
     return is_opening || is_slight || frame.look_again > 1u || outline_has_sides() || counts.x == 0.0;
 }
 
@@ -106,6 +121,8 @@ fn near_gather(first: u32, row: Row) {
 // The first windows: around all that is lit, in cells if these are much smaller together, or where nothing is lit a quarter of the light.
 // `is_one`: whether the light has one mask, whose samples are those of the thread's row. Requires uniform control flow.
 fn near_first(lane: u32, whole: UnitSquare, is_one: bool) {
+    // Before lit samples are added.
+    let is_marked = atomicLoad(&places_count) > 0u;
     let box = largest(lane, near_box);
     near_box = vec4f(-1e30);
     near_quarter = 0u;
@@ -114,7 +131,7 @@ fn near_first(lane: u32, whole: UnitSquare, is_one: bool) {
     }
     workgroupBarrier();
     if (lane == 0u) {
-        near_divide(whole, box, is_one);
+        near_divide(whole, box, is_one, is_marked);
     }
     let count = workgroupUniformLoad(&near_count);
     if (lane == 0u) {
@@ -148,8 +165,9 @@ fn near_add_places(lane: u32) {
     }
 }
 
-// Writes the windows: none if nothing is lit or marked. `box`: around the lit samples. By one thread.
-fn near_divide(whole: UnitSquare, box: vec4f, may_divide: bool) {
+// Writes the windows: none if nothing is lit or marked. `box`: around the lit samples. Where openings between samples are marked, no more than
+// a few outlines are before the light, so that there are several masks for each window. By one thread.
+fn near_divide(whole: UnitSquare, box: vec4f, may_divide: bool, is_marked: bool) {
     var low = select(-box.xy, vec2f(1e30), box.z < -1e29);
     var high = select(box.zw, vec2f(-1e30), box.z < -1e29);
     var sum = 0.0;
@@ -168,9 +186,11 @@ fn near_divide(whole: UnitSquare, box: vec4f, may_divide: bool) {
         }
     }
     let all = min(high, whole.center + whole.half) - max(low, whole.center - whole.half);
-    if (may_divide && count > 1u && sum < NEAR_SMALLER * all.x * all.y) {
-        near_cells = count;
-        near_count = count;
+    let has_parts = NEAR_PARTS > 1u && is_marked && count > 0u;
+    if (may_divide && (has_parts || (count > 1u && sum < NEAR_SMALLER * all.x * all.y))) {
+        near_parts = select(1u, NEAR_PARTS, has_parts);
+        near_cells = count * near_parts * near_parts;
+        near_count = near_cells;
     } else if (all.x > 0.0 && all.y > 0.0) {
         near_windows[0] = vec4f(low, high);
         near_count = 1u;
@@ -217,8 +237,9 @@ fn near_scale_of(square: UnitSquare, grid: vec2u) -> f32 {
 }
 
 fn near_window(whole: UnitSquare, index: u32) -> UnitSquare {
-    let window = near_windows[index];
-    return square_within(whole, window.xy, window.zw);
+    let count = near_parts * near_parts;
+    let window = near_windows[index / count];
+    return square_part(square_within(whole, window.xy, window.zw), index % count, vec2u(near_parts));
 }
 
 // The window that was tried is that of the mask.

@@ -12,7 +12,7 @@ pub(crate) const LEAST: u32 = 40;
 pub(crate) const FEW: u32 = 3;
 pub(crate) const OF: u32 = 8;
 /// The lit part of an opening is narrow if rows have less than 1/NARROW of their samples lit.
-const NARROW: u32 = 16;
+pub(crate) const NARROW: u32 = 16;
 /// A mask is fine enough if 1/FILLED of its samples is lit.
 pub(crate) const FILLED: u32 = 4;
 /// A window is divided before it has a mask if less than this part of it is lit, as far as segments tell.

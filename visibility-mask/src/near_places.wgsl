@@ -7,6 +7,8 @@ const PLACES_NONE = -2147483647;
 
 // Whether blockers are to mark openings between the samples of the mask that they draw.
 var<private> places_seek: bool;
+// Whether they have looked for them.
+var<private> places_are_listed: bool;
 // The window of the whole light.
 var<private> places_whole: UnitSquare;
 // Emitting samples of all rows.

@@ -151,7 +151,7 @@ fn visible_fraction(
                         if (decide(lane, count == 1u)) {
                             columns = near_columns_of(lane);
                         }
-                        if (decide(lane, near_is_opening(all, columns))) {
+                        if (decide(lane, near_is_opening(all, columns, SIDE * count))) {
                             near_first(lane, places_whole, count == 1u);
                             cells = workgroupUniformLoad(&near_cells);
                             more = max(cells, 1u);

@@ -47,6 +47,8 @@ fn masks_window(window: UnitSquare, at: Receiver, tolerance: f32, lobe: Lobe) ->
     return square_zoomed(window, lobe, at.normal, zoom_sigmas(tolerance));
 }
 
+// Masks around the lit part are stored: one a window.
+const NEAR_PARTS = 1u;
 // The same in the masks around the lit part.
 var<private> near_lit: array<Row, PLACES_CELLS>;
 

@@ -130,6 +130,7 @@ static NEAR: Piece = Piece::new(include_str!("near.wgsl"))
         NEAR_LEAST = near_masks::LEAST as f32,
         NEAR_FEW = near_masks::FEW as f32,
         NEAR_OF = near_masks::OF as f32,
+        NEAR_NARROW = near_masks::NARROW as f32,
         NEAR_FILLED = near_masks::FILLED as f32,
         NEAR_ENDS = near_masks::ENDS as f32,
         NEAR_SLIGHT = near_masks::SLIGHT as f32,

@@ -232,6 +232,7 @@ fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask
         if (PLACES_FAINT * total(lane, vec4f(f32(seen), 0.0, 0.0, 0.0)).x >= f32(width * SIDE)) {
             break;
         }
+        places_are_listed = true;
         if (lane == 0u) {
             silhouettes_stage = SILHOUETTES_OPENINGS;
         }

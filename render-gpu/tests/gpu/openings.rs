@@ -82,8 +82,8 @@ fn diffuse(gpu: &Gpu, opening: Opening, most: [f32; 2], alone: f32) {
 
 /// Openings that few samples of a mask meet, or none.
 fn between_samples(gpu: &Gpu) {
-    check(gpu, "slit", &room(SLIT, square().into()), [0.02, 0.15], 0.3);
-    check(gpu, "door", &with_door(room(DOOR, square().into()), DOOR), [0.05, 0.6], 0.3);
+    check(gpu, "slit", &room(SLIT, square().into()), [0.011, 0.075], 0.3);
+    check(gpu, "door", &with_door(room(DOOR, square().into()), DOOR), [0.021, 0.23], 0.3);
 }
 
 /// Masks of the whole light are stored for several lobes.
