@@ -5,7 +5,7 @@ use crate::{Backend, CustomStrategy, Device, KeptSky, Method, Plan, RenderError,
 use paper::{PaperIntegrator, PaperVisibility, Tables};
 use render_cpu::{CpuShader, SceneSilhouettes, SkyShader, SurfaceHits, World};
 use scene::{Frame, Object, Shape, Strategy};
-use shading::{Accuracy, Coverage, LightId, LobeIntegrator, Unshadowed, VisibilityQuery};
+use shading::{Accuracy, Coverage, LightId, LobeIntegrator, Unshadowed, Visibility, VisibilityQuery};
 use visibility_mask::{Blockers, DynMixture, LookAgain, Mask, MaskVisibility, Mixture};
 use visibility_rays::RayBlockers;
 use visibility_shadowmap::{ShadowMap, ShadowMapBlockers};
@@ -194,8 +194,7 @@ impl<'a> FrameBlockers<'a> {
         MaskVisibility::new(Mixture::new(custom, Mixture::new(self.spheres, triangles))).mask(query)
     }
 
-    /// Runs `work` with a shader for these blockers. The shader has no code for strategies that are absent; mixtures of any kinds
-    /// share one shader.
+    /// Runs `work` with a shader for these blockers.
     ///
     /// Not for a browser's GPU, which no call can wait for: see [`shade_async`](Self::shade_async).
     ///
@@ -232,7 +231,8 @@ impl<'a> FrameBlockers<'a> {
         work.with(&mut self.on_cpu(method, tables)).await
     }
 
-    /// The shader of the CPU. Takes blockers that are not borrowed.
+    /// The shader of the CPU. Takes blockers that are not borrowed. By the default method spheres alone and silhouettes alone have a shader of their own; all
+    /// else shares one, in which absent kinds cost a branch a query: each shader takes seconds to compile.
     fn on_cpu<'s>(&'s mut self, method: Method, tables: Option<&'s Tables>) -> AnyCpuShader<'s> {
         let is_summed = self.sums_skies(method);
         let (spheres, silhouettes) = (self.spheres, self.silhouettes.as_ref());
@@ -240,23 +240,34 @@ impl<'a> FrameBlockers<'a> {
         let sky = sky.map(|sky| SkyShader::new(sky.tables, sky.replaced, (spheres, silhouettes)));
         let (drawn, rays) = (self.drawn.take(), self.rays.take());
         let maps = self.maps.take().map(|maps| Mixture::new(maps, drawn));
-        let form = (method, self.of_own, self.is_interpolated);
-        let custom = DynMixture(self.custom.iter().map(|own| own.blockers()).collect());
-        match (spheres, maps, silhouettes, rays) {
-            parts if !custom.0.is_empty() => {
-                let (spheres, maps, silhouettes, rays) = parts;
-                let triangles = Mixture::new(silhouettes, Mixture::new(maps, rays));
-                masked(Mixture::new(custom, Mixture::new(spheres, triangles)), sky, form, tables)
-            }
-            (None, None, None, None) => match tables {
+        let (look_again, is_interpolated) = (look_again(self.of_own), self.is_interpolated);
+        let is_built_in = self.custom.is_empty();
+        match (method, spheres, maps, silhouettes, rays) {
+            (_, None, None, None, None) if is_built_in => match tables {
                 Some(tables) => AnyCpuShader::new(CpuShader::with_integrator(Unshadowed, PaperIntegrator { tables })),
                 None => AnyCpuShader::new(CpuShader::new(Unshadowed).with_sky(sky)),
             },
-            (Some(spheres), None, None, None) => masked(spheres, sky, form, tables),
-            (None, None, Some(silhouettes), None) => masked(silhouettes, sky, form, tables),
-            (spheres, maps, silhouettes, rays) => {
+            (Method::Moments, Some(spheres), None, None, None) if is_built_in => {
+                fractions(masks(spheres, look_again), sky, is_interpolated)
+            }
+            (Method::Moments, None, None, Some(silhouettes), None) if is_built_in => {
+                fractions(masks(silhouettes, look_again), sky, is_interpolated)
+            }
+            (method, spheres, maps, silhouettes, rays) => {
+                let custom = || DynMixture(self.custom.iter().map(|own| own.blockers()).collect());
+                let custom = (!is_built_in).then(custom);
                 let triangles = Mixture::new(silhouettes, Mixture::new(maps, rays));
-                masked(Mixture::new(spheres, triangles), sky, form, tables)
+                let visibility = masks(Mixture::new(custom, Mixture::new(spheres, triangles)), look_again);
+                match (method, tables) {
+                    (Method::Lobes, _) => {
+                        AnyCpuShader::new(CpuShader::with_integrator(visibility.with_lobes(), LobeIntegrator))
+                    }
+                    (Method::Paper, Some(tables)) => {
+                        let visibility = PaperVisibility::new(visibility.into_blockers(), tables);
+                        AnyCpuShader::new(CpuShader::with_integrator(visibility, PaperIntegrator { tables }))
+                    }
+                    _ => fractions(visibility, sky, is_interpolated),
+                }
             }
         }
     }
@@ -322,23 +333,13 @@ const fn look_again(of_own: bool) -> LookAgain {
     if of_own { LookAgain::Everywhere } else { LookAgain::Openings }
 }
 
-/// A shader with masks, by a method, with the tolerance relative to [own radiance](Settings::own_radiance) or not, with
-/// [interpolation](Settings::interpolate) or without.
-fn masked<'s, B: Blockers + 's>(
-    blockers: B,
-    sky: Option<Sky<'s>>,
-    (method, of_own, is_interpolated): (Method, bool, bool),
-    tables: Option<&'s Tables>,
-) -> AnyCpuShader<'s> {
-    let visibility = MaskVisibility::new(blockers).look_again(look_again(of_own));
-    match (method, tables) {
-        (Method::Lobes, _) => AnyCpuShader::new(CpuShader::with_integrator(visibility.with_lobes(), LobeIntegrator)),
-        (Method::Paper, Some(tables)) => {
-            let visibility = PaperVisibility::new(visibility.into_blockers(), tables);
-            AnyCpuShader::new(CpuShader::with_integrator(visibility, PaperIntegrator { tables }))
-        }
-        _ => AnyCpuShader::new(CpuShader::new(visibility).interpolating(is_interpolated).with_sky(sky)),
-    }
+fn masks<B: Blockers>(blockers: B, look_again: LookAgain) -> MaskVisibility<B> {
+    MaskVisibility::new(blockers).look_again(look_again)
+}
+
+/// A shader by visible fractions, with [interpolation](Settings::interpolate) or without.
+fn fractions<'s, V: Visibility + 's>(visibility: V, sky: Option<Sky<'s>>, is_interpolated: bool) -> AnyCpuShader<'s> {
+    AnyCpuShader::new(CpuShader::new(visibility).interpolating(is_interpolated).with_sky(sky))
 }
 
 /// Rays to the surfaces of some objects.
