@@ -57,10 +57,10 @@ fn near_add(lane: u32, mask: Mask, inner: vec2<bool>) -> vec2u {
 // lit ones; there are `rows` in all. Where none is lit, an opening between samples may be marked, or lie between the marks' lines.
 fn near_is_little(counts: vec4f, rows: u32) -> bool {
     if (counts.x == 0.0) {
-        let may_be_missed = near_seeks() && places_are_listed;
+        let may_be_missed = near_seeks() && places_are_listed && !outline_has_sides();
         return counts.y > 0.0 && (frame.look_again > 1u || atomicLoad(&places_count) > 0u || may_be_missed);
     }
-    return near_are_few(counts, rows) || (near_seeks() && near_is_narrow(counts));
+    return near_are_few(counts, rows) || (near_seeks() && !outline_has_sides() && near_is_narrow(counts));
 }
 
 // Whether so few samples are lit, or so few rows have any, that their number is no measure: `LitCounts::are_few`.
@@ -186,7 +186,8 @@ fn near_divide(whole: UnitSquare, box: vec4f, may_divide: bool, is_marked: bool)
         }
     }
     let all = min(high, whole.center + whole.half) - max(low, whole.center - whole.half);
-    let has_parts = NEAR_PARTS > 1u && is_marked && count > 0u;
+    // Patches of a sky are many and small.
+    let has_parts = NEAR_PARTS > 1u && is_marked && count > 0u && !outline_has_sides();
     if (may_divide && (has_parts || (count > 1u && sum < NEAR_SMALLER * all.x * all.y))) {
         near_parts = select(1u, NEAR_PARTS, has_parts);
         near_cells = count * near_parts * near_parts;
