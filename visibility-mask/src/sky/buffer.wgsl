@@ -127,7 +127,7 @@ fn sky_may_cross(middle: vec3f, half: vec3f) -> bool {
     return begin != end && (!sky_is_crowd || sky_are_drawn(i32(begin), u32(end - begin)));
 }
 
-// Whether any of so many rows is among those of the part.
+// Whether any of a number of rows is among those of the part.
 fn sky_are_drawn(begin: i32, count: u32) -> bool {
     let off = u32(begin - i32(sky_first_row) + 4 * i32(SKY_ROWS)) % SKY_ROWS;
     return off < sky_rows || off + count > SKY_ROWS;
@@ -255,7 +255,7 @@ fn sky_begin(lane: u32) {
     }
 }
 
-// Begins a part of so many rows, and the sums of all parts with the first. A crowd's rows are whole ones, and are drawn with their first part.
+// Begins a part of this number of rows, and the sums of all parts with the first. A crowd's rows are whole ones, and are drawn with their first part.
 fn sky_begin_part(lane: u32, part: u32, rows: u32, is_crowd: bool) {
     sky_part = part;
     sky_rows = rows;

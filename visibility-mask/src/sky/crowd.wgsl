@@ -6,7 +6,7 @@ const SKY_CROWD_ROWS = SKY_CELLS / SKY_SAMPLES;
 // Crossings of these rows.
 const SKY_LINKS = SKY_WORDS;
 
-// Whether so many crossings are those of a crowd: `Crowd::is_of`. Longer tables are not divided.
+// Whether this number of crossings is that of a crowd: `Crowd::is_of`. Longer tables are not divided.
 fn sky_is_crowd_of(crossings: u32) -> bool {
     return SKY_SAMPLES * SKY_FINER <= SKY_RUN && crossings * SKY_SPARSE > SKY_ROWS * SKY_SAMPLES;
 }

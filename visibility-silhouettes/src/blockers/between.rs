@@ -4,7 +4,7 @@ use crate::project::View;
 use crate::select::{STEP, Silhouettes};
 use glam::{Vec2, Vec3};
 
-/// Lines are drawn where at most so many outlines are before the light: each line crosses all of them.
+/// Lines are drawn where at most this number of outlines is before the light: each line crosses all of them.
 const MOST: usize = 64;
 
 /// A piece of an outline.

@@ -166,7 +166,7 @@ impl<H: AnyHit> SilhouetteBlockers<'_, H> {
         narrowest: f32,
     ) {
         let mut view = View::new(*mask.square(), mask.raster(), mask.side(), query);
-        let light = scratch.project_outlines(query, &mut view);
+        let light = scratch.cut_outlines(query, &mut view);
         let is_cut = scratch.is_cut(query.outline.is_some());
         let SilhouetteScratch { between, silhouettes, outside, origin, hits, .. } = scratch;
         let drawn = if is_cut { &*outside } else { &*silhouettes };

@@ -119,7 +119,20 @@ impl<H> SilhouetteScratch<H> {
 
     /// Lists the crossings of outlines with the rows of a mask. Returns the light if triangles reach into it.
     pub(super) fn project_outlines(&mut self, query: &VisibilityQuery<'_>, view: &mut View) -> Option<LightSphere> {
-        self.crossings.clear();
+        let sphere = self.cut_outlines(query, view);
+        let is_cut = self.is_cut(query.outline.is_some());
+        let Self { silhouettes, outside, arcs, crossings, .. } = self;
+        crossings.clear();
+        if is_cut {
+            crossings.extend(arcs.iter().filter_map(|(a, b, step)| Crossing::of_segment(view, *a, *b, *step)));
+        }
+        let drawn = if is_cut { &*outside } else { &*silhouettes };
+        dispatch!(Level::new(), simd => project(simd, drawn, view, crossings));
+        sphere
+    }
+
+    /// Cuts outlines where triangles reach into the light, and returns it then.
+    pub(super) fn cut_outlines(&mut self, query: &VisibilityQuery<'_>, view: &mut View) -> Option<LightSphere> {
         let Self { origin, silhouettes, outside, arcs, near, light, .. } = self;
         // If triangles reach into the light, surfaces count as far as its front side; else as far as its plane.
         let is_flat = query.outline.is_some();
@@ -136,17 +149,10 @@ impl<H> SilhouetteScratch<H> {
             sphere.outside(silhouettes, outside);
             self.is_outside_known = true;
         }
-        let is_cut = self.is_cut(is_flat);
-        let Self { silhouettes, outside, arcs, crossings, .. } = self;
-        if is_cut {
-            crossings.extend(arcs.iter().filter_map(|(a, b, step)| Crossing::of_segment(view, *a, *b, *step)));
-        }
-        if is_cut && is_flat {
+        if is_flat && self.is_cut(is_flat) {
             // The plane has cut the silhouettes too.
             view.clip = f32::INFINITY;
         }
-        let drawn = if is_cut { &*outside } else { &*silhouettes };
-        dispatch!(Level::new(), simd => project(simd, drawn, view, crossings));
         sphere
     }
 
