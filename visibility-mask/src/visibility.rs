@@ -247,11 +247,12 @@ impl<B: Blockers> MaskVisibility<B> {
             return;
         }
         let counts = masks.lit_counts();
-        if !counts.are_slight() && !counts.are_few() {
-            return;
-        }
+        let is_little = counts.are_slight() || counts.are_few();
         // A part of an environment, whose outline knows its sides, ends where the next one begins.
         let is_patch = query.outline.is_some_and(Outline::has_sides);
+        if !is_little && !is_patch {
+            return;
+        }
         let is_thorough = self.again == LookAgain::Everywhere || is_patch;
         // Through an opening between samples much of a wide light's radiance may come; of a narrower one all, where nothing is lit.
         let is_wide = is_thorough
@@ -262,7 +263,10 @@ impl<B: Blockers> MaskVisibility<B> {
         let narrowest = NARROWEST_OPENING * square.half.x;
         let are_known = seeks && masks.mark(|mask| self.blockers.mark_openings(query, blockers, mask, narrowest));
         let is_narrow = seeks && counts.are_narrow();
-        if !masks.has_openings() && !is_narrow && !(counts.are_few() && (is_opening || counts.are_slight())) {
+        // Behind a window a few parts are all that is seen of a sky, so one that is half hidden counts as much as one of which little is left.
+        let is_cut = is_patch && are_known && masks.coverage() == Coverage::Partial;
+        let is_few = counts.are_few() && (is_opening || counts.are_slight());
+        if !is_cut && !(is_little && (masks.has_openings() || is_narrow || is_few)) {
             return;
         }
         let is_found = masks.has_openings() || !counts.are_none();
