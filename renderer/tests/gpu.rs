@@ -134,7 +134,8 @@ fn skies_are_summed_at_once() {
         let peak = want.iter().map(|v| v.max_element()).fold(0.0, f32::max);
         let all = want.iter().zip(&got).map(|(a, b)| (*a - *b).abs().max_element() / peak);
         let (sum, most) = all.fold((0.0, 0.0_f32), |(sum, most), d| (sum + d, most.max(d)));
-        assert!(sum < 1e-5 * want.len() as f32 && most < 1e-3, "{sum:e} {most:e}");
+        // Points that see little of the sky see patches, whose cut ones a CPU draws in finer masks.
+        assert!(sum < 1e-5 * want.len() as f32 && most < 5e-3, "{sum:e} {most:e}");
         gpu = Some(ours);
     }
     let mut ours = gpu.expect("a renderer");

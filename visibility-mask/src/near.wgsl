@@ -60,7 +60,12 @@ fn near_is_little(counts: vec4f, rows: u32) -> bool {
         let may_be_missed = near_seeks() && places_are_listed && !outline_has_sides();
         return counts.y > 0.0 && (frame.look_again > 1u || atomicLoad(&places_count) > 0u || may_be_missed);
     }
-    return near_are_few(counts, rows) || (near_seeks() && !outline_has_sides() && near_is_narrow(counts));
+    return near_are_few(counts, rows) || near_is_cut(counts) || (near_seeks() && !outline_has_sides() && near_is_narrow(counts));
+}
+
+// Whether a part of a sky is half hidden: behind a window a few parts are all that is seen. Only where blockers have exact outlines.
+fn near_is_cut(counts: vec4f) -> bool {
+    return frame.look_again > 0u && outline_has_sides() && places_are_listed && counts.x > 0.0 && counts.x < counts.y;
 }
 
 // Whether so few samples are lit, or so few rows have any, that their number is no measure: `LitCounts::are_few`.
@@ -186,8 +191,8 @@ fn near_divide(whole: UnitSquare, box: vec4f, may_divide: bool, is_marked: bool)
         }
     }
     let all = min(high, whole.center + whole.half) - max(low, whole.center - whole.half);
-    // Patches of a sky are many and small.
-    let has_parts = NEAR_PARTS > 1u && is_marked && count > 0u && !outline_has_sides();
+    let is_patch = outline_has_sides();
+    let has_parts = NEAR_PARTS > 1u && is_marked && count > 0u && !is_patch;
     if (may_divide && (has_parts || (count > 1u && sum < NEAR_SMALLER * all.x * all.y))) {
         near_parts = select(1u, NEAR_PARTS, has_parts);
         near_cells = count * near_parts * near_parts;
@@ -195,6 +200,10 @@ fn near_divide(whole: UnitSquare, box: vec4f, may_divide: bool, is_marked: bool)
     } else if (all.x > 0.0 && all.y > 0.0) {
         near_windows[0] = vec4f(low, high);
         near_count = 1u;
+        if (NEAR_PARTS > 1u && may_divide && is_patch && places_are_listed) {
+            near_parts = NEAR_PARTS;
+            near_cells = NEAR_PARTS * NEAR_PARTS;
+        }
     }
 }
 

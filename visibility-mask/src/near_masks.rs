@@ -51,10 +51,15 @@ impl LitCounts {
         self.width = mask.width() as u32;
     }
 
+    /// Whether the smaller part is lit.
+    pub(crate) fn are_little(self) -> bool {
+        LITTLE * self.lit < self.emitting
+    }
+
     /// Whether so little is lit that few samples measure its size.
     pub(crate) fn are_few(self) -> bool {
         let Self { lit, emitting, lit_rows, rows, .. } = self;
-        LITTLE * lit < emitting && (LEAST * lit < emitting || OF * lit_rows < FEW * rows)
+        self.are_little() && (LEAST * lit < emitting || OF * lit_rows < FEW * rows)
     }
 
     /// Whether rows have so few lit samples that these may all be one more, or one less, in a row after another.

@@ -250,23 +250,24 @@ impl<B: Blockers> MaskVisibility<B> {
         let is_little = counts.are_slight() || counts.are_few();
         // A part of an environment, whose outline knows its sides, ends where the next one begins.
         let is_patch = query.outline.is_some_and(Outline::has_sides);
-        if !is_little && !is_patch {
+        let is_wide = square.half.max_element() > contour::WIDE;
+        // Behind a window a part of a wide light, or a few parts of a sky, are all that is seen, whatever it is that ends them.
+        let is_cut = masks.coverage() == Coverage::Partial && (is_patch || is_wide && counts.are_little());
+        if !is_little && !is_cut {
             return;
         }
-        let is_thorough = self.again == LookAgain::Everywhere || is_patch;
+        let is_thorough = self.again == LookAgain::Everywhere || is_patch || is_cut;
         // Through an opening between samples much of a wide light's radiance may come; of a narrower one all, where nothing is lit.
         let is_wide = is_thorough
-            || square.half.max_element() > contour::WIDE
+            || is_wide
             || counts.are_none() && asks_for_openings(query.cone) && self.blockers.may_hide_openings(blockers);
         let is_opening = is_thorough || masks.is_opening();
         let seeks = is_wide && is_opening;
         let narrowest = NARROWEST_OPENING * square.half.x;
         let are_known = seeks && masks.mark(|mask| self.blockers.mark_openings(query, blockers, mask, narrowest));
         let is_narrow = seeks && counts.are_narrow();
-        // Behind a window a few parts are all that is seen of a sky, so one that is half hidden counts as much as one of which little is left.
-        let is_cut = is_patch && are_known && masks.coverage() == Coverage::Partial;
         let is_few = counts.are_few() && (is_opening || counts.are_slight());
-        if !is_cut && !(is_little && (masks.has_openings() || is_narrow || is_few)) {
+        if !(is_cut && are_known) && !(is_little && (masks.has_openings() || is_narrow || is_few)) {
             return;
         }
         let is_found = masks.has_openings() || !counts.are_none();

@@ -224,6 +224,7 @@ fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask
         if (!LOOKS_AGAIN || !decide(lane, stage == SILHOUETTES_SAMPLES && places_seek && silhouettes_are_listed())) {
             break;
         }
+        places_are_listed = true;
         var seen = 0u;
         for (var w = 0u; w < SILHOUETTES_BITS; w++) {
             seen += countOneBits(keep[w]);
@@ -232,7 +233,6 @@ fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask
         if (PLACES_FAINT * total(lane, vec4f(f32(seen), 0.0, 0.0, 0.0)).x >= f32(width * SIDE)) {
             break;
         }
-        places_are_listed = true;
         if (lane == 0u) {
             silhouettes_stage = SILHOUETTES_OPENINGS;
         }

@@ -6,7 +6,7 @@ use crate::silhouettes::looking_again;
 use brdf::{Material, MetallicRoughness, ModifiedPhong};
 use glam::{UVec2, Vec3};
 use libtest_mimic::Trial;
-use lighting::{FlatLight, Light, SphereLight};
+use lighting::{Environment, EnvironmentMap, FlatLight, Light, SphereLight};
 use lobe_core::{LightImage, Sphere};
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
 use render_gpu::Gpu;
@@ -27,6 +27,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![
         trial("a_room_behind_a_window", gpu, |gpu| diffuse(gpu, WINDOW, [0.01, 0.05], 0.03)),
         trial("a_room_behind_a_small_window", gpu, |gpu| diffuse(gpu, SMALL, [0.011, 0.06], 0.1)),
+        trial("the_sky_behind_a_window", gpu, sky),
         trial("rooms_behind_a_slit_and_a_door", gpu, between_samples),
         trial("glossy_walls_behind_a_window", gpu, glossy),
         trial("an_image_behind_a_window", gpu, image),
@@ -78,6 +79,16 @@ fn diffuse(gpu: &Gpu, opening: Opening, most: [f32; 2], alone: f32) {
     let [with, without] = own_errors(gpu, &scene, LookAgain::Everywhere);
     println!("sphere: {without:?} by one mask, {with:?}");
     assert!(with[0] <= 0.5 * without[0], "sphere: {with:?} {without:?}");
+}
+
+/// In patches, of which a window shows parts of a few.
+fn sky(gpu: &Gpu) {
+    let world = Sphere { center: Vec3::ZERO, radius: 20.0 };
+    for (name, opening, most) in [("window", WINDOW, [0.01, 0.05]), ("small window", SMALL, [0.011, 0.04])] {
+        let mut scene = room(opening, square().into());
+        scene.lights = Environment::new(EnvironmentMap::uniform(Vec3::ONE), 2, world).lights().to_vec();
+        check(gpu, &format!("sky, {name}"), &scene, most, 0.03);
+    }
 }
 
 /// Openings that few samples of a mask meet, or none.
