@@ -1,7 +1,7 @@
 //! Blockers that act on some receivers only.
 
 use shading::{Coverage, Shaft, VisibilityQuery};
-use visibility_mask::{Blockers, Edges, Mask};
+use visibility_mask::{Blockers, Edges, LitArea, Mask};
 
 /// Blockers that hide lights only from receivers on certain objects.
 #[derive(Debug)]
@@ -63,6 +63,17 @@ impl<B: Blockers> Blockers for OnObjects<B> {
         narrowest: f32,
     ) -> bool {
         self.blockers.mark_openings(query, &mut scratch.blockers, mask, narrowest)
+    }
+
+    fn find_lit(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut Self::Scratch,
+        mask: &Mask,
+        narrowest: f32,
+        lit: &mut LitArea,
+    ) -> bool {
+        self.blockers.find_lit(query, &mut scratch.blockers, mask, narrowest, lit)
     }
 
     fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {

@@ -1,4 +1,4 @@
-use crate::{Edges, Mask};
+use crate::{Edges, LitArea, Mask};
 use glam::Vec3;
 use lobe_core::{Receiver, Sphere};
 use shading::{Coverage, Shaft, VisibilityQuery};
@@ -87,6 +87,20 @@ pub trait Blockers: Sync {
     /// [`mark_openings`](Self::mark_openings). Counts before lights of [`asks_for_openings`](crate::asks_for_openings) alone. Provided: no.
     fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {
         let _ = scratch;
+        false
+    }
+
+    /// Finds the lit part of a mask's window at once, where outlines are exact and few; else returns `false`. Intervals of its rows narrower than `narrowest`, in plane coordinates, are left
+    /// out. Call it only after [`select`](Self::select) of the same query. Provided: it finds none.
+    fn find_lit(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut Self::Scratch,
+        mask: &Mask,
+        narrowest: f32,
+        lit: &mut LitArea,
+    ) -> bool {
+        let _ = (query, scratch, mask, narrowest, lit);
         false
     }
 

@@ -55,6 +55,8 @@ mod fineness;
 #[doc(hidden)]
 pub mod hooks;
 mod lanes;
+mod lit_area;
+mod lit_sums;
 mod mask;
 mod mask_lobes;
 mod mixture;
@@ -84,6 +86,7 @@ pub use crate::dyn_blockers::{DynBlockers, DynMixture};
 pub use crate::edges::Edges;
 pub use crate::facet::facet_coverage;
 pub use crate::fineness::Fineness;
+pub use crate::lit_area::LitArea;
 pub use crate::mask::Mask;
 pub use crate::mask_lobes::{MaskLobes, MaskLobesScratch};
 pub use crate::mixture::{Mixture, MixtureScratch};

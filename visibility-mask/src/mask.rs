@@ -33,6 +33,8 @@ pub struct Mask {
     sides: Vec<Vec3>,
     /// Centre and radius of the light's disc.
     circle: (Vec2, f32),
+    /// The receiver's normal in the square's frame.
+    horizon: Vec3,
     /// Emitting samples of each row: from, to.
     emitting: [[u32; SIDE]; 2],
     /// Samples that emit and are not blocked: the rows of a fine mask; for a coarse one the two halves of its rows, one word each.
@@ -75,6 +77,7 @@ impl Default for Mask {
             scale: 1.0,
             sides: Vec::new(),
             circle: (Vec2::ZERO, 1.0),
+            horizon: Vec3::Z,
             emitting: [[0; SIDE]; 2],
             lit: [row::NONE; ROWS],
             halves: [[0; ROWS]; 2],
@@ -108,6 +111,7 @@ impl Mask {
         self.sides.clone_from(&self.cell);
         self.circle = (Vec2::ZERO, square.disc);
         let n = square.local(normal);
+        self.horizon = n;
         if let Some(outline) = outline {
             // Of a light as thin as a thread all of the window emits, which is not as thin.
             if !is_thread(outline, square) {
@@ -206,6 +210,38 @@ impl Mask {
                 }
             }
         }
+    }
+
+    /// The half-planes `a x + b y + c > 0` in which the light emits, one of them above the horizon.
+    pub fn half_planes(&self) -> impl Iterator<Item = Vec3> {
+        core::iter::once(self.horizon).chain(self.sides.iter().copied())
+    }
+
+    /// The centre and the radius of a circle in which the light emits.
+    #[must_use]
+    pub fn circle(&self) -> (Vec2, f32) {
+        self.circle
+    }
+
+    /// The part of the window that emits at a height: from, to. Empty if `to` is not above `from`.
+    #[must_use]
+    pub fn emits_at(&self, y: f32) -> [f32; 2] {
+        let (middle, disc) = self.circle;
+        let off = y - middle.y;
+        let half = (disc * disc - off * off).max(0.0).sqrt();
+        let [low, high] = [-1.0, 1.0].map(|side| self.square.center.x + side * self.square.half.x);
+        let (mut from, mut to) = (low.max(middle.x - half), high.min(middle.x + half));
+        for n in self.half_planes() {
+            let rest = y * n.y + n.z;
+            if n.x > 0.0 {
+                from = from.max(-rest / n.x);
+            } else if n.x < 0.0 {
+                to = to.min(-rest / n.x);
+            } else if rest <= 0.0 {
+                to = from;
+            }
+        }
+        [from, to]
     }
 
     /// Whether the window shows the whole disc of the light, above the horizon.

@@ -1,4 +1,4 @@
-use crate::{Blockers, Edges, Mask};
+use crate::{Blockers, Edges, LitArea, Mask};
 use lobe_core::{Receiver, Sphere};
 use shading::{Coverage, Shaft, VisibilityQuery};
 
@@ -95,6 +95,22 @@ impl<A: Blockers, B: Blockers> Blockers for Mixture<A, B> {
         let first = !scratch.partial.0 || self.first.mark_openings(query, &mut scratch.first, mask, narrowest);
         let second = !scratch.partial.1 || self.second.mark_openings(query, &mut scratch.second, mask, narrowest);
         first && second
+    }
+
+    fn find_lit(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut Self::Scratch,
+        mask: &Mask,
+        narrowest: f32,
+        lit: &mut LitArea,
+    ) -> bool {
+        // The outlines of both together are not known.
+        match scratch.partial {
+            (true, false) => self.first.find_lit(query, &mut scratch.first, mask, narrowest, lit),
+            (false, true) => self.second.find_lit(query, &mut scratch.second, mask, narrowest, lit),
+            _ => false,
+        }
     }
 
     fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {

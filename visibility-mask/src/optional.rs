@@ -1,4 +1,4 @@
-use crate::{Blockers, Edges, Mask};
+use crate::{Blockers, Edges, LitArea, Mask};
 use lobe_core::{Receiver, Sphere};
 use shading::{Coverage, Shaft, VisibilityQuery};
 
@@ -65,6 +65,20 @@ impl<B: Blockers> Blockers for Option<B> {
         }
     }
 
+    fn find_lit(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut Self::Scratch,
+        mask: &Mask,
+        narrowest: f32,
+        lit: &mut LitArea,
+    ) -> bool {
+        match (self, scratch) {
+            (Some(blockers), Some(scratch)) => blockers.find_lit(query, scratch, mask, narrowest, lit),
+            _ => false,
+        }
+    }
+
     fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {
         matches!((self, scratch), (Some(blockers), Some(scratch)) if blockers.may_hide_openings(scratch))
     }
@@ -106,6 +120,17 @@ impl<B: Blockers> Blockers for &B {
         narrowest: f32,
     ) -> bool {
         B::mark_openings(self, query, scratch, mask, narrowest)
+    }
+
+    fn find_lit(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut Self::Scratch,
+        mask: &Mask,
+        narrowest: f32,
+        lit: &mut LitArea,
+    ) -> bool {
+        B::find_lit(self, query, scratch, mask, narrowest, lit)
     }
 
     fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {

@@ -4,7 +4,7 @@ use crate::counts::Counts;
 use crate::near_masks::is_faint;
 use crate::spread::{Spread, along};
 use crate::window_masks::{WindowMasks, image_fractions, microfacet_fractions};
-use crate::{Blockers, Edges, Fineness, MAX_DEPTH, Mask, MaskLobes, UnitSquare};
+use crate::{Blockers, Edges, Fineness, LitArea, MAX_DEPTH, Mask, MaskLobes, UnitSquare};
 use glam::{UVec2, Vec3};
 use lobe_core::{BrdfLobe, Cone, LightImage, Lobe, Microfacets, Outline, Receiver, Schlick, Sphere, is_lambert};
 use shading::{Coverage, Shaft, Visibility, VisibilityQuery};
@@ -263,10 +263,14 @@ impl<B: Blockers> MaskVisibility<B> {
             || counts.are_none() && asks_for_openings(query.cone) && self.blockers.may_hide_openings(blockers);
         let is_opening = is_thorough || masks.is_opening();
         let seeks = is_wide && is_opening;
+        let is_few = counts.are_few() && (is_opening || counts.are_slight());
         let narrowest = NARROWEST_OPENING * square.half.x;
+        let mut find = |mask: &Mask, lit: &mut LitArea| self.blockers.find_lit(query, blockers, mask, narrowest, lit);
+        if (seeks || is_few) && masks.find_lit(&mut find) {
+            return;
+        }
         let are_known = seeks && masks.mark(|mask| self.blockers.mark_openings(query, blockers, mask, narrowest));
         let is_narrow = seeks && counts.are_narrow();
-        let is_few = counts.are_few() && (is_opening || counts.are_slight());
         if !(is_cut && are_known) && !(is_little && (masks.has_openings() || is_narrow || is_few)) {
             return;
         }

@@ -221,7 +221,12 @@ fn by_texel<S: Simd, const B: usize>(
 
 /// Whether a point of a mask is outside a window.
 fn outside(mask: &Mask, skip: Option<&UnitSquare>) -> impl Fn(f32, f32) -> bool {
-    let turn = skip.map_or(Vec2::X, |skip| skip.turn_to(mask.square()));
+    outside_of(mask.square(), skip)
+}
+
+/// Whether a point in the coordinates of a square is outside a window.
+pub(crate) fn outside_of(square: &UnitSquare, skip: Option<&UnitSquare>) -> impl Fn(f32, f32) -> bool + use<> {
+    let turn = skip.map_or(Vec2::X, |skip| skip.turn_to(square));
     let none = [Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY)];
     let [low, high] = skip.map_or(none, |skip| [skip.center - skip.half, skip.center + skip.half]);
     move |x, y| {
@@ -238,8 +243,8 @@ pub(crate) fn narrowest(mask: &Mask) -> f32 {
 /// The lit part of a lobe's light, and all of it, in some unit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
-    lit: f32,
-    all: f32,
+    pub(crate) lit: f32,
+    pub(crate) all: f32,
 }
 
 impl Add for Sums {
@@ -320,21 +325,10 @@ fn glossy<S: Simd, const B: usize>(
     at: &Receiver,
     lobe: &Lobe,
 ) -> Sums {
-    let axis = window.local(lobe.axis);
     let cosine = lobe.has_cosine;
     let e = lobe.exponent;
     let m = e + 3.0;
-    // The peak: the point of the light nearest to the lobe's axis.
-    let aside = axis.truncate();
-    let peak = if axis.z > 1e-3 { aside / axis.z } else { aside.normalize_or_zero() * 1e3 };
-    let c = peak.clamp_length_max(window.disc);
-    let c = c.clamp(window.center - window.half, window.center + window.half);
-    let d = aside.dot(c) + axis.z;
-    let over = 1.0 / (1.0 + c.length_squared());
-    let slope = aside.length() / d;
-    let reach = window.half.max_element().min(2.0 / m.sqrt());
-    let third = e * (slope * reach).powi(3) / 3.0 + m * (c.length() + 0.25 * reach) * reach.powi(3);
-    let is_smooth = d > 0.0 && slope * window.half.max_element() < 0.5 && third < LEFT_OUT;
+    let Peak { place: c, along: d, over, is_smooth } = Peak::new(window, lobe);
     // The mask may be turned.
     let square = mask.square();
     let (axis, normal) = (square.local(lobe.axis), square.local(at.normal));
@@ -363,6 +357,35 @@ fn glossy<S: Simd, const B: usize>(
     let normal = if cosine { normal } else { Vec3::Z };
     let rows = GlossyRows { peak: c, gradient: g.y, hyy, hxy, normal };
     by_row::<S, B, _>(simd, mask, counts, &columns, &rows)
+}
+
+/// The peak of a lobe's weights in a window: the point of the light nearest to the lobe's axis.
+pub(crate) struct Peak {
+    place: Vec2,
+    /// The scalar product of the lobe's axis and the point `p`, and `1/p²`.
+    pub(crate) along: f32,
+    pub(crate) over: f32,
+    /// Whether the logarithm of weights, in units of the peak's, is of second order.
+    pub(crate) is_smooth: bool,
+}
+
+impl Peak {
+    pub(crate) fn new(window: &UnitSquare, lobe: &Lobe) -> Self {
+        let axis = window.local(lobe.axis);
+        let e = lobe.exponent;
+        let m = e + 3.0;
+        let aside = axis.truncate();
+        let peak = if axis.z > 1e-3 { aside / axis.z } else { aside.normalize_or_zero() * 1e3 };
+        let c = peak.clamp_length_max(window.disc);
+        let c = c.clamp(window.center - window.half, window.center + window.half);
+        let d = aside.dot(c) + axis.z;
+        let over = 1.0 / (1.0 + c.length_squared());
+        let slope = aside.length() / d;
+        let reach = window.half.max_element().min(2.0 / m.sqrt());
+        let third = e * (slope * reach).powi(3) / 3.0 + m * (c.length() + 0.25 * reach) * reach.powi(3);
+        let is_smooth = d > 0.0 && slope * window.half.max_element() < 0.5 && third < LEFT_OUT;
+        Self { place: c, along: d, over, is_smooth }
+    }
 }
 
 struct GlossyRows {

@@ -1,15 +1,16 @@
 use crate::counts::Counts;
+use crate::lit_sums;
 use crate::near_masks::{LitCounts, LitEnds, NearMasks};
 use crate::places;
 use crate::spread::Spread;
 use crate::visible_fraction::{MIRROR, Shown, Sums, image_sums, microfacet_sums, narrowest, sums};
-use crate::{Fineness, Mask, UnitSquare};
+use crate::{Fineness, LitArea, Mask, UnitSquare};
 use glam::{UVec2, Vec3};
 use lobe_core::{BrdfLobe, LightImage, Lobe, Microfacets, Outline, Receiver};
 use shading::Coverage;
 
-/// The masks of a window: one, or several side by side if the tolerance needs more samples; and masks around the lit part, if it is
-/// small.
+/// The masks of a window: one, or several side by side if the tolerance needs more samples; and, if the lit part is small, that part as it is, or masks
+/// around it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WindowMasks {
     window: UnitSquare,
@@ -19,6 +20,8 @@ pub(crate) struct WindowMasks {
     /// Where the light of the next window is, if that is wide.
     spread: Option<Spread>,
     near: NearMasks,
+    lit: LitArea,
+    is_lit_known: bool,
 }
 
 impl WindowMasks {
@@ -53,6 +56,7 @@ impl WindowMasks {
             }
         }
         self.near.clear();
+        self.is_lit_known = false;
     }
 
     /// The masks of the next windows are divided about this place where they are wide.
@@ -99,9 +103,22 @@ impl WindowMasks {
         self.masks().iter().any(|mask| !mask.openings().is_empty())
     }
 
-    /// Whether there are masks around the lit part.
+    /// Whether the lit part is known apart from the masks of the whole window.
     pub(crate) fn has_near(&self) -> bool {
-        !self.near.masks().is_empty()
+        self.is_lit_known || !self.near.masks().is_empty()
+    }
+
+    /// Lets `find` find the lit part of each mask as it is. Returns whether it does so for all.
+    pub(crate) fn find_lit(&mut self, mut find: impl FnMut(&Mask, &mut LitArea) -> bool) -> bool {
+        self.lit.clear();
+        let count = (self.grid[0] * self.grid[1]) as usize;
+        let Self { masks, lit, .. } = self;
+        if !masks[..count].iter().all(|mask| find(mask, lit)) {
+            return false;
+        }
+        // Dark masks stay so where nothing is open between their samples.
+        self.is_lit_known = !self.lit.is_empty() || self.masks().iter().any(|mask| !mask.is_dark());
+        true
     }
 
     /// Lets `draw` block windows around the lit part, in masks with a fineness; each is filled by at least a quarter if [`NearMasks`] can do so.
@@ -145,8 +162,12 @@ impl WindowMasks {
     }
 
     /// The sums of all masks, in units of solid angle or in samples of the masks of the whole window. If there are masks around the
-    /// lit part, these give the lit sums.
-    fn total<const N: usize>(&self, mut sums: impl FnMut(&Mask, bool) -> [Sums; N]) -> [Sums; N] {
+    /// lit part, these give the lit sums; if that part is known as it is, `lit` does, in the same units.
+    fn total<const N: usize>(
+        &self,
+        mut sums: impl FnMut(&Mask, bool) -> [Sums; N],
+        lit: impl FnOnce(&LitArea) -> [f32; N],
+    ) -> [Sums; N] {
         let mut total = [Sums::default(); N];
         let mut add = |mask: &Mask, near: bool, part: fn(Sums) -> Sums| {
             for (total, sums) in total.iter_mut().zip(sums(mask, near)) {
@@ -155,10 +176,15 @@ impl WindowMasks {
         };
         let near = self.near.masks();
         for mask in self.masks() {
-            add(mask, false, if near.is_empty() { |sums| sums } else { Sums::emitting });
+            add(mask, false, if self.has_near() { Sums::emitting } else { |sums| sums });
         }
         for mask in near {
             add(mask, true, Sums::lit);
+        }
+        if self.is_lit_known {
+            for (total, lit) in total.iter_mut().zip(lit(&self.lit)) {
+                total.lit += lit;
+            }
         }
         total
     }
@@ -170,7 +196,8 @@ impl WindowMasks {
         };
         let near = self.near.masks();
         let lit = if near.is_empty() { self.masks() } else { near };
-        let [all, lit] = [area(self.masks(), Mask::emitting_count), area(lit, Mask::lit_count)];
+        let lit = if self.is_lit_known { self.lit.area() } else { area(lit, Mask::lit_count) };
+        let all = area(self.masks(), Mask::emitting_count);
         if all > 0.0 { lit / all } else { 0.0 }
     }
 
@@ -184,10 +211,13 @@ impl WindowMasks {
         let lobe = Lobe { exponent: lobe.exponent.min(self.narrowest()), ..*lobe };
         let whole = self.masks().first().map_or(1.0, Mask::sample_area);
         let is_uneven = self.is_uneven();
-        let [total] = self.total(|mask, near| {
-            let sums = sums(mask, &self.window, at, &lobe, counts);
-            [if near || is_uneven { sums * (mask.sample_area() / whole) } else { sums }]
-        });
+        let [total] = self.total(
+            |mask, near| {
+                let sums = sums(mask, &self.window, at, &lobe, counts);
+                [if near || is_uneven { sums * (mask.sample_area() / whole) } else { sums }]
+            },
+            |lit| [lit_sums::integral(lit, &self.window, at, &lobe) / whole],
+        );
         total.ratio(|| self.lit_fraction())
     }
 }
@@ -203,9 +233,15 @@ pub(crate) fn microfacet_fractions(
 ) -> [f32; 2] {
     let [whole_counts, near_counts] = counts;
     let skip = near.map(WindowMasks::window);
-    let mut total = whole.total(|mask, _| microfacet_sums(mask, at, facets, skip, whole_counts));
+    let mut total = whole.total(
+        |mask, _| microfacet_sums(mask, at, facets, skip, whole_counts),
+        |lit| lit_sums::microfacet_integrals(lit, &whole.window, at, facets, skip),
+    );
     if let Some(near) = near {
-        let sums = near.total(|mask, _| microfacet_sums(mask, at, facets, None, near_counts));
+        let sums = near.total(
+            |mask, _| microfacet_sums(mask, at, facets, None, near_counts),
+            |lit| lit_sums::microfacet_integrals(lit, &near.window, at, facets, None),
+        );
         total = [total[0] + sums[0], total[1] + sums[1]];
     }
     total.map(|sums| sums.ratio(|| whole.lit_fraction()))
@@ -230,10 +266,16 @@ pub(crate) fn image_fractions(
     };
     let skip = near.map(WindowMasks::window);
     let of_whole = lobe(whole);
-    let mut total = whole.total(|mask, _| image_sums(mask, at, &of_whole, &shown, skip, counts));
+    let mut total = whole.total(
+        |mask, _| image_sums(mask, at, &of_whole, &shown, skip, counts),
+        |lit| lit_sums::image_integrals(lit, &whole.window, at, &of_whole, &shown, skip),
+    );
     if let Some(near) = near {
         let of_near = lobe(near);
-        let sums = near.total(|mask, _| image_sums(mask, at, &of_near, &shown, None, counts));
+        let sums = near.total(
+            |mask, _| image_sums(mask, at, &of_near, &shown, None, counts),
+            |lit| lit_sums::image_integrals(lit, &near.window, at, &of_near, &shown, None),
+        );
         total = core::array::from_fn(|k| total[k] + sums[k]);
     }
     Vec3::from_array(total.map(|sums| sums.ratio(|| whole.lit_fraction())))

@@ -13,11 +13,12 @@ use glam::Vec3;
 use lobe_core::{Outline, Receiver, Sphere};
 use scratch::{Alike, Plane};
 use shading::{Coverage, Shaft, VisibilityQuery};
-use visibility_mask::{Blockers, Edges, Mask, asks_for_openings, facet_coverage};
+use trapezoids::Emits;
+use visibility_mask::{Blockers, Edges, LitArea, Mask, asks_for_openings, facet_coverage};
 
-mod between;
 mod openings;
 mod scratch;
+mod trapezoids;
 
 pub use scratch::SilhouetteScratch;
 
@@ -333,6 +334,30 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
     ) -> bool {
         self.mark(query, scratch, mask, narrowest);
         true
+    }
+
+    fn find_lit(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut Self::Scratch,
+        mask: &Mask,
+        narrowest: f32,
+        lit: &mut LitArea,
+    ) -> bool {
+        // Simplified outlines, and arcs in which a light cuts triangles, are left to masks.
+        if scratch.is_coarse || scratch.is_clipped && query.outline.is_none() {
+            return false;
+        }
+        let mut view = View::new(*mask.square(), mask.raster(), mask.side(), query);
+        scratch.cut_outlines(query, &mut view);
+        if scratch.is_cut(query.outline.is_some()) {
+            return false;
+        }
+        let SilhouetteScratch { trapezoids, silhouettes, facet, origin, hits, .. } = scratch;
+        let facet = facet.map(|face| mask.square().local(face));
+        let emits = Emits { mask, outline: query.outline, facet };
+        trapezoids
+            .find(silhouettes, &view, &emits, narrowest, lit, |p| self.is_open(view.ray_to(p), None, *origin, hits))
     }
 }
 

@@ -78,8 +78,9 @@ impl View {
         (self.square.center - self.square.half, self.square.center + self.square.half)
     }
 
-    /// The heights, in plane coordinates, between which the part of a piece of an outline before the light's plane is, and its line `x = s + t y` there as `[s, t]`.
-    pub(crate) fn on_plane(&self, ends: [Vec3; 2]) -> Option<([f32; 2], [f32; 2])> {
+    /// The ends of the part of a piece of an outline that is before the light's plane, in plane coordinates, and its line `x = s + t y` there as `[s, t]`, which is not finite if
+    /// it is level.
+    pub(crate) fn on_plane(&self, ends: [Vec3; 2]) -> Option<([Vec2; 2], [f32; 2])> {
         let [mut a, mut b] = ends.map(|p| self.square.local(p));
         // Clipped ends would be too far outside for it.
         let line = a.cross(b - a);
@@ -93,8 +94,7 @@ impl View {
                 }
             }
         }
-        // One that is level is crossed by no line.
-        (line.x != 0.0).then(|| ([a, b].map(|p| p.y / p.z), [-line.z / line.x, -line.y / line.x]))
+        Some(([a, b].map(|p| p.truncate() / p.z), [-line.z / line.x, -line.y / line.x]))
     }
 
     /// Position, in samples, of a line that crosses the visible part of the light in every row and stays inside of the window: a light

@@ -142,7 +142,6 @@ impl<H: AnyHit> SilhouetteBlockers<'_, H> {
         scratch.turned = turned;
         let (rows, columns) = scratch.marks.split_at_mut(of_rows);
         columns.iter_mut().for_each(|ends| *ends = ends.map(|p| Vec2::new(-p.y, p.x)));
-        let is_found = !(rows.is_empty() && columns.is_empty());
         let hidden = rows.iter().map(|[from, to]| (to.x - from.x) * raster.samples).sum::<f32>()
             + columns.iter().map(|[from, to]| (to.y - from.y).abs() * raster.rows).sum::<f32>() * raster.width
                 / mask.side() as f32;
@@ -152,39 +151,6 @@ impl<H: AnyHit> SilhouetteBlockers<'_, H> {
             rows.iter().for_each(|ends| mask.mark_opening(*ends, lines.y));
             columns.iter().for_each(|ends| mask.mark_opening(*ends, lines.x));
         }
-        if !is_found && mask.is_dark() {
-            self.mark_between(query, scratch, mask, narrowest);
-        }
-    }
-
-    /// Marks openings that neither rows nor columns cross.
-    fn mark_between(
-        &self,
-        query: &VisibilityQuery<'_>,
-        scratch: &mut SilhouetteScratch<H::Scratch>,
-        mask: &mut Mask,
-        narrowest: f32,
-    ) {
-        let mut view = View::new(*mask.square(), mask.raster(), mask.side(), query);
-        let light = scratch.cut_outlines(query, &mut view);
-        let is_cut = scratch.is_cut(query.outline.is_some());
-        let SilhouetteScratch { between, silhouettes, outside, origin, hits, .. } = scratch;
-        let drawn = if is_cut { &*outside } else { &*silhouettes };
-        let emitting = |y: f32| {
-            let row = ((y - view.raster.bottom) * view.raster.rows - 0.5).floor();
-            let [below, above] =
-                [0.0, 1.0].map(|k| mask.emitting((row + k).clamp(0.0, view.rows as f32 - 1.0) as usize));
-            let place = |sample: u32| view.raster.left + sample as f32 / view.raster.samples;
-            match [below, above].map(|(from, to)| from < to) {
-                [true, true] => [place(below.0.min(above.0)), place(below.1.max(above.1))],
-                [true, false] => [place(below.0), place(below.1)],
-                _ => [place(above.0), place(above.1)],
-            }
-        };
-        let stride = stride(mask.side()) as f32;
-        between
-            .find(drawn, &view, [stride, narrowest], emitting, |p| self.is_open(view.ray_to(p), light, *origin, hits));
-        between.found.iter().for_each(|(ends, line)| mask.mark_opening(*ends, *line));
     }
 
     /// Lists those openings between the outlines in a mask's rows that a test keeps.

@@ -1,5 +1,5 @@
-use super::between::Between;
 use super::openings::Openings;
+use super::trapezoids::Trapezoids;
 use crate::clip::{Chord, Front, LightSphere};
 use crate::count::{Counter, Fewest};
 use crate::fit::side;
@@ -49,7 +49,7 @@ pub struct SilhouetteScratch<H> {
     /// Whether a mask of the current receiver that is dark may hide an opening between its samples.
     pub(super) may_hide: bool,
     pub(super) openings: Openings,
-    pub(super) between: Between,
+    pub(super) trapezoids: Trapezoids,
     /// Ends of openings, and a mask for those between rows.
     pub(super) marks: Vec<[Vec2; 2]>,
     pub(super) turned: Mask,
@@ -84,7 +84,7 @@ impl<H> SilhouetteScratch<H> {
             next: Fewest::default(),
             may_hide: false,
             openings: Openings::default(),
-            between: Between::default(),
+            trapezoids: Trapezoids::default(),
             marks: Vec::new(),
             turned: Mask::default(),
             hits,

@@ -1,0 +1,91 @@
+//! The lit part of a window as trapezoids of exact area.
+
+use crate::UnitSquare;
+use glam::Vec3;
+
+/// Pieces of a window's width: each has two points, so that there are as many as columns of a fine mask.
+const PIECES: f32 = 16.0;
+
+/// Half the distance of the two points of Gauss and Legendre's rule, in lengths of their piece.
+const GAUSS: f32 = 0.288_675_13;
+
+/// The lit part of a window, which blockers with exact outlines find: points of its plane with the areas that they stand for.
+///
+/// The area is exact. Integrands are taken to be polynomials of third order along the rows of its pieces, of which a window has sixteen side by side, and of first order across them. [`Blockers::find_lit`](crate::Blockers::find_lit) fills it.
+#[derive(Clone, Debug, Default)]
+pub struct LitArea {
+    /// `x`, `y`, area.
+    points: Vec<Vec3>,
+}
+
+impl LitArea {
+    pub(crate) fn clear(&mut self) {
+        self.points.clear();
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// Adds a trapezoid with two level sides, in plane coordinates of a window: the ends of the line halfway between these, by how much these ends move from the lower side to
+    /// the higher one, and the height.
+    pub fn add(&mut self, window: &UnitSquare, ends: [f32; 2], leans: [f32; 2], y: f32, height: f32) {
+        let pieces = |length: f32| (0.5 * PIECES * length / window.half.x).ceil().clamp(1.0, PIECES);
+        let rows = pieces(leans[0].abs().max(leans[1].abs()));
+        for row in 0..rows as u32 {
+            let up = (row as f32 + 0.5) / rows - 0.5;
+            let [from, to] = [0, 1].map(|side| ends[side] + up * leans[side]);
+            let count = pieces(to - from);
+            let piece = (to - from) / count;
+            let area = 0.5 * piece * (height / rows);
+            for k in 0..count as u32 {
+                let middle = from + (k as f32 + 0.5) * piece;
+                self.points.extend([-GAUSS, GAUSS].map(|at| Vec3::new(middle + at * piece, y + up * height, area)));
+            }
+        }
+    }
+
+    /// The sum of all areas.
+    pub(crate) fn area(&self) -> f32 {
+        self.points.iter().map(|point| point.z).sum()
+    }
+
+    /// The integrals of `weight(x, y, area)` where it is positive.
+    pub(crate) fn integrals<const N: usize>(&self, weight: impl Fn(f32, f32, f32) -> [f32; N]) -> [f32; N] {
+        self.points.iter().fold([0.0; N], |mut sums, Vec3 { x, y, z: area }| {
+            for (sum, w) in sums.iter_mut().zip(weight(*x, *y, *area)) {
+                *sum += if w > 0.0 { w * area } else { 0.0 };
+            }
+            sums
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A triangle in slabs of all widths: its area, and integrals of a smooth function against finer slabs.
+    #[test]
+    fn trapezoids_have_their_area() {
+        let window = UnitSquare::default();
+        let triangle = |slabs: u32| {
+            let mut lit = LitArea::default();
+            let height = 1.2 / slabs as f32;
+            for k in 0..slabs {
+                let y = -0.6 + (k as f32 + 0.5) * height;
+                lit.add(&window, [-0.5 + 0.2 * y, 0.1 - 0.5 * y], [0.2 * height, -0.5 * height], y, height);
+            }
+            lit
+        };
+        let want: f32 = 1.2 * 0.6;
+        for slabs in [1, 3, 20, 400] {
+            assert!((triangle(slabs).area() / want - 1.0).abs() < 1e-5, "{slabs}");
+        }
+        let smooth = |lit: &LitArea| lit.integrals(|x, y, _| [(1.0 + 0.3 * x - 0.2 * y) / (1.0 + x * x + y * y)])[0];
+        let [few, many] = [32, 2000].map(|slabs| smooth(&triangle(slabs)));
+        assert!((few / many - 1.0).abs() < 2e-4, "{few} {many}");
+        // Where the weight is negative nothing is.
+        assert_eq!(triangle(20).integrals(|_, _, _| [-1.0]), [0.0]);
+    }
+}

@@ -1,0 +1,326 @@
+//! The lit part of a window between outlines, as trapezoids.
+
+use crate::project::View;
+use crate::select::{STEP, Silhouettes};
+use glam::{Vec2, Vec3};
+use lobe_core::Outline;
+use visibility_mask::{LitArea, Mask};
+
+/// Trapezoids are found where at most this number of outlines is before the light: the time is that of each two of them.
+const MOST: usize = 192;
+/// Half the distance of the two points of Gauss and Legendre's rule, in heights of a slab.
+const GAUSS: f32 = 0.288_675_13;
+/// Slabs of a window that no outline divides.
+const SLABS: u32 = 32;
+/// The sides of the light and its window divide slabs if they are at most this number: a round light has many short ones.
+const SIDES: usize = 10;
+/// Numbers of surfaces that may be those of slivers alone, which rounding leaves between outlines that coincide.
+const DOUBTFUL: i32 = 3;
+
+/// A second ray is asked in a trapezoid that is not smaller than this part of the largest.
+const ASKED: f32 = 0.01;
+
+/// A piece of an outline.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    /// Between which heights it is, and its line `x = s + t y`.
+    heights: [f32; 2],
+    line: [f32; 2],
+    /// Between which places it is.
+    places: [f32; 2],
+    /// The growth of the number of surfaces to its right.
+    step: i32,
+    /// Whether each end, the lower one first, is left of the path, and the height at which it crosses that if both are not.
+    is_left: [bool; 2],
+    crosses: f32,
+}
+
+impl Piece {
+    fn at(&self, y: f32) -> f32 {
+        let [start, slope] = self.line;
+        // The line of one that is nearly level is ill-conditioned.
+        (start + slope * y).max(self.places[0]).min(self.places[1])
+    }
+
+    /// Whether it is left of the path at a height.
+    fn is_left_at(&self, y: f32) -> bool {
+        self.is_left[usize::from(self.is_left[0] != self.is_left[1] && y >= self.crosses)]
+    }
+}
+
+/// A line that is inside the light at all of its heights: `x = s + t y`.
+///
+/// Outlines beside the light are not all known, so that numbers of surfaces are known but for a constant from this path on.
+#[derive(Clone, Copy, Debug)]
+struct Path([f32; 2]);
+
+impl Path {
+    fn new(view: &View, outline: Option<&Outline>) -> Self {
+        let Some(outline) = outline else { return Self([0.0; 2]) };
+        let points = outline.on_plane([view.square.right, view.square.up]);
+        let low = points.clone().reduce(|a, b| if b.y < a.y { b } else { a }).unwrap_or_default();
+        let high = points.reduce(|a, b| if b.y > a.y { b } else { a }).unwrap_or_default();
+        let slope = (high.x - low.x) / (high.y - low.y);
+        let slope = if slope.is_finite() { slope } else { 0.0 };
+        Self([low.x - slope * low.y, slope])
+    }
+
+    /// How far a point is to its right.
+    fn beside(self, p: Vec2) -> f32 {
+        p.x - (self.0[0] + self.0[1] * p.y)
+    }
+}
+
+/// A trapezoid between two outlines, with level sides.
+#[derive(Clone, Copy, Debug)]
+struct Trapezoid {
+    /// The line halfway between its level sides, and by how much its ends move from the lower one to the higher one.
+    ends: [f32; 2],
+    leans: [f32; 2],
+    y: f32,
+    height: f32,
+    /// The surfaces before it, but for a constant.
+    number: i32,
+}
+
+impl Trapezoid {
+    fn area(&self) -> f32 {
+        (self.ends[1] - self.ends[0]) * self.height
+    }
+
+    fn middle(&self) -> Vec2 {
+        Vec2::new(0.5 * (self.ends[0] + self.ends[1]), self.y)
+    }
+}
+
+/// Where the light emits, besides the mask's own bounds.
+pub(super) struct Emits<'a> {
+    pub(super) mask: &'a Mask,
+    pub(super) outline: Option<&'a Outline>,
+    /// The half-plane above the receiver's facet.
+    pub(super) facet: Option<Vec3>,
+}
+
+impl Emits<'_> {
+    fn half_planes(&self) -> impl Iterator<Item = Vec3> + '_ {
+        self.mask.half_planes().chain(self.facet)
+    }
+
+    fn at(&self, y: f32) -> [f32; 2] {
+        let [from, to] = self.mask.emits_at(y);
+        let Some(n) = self.facet else { return [from, to] };
+        let rest = y * n.y + n.z;
+        if n.x > 0.0 {
+            [from.max(-rest / n.x), to]
+        } else if n.x < 0.0 {
+            [from, to.min(-rest / n.x)]
+        } else {
+            [from, if rest > 0.0 { to } else { from }]
+        }
+    }
+}
+
+/// The lit part of a window, and working memory.
+///
+/// # Method
+/// Pieces of outlines end, and cross each other and the bounds of the light, at heights; between two neighbouring heights they follow each other from left
+/// to right in one order, so that the parts between them are trapezoids with one number of surfaces each. The number grows at pieces by what each of them adds; the fewest are
+/// none if one ray meets nothing.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Trapezoids {
+    pieces: Vec<Piece>,
+    heights: Vec<f32>,
+    /// The heights at which pieces cross the path, and the growth of the number there.
+    path: Vec<(f32, i32)>,
+    /// The pieces at a height, and their places there.
+    active: Vec<u32>,
+    crossed: Vec<(f32, u32)>,
+    found: Vec<Trapezoid>,
+}
+
+impl Trapezoids {
+    /// Adds the lit part of a window. `false` if outlines are too many, or if rays do not confirm what was found.
+    pub(super) fn find(
+        &mut self,
+        silhouettes: &Silhouettes,
+        view: &View,
+        emits: &Emits<'_>,
+        narrowest: f32,
+        lit: &mut LitArea,
+        mut is_open: impl FnMut(Vec2) -> bool,
+    ) -> bool {
+        if silhouettes.len() > MOST {
+            return false;
+        }
+        let path = Path::new(view, emits.outline);
+        self.gather(silhouettes, view, path);
+        self.divide(view, emits);
+        self.fill(emits, narrowest);
+        let Self { found, .. } = self;
+        let Some(least) = found.iter().map(|part| part.number).min() else { return true };
+        let window = view.square.half.element_product();
+        for number in least..least + DOUBTFUL {
+            let mut best = [None::<Trapezoid>; 2];
+            let mut area = 0.0;
+            for part in found.iter().filter(|part| part.number == number) {
+                area += part.area();
+                if best[0].is_none_or(|best| best.area() < part.area()) {
+                    best = [Some(*part), best[0]];
+                } else if best[1].is_none_or(|best| best.area() < part.area()) {
+                    best[1] = Some(*part);
+                }
+            }
+            let [Some(largest), next] = best else { continue };
+            if is_open(largest.middle()) {
+                // Outlines that do not close would tell different numbers for one.
+                if next.is_some_and(|next| next.area() > ASKED * largest.area() && !is_open(next.middle())) {
+                    return false;
+                }
+                let open = found.iter().filter(|part| part.number == number);
+                open.for_each(|part| lit.add(&view.square, part.ends, part.leans, part.y, part.height));
+                return true;
+            }
+            if area > narrowest * narrowest + 1e-6 * window {
+                return true;
+            }
+        }
+        true
+    }
+
+    /// Projects outlines.
+    fn gather(&mut self, silhouettes: &Silhouettes, view: &View, to_path: Path) {
+        let Self { pieces, path, .. } = self;
+        pieces.clear();
+        path.clear();
+        for k in 0..silhouettes.len() {
+            let end = |first: usize| Vec3::from_array(core::array::from_fn(|axis| silhouettes.get(first + axis, k)));
+            let step = silhouettes.get(STEP, k) as i32;
+            let Some((ends, line)) = view.on_plane([end(0), end(3)]) else { continue };
+            if step == 0 {
+                continue;
+            }
+            let beside = ends.map(|p| to_path.beside(p));
+            let is_left = beside.map(|beside| beside < 0.0);
+            let is_up = ends[0].y <= ends[1].y;
+            let [low, high] = if is_up { ends } else { [ends[1], ends[0]] };
+            let mut crosses = f32::INFINITY;
+            if is_left[0] != is_left[1] {
+                let at = ends[0].y + (ends[1].y - ends[0].y) * (beside[0] / (beside[0] - beside[1]));
+                crosses = at.clamp(low.y, high.y);
+                path.push((crosses, if is_left[0] { -step } else { step }));
+            }
+            pieces.push(Piece {
+                heights: [low.y, high.y],
+                line,
+                places: [low.x.min(high.x), low.x.max(high.x)],
+                step: if is_up { step } else { -step },
+                is_left: if is_up { is_left } else { [is_left[1], is_left[0]] },
+                crosses,
+            });
+        }
+        pieces.sort_unstable_by(|a, b| a.heights[0].total_cmp(&b.heights[0]));
+        path.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    }
+
+    /// Lists the heights between which the order of pieces and bounds is one.
+    fn divide(&mut self, view: &View, emits: &Emits<'_>) {
+        let Self { pieces, heights, .. } = self;
+        let (low, high) = view.corners();
+        heights.clear();
+        heights.extend((0..=SLABS).map(|k| low.y + (high.y - low.y) * (k as f32 / SLABS as f32)));
+        let bounds = [Vec3::new(1.0, 0.0, -low.x), Vec3::new(-1.0, 0.0, high.x)];
+        let sides: Vec<Vec3> = bounds.into_iter().chain(emits.half_planes()).collect();
+        let sides = if sides.len() > SIDES { &sides[..3] } else { &sides[..] };
+        for (k, side) in sides.iter().enumerate() {
+            heights.extend(sides[..k].iter().map(|other| {
+                let p = side.cross(*other);
+                p.y / p.z
+            }));
+        }
+        let (middle, radius) = emits.mask.circle();
+        let is_inside = |piece: &Piece| piece.places[1] > low.x && piece.places[0] < high.x;
+        for (k, piece) in pieces.iter().enumerate().filter(|(_, piece)| is_inside(piece)) {
+            let [from, to] = piece.heights;
+            let [start, slope] = piece.line;
+            heights.extend([from, to]);
+            let mut meet = |y: f32| {
+                if y > from && y < to {
+                    heights.push(y);
+                }
+            };
+            for side in sides {
+                meet(-(side.x * start + side.z) / (side.x * slope + side.y));
+            }
+            // |(s + t y, y) - middle| = radius
+            let (a, b, c) = (1.0 + slope * slope, slope * (start - middle.x) - middle.y, start - middle.x);
+            let root = (b * b - a * (c * c + middle.y * middle.y - radius * radius)).sqrt();
+            [-root, root].iter().for_each(|root| meet((root - b) / a));
+            for other in pieces[k + 1..].iter().take_while(|other| other.heights[0] < to) {
+                let y = (other.line[0] - start) / (slope - other.line[1]);
+                if y < other.heights[1] && y > other.heights[0] {
+                    meet(y);
+                }
+            }
+        }
+        heights.retain(|y| *y >= low.y && *y <= high.y);
+        heights.sort_unstable_by(f32::total_cmp);
+    }
+
+    /// Finds the trapezoids.
+    fn fill(&mut self, emits: &Emits<'_>, narrowest: f32) {
+        let Self { pieces, heights, path, active, crossed, found } = self;
+        found.clear();
+        active.clear();
+        let (mut rest, mut next, mut on_path) = (0, 0, 0);
+        let mut least = i32::MAX;
+        for slab in heights.windows(2) {
+            let height = slab[1] - slab[0];
+            let y = slab[0] + 0.5 * height;
+            // The mean of two places is that of a parabola, as which arcs are taken.
+            let [low, high] = [-GAUSS, GAUSS].map(|up| emits.at(y + up * height));
+            let [first, last] = [0, 1].map(|side| 0.5 * (low[side] + high[side]));
+            if height <= 1e-2 * narrowest || last - first < narrowest {
+                continue;
+            }
+            while let Some(piece) = pieces.get(rest)
+                && piece.heights[0] <= y
+            {
+                active.push(rest as u32);
+                rest += 1;
+            }
+            while let Some((at, step)) = path.get(next)
+                && *at <= y
+            {
+                on_path += step;
+                next += 1;
+            }
+            active.retain(|k| pieces[*k as usize].heights[1] > y);
+            let mut number = on_path;
+            crossed.clear();
+            for k in &*active {
+                let piece = &pieces[*k as usize];
+                crossed.push((piece.at(y), *k));
+                number -= if piece.is_left_at(y) { piece.step } else { 0 };
+            }
+            crossed.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+            let of_light = [0, 1].map(|side| (high[side] - low[side]) / (2.0 * GAUSS));
+            let mut left = (f32::NEG_INFINITY, None);
+            for k in 0..=crossed.len() {
+                let (to, piece) =
+                    crossed.get(k).map_or((f32::INFINITY, None), |(to, k)| (*to, Some(&pieces[*k as usize])));
+                let right = (to, piece);
+                let ends = [left.0.max(first), right.0.min(last)];
+                if ends[1] - ends[0] >= narrowest && number < least.saturating_add(DOUBTFUL) {
+                    least = least.min(number);
+                    let lean = |(at, piece): (f32, Option<&Piece>), side: usize| match piece {
+                        Some(piece) if at == ends[side] => piece.at(slab[1]) - piece.at(slab[0]),
+                        _ => of_light[side],
+                    };
+                    found.push(Trapezoid { ends, leans: [lean(left, 0), lean(right, 1)], y, height, number });
+                }
+                number += piece.map_or(0, |piece| piece.step);
+                left = right;
+            }
+        }
+    }
+}
