@@ -114,6 +114,7 @@ mod scene_light;
 mod scene_material;
 mod scene_object;
 mod studio;
+mod tangle;
 mod toml_reader;
 mod turns;
 mod unit;
