@@ -75,6 +75,7 @@ mod gltf_layers_tests;
 mod gltf_light;
 mod gltf_material;
 mod gltf_mesh;
+mod gltf_morphs;
 mod gltf_nodes;
 mod gltf_reader;
 mod gltf_shared;
