@@ -405,3 +405,30 @@ fn textured_surfaces_are_as_accurate_as_plain_ones() {
     println!("{count} points in penumbra, mean error {:.3} %", 100.0 * mean);
     assert!(count > 100 && mean < 0.005, "{mean}");
 }
+
+/// Edges of texels that are shown as squares are as smooth as those of many camera rays.
+#[test]
+fn squares_have_smooth_edges() {
+    let texels =
+        (0..16).map(|i| if (i / 4 + i % 4_u32).is_multiple_of(2) { [240, 240, 240, 255] } else { [20, 20, 20, 255] });
+    let texture = Texture::new("squares", [4, 4], texels.collect(), Encoding::Linear);
+    let turned = Affine2::from_angle(0.4);
+    let map = TextureMap { transform: turned, is_pixelated: true, ..TextureMap::new(texture) };
+    let white = ModifiedPhong { kd: Vec3::splat(0.9), ks: Vec3::ZERO, exponent: 1.0 };
+    let scene = floor(white.into(), Surface { color: Some(map), ..Surface::default() });
+    let world = World::new(&scene);
+    let of = |samples| {
+        let g = GBuffer::new(&world, scene.width, scene.height, samples);
+        g.picture(&shade(&scene, &g), Vec3::ZERO)
+    };
+    let (one, many) = (of(1), of(256));
+    let most = many.iter().map(|pixel| pixel.x).fold(0.0, f32::max);
+    let floor_pixels = many.iter().zip(&one).filter(|(_, one)| **one != Vec3::ZERO);
+    let errors: Vec<f32> = floor_pixels.map(|(many, one)| (many.x - one.x).abs() / most).collect();
+    let mean = errors.iter().sum::<f32>() / errors.len() as f32;
+    let mut sorted = errors.clone();
+    sorted.sort_by(f32::total_cmp);
+    let high = sorted[errors.len() * 99 / 100];
+    println!("mean {mean}, 99 % {high}");
+    assert!(mean < 0.003 && high < 0.04, "{mean} {high}");
+}

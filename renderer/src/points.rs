@@ -107,10 +107,10 @@ fn check(points: &ShadingPoints, materials: usize, objects: usize) -> Result<(),
 }
 
 /// Shades points.
-struct Shading<'a> {
-    points: &'a ShadingPoints,
-    frame: Frame<'a>,
-    request: ShadeRequest<'a>,
+pub(crate) struct Shading<'a> {
+    pub(crate) points: &'a ShadingPoints,
+    pub(crate) frame: Frame<'a>,
+    pub(crate) request: ShadeRequest<'a>,
 }
 
 impl ShaderTask for Shading<'_> {

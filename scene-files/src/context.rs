@@ -83,6 +83,16 @@ impl Context {
         }
     }
 
+    /// Warns of large faces that cross themselves.
+    pub(crate) fn tell_tangled(&mut self, path: &Path, count: usize) {
+        match count {
+            0 => {}
+            1 => self.warn(path, "a face crosses itself: it becomes triangles from its first corner"),
+            _ => self
+                .warn(path, format!("{count} faces cross themselves: they become triangles from their first corner")),
+        }
+    }
+
     /// Warns of smooth normals where the file has none: those that are requested, and those that hide edges. A scene file that
     /// requests them gets a warning for hidden edges only.
     pub(crate) fn tell_smoothed(&mut self, path: &Path, parts: &[Part], wish: Normals, in_file: bool) {

@@ -43,12 +43,12 @@ pub(crate) fn read_instances(buffers: &Buffers<'_>, attributes: &Value) -> Resul
 
 /// The shapes at the place of each instance, as one.
 pub(crate) fn expanded(shapes: &Shapes, instances: &[Mat4]) -> Shapes {
-    let empty = || vec![Vec::new(); shapes.targets.len()];
+    let empty = || vec![Vec::new(); shapes.morphs.positions.len()];
     let mut all = Shapes {
         mesh: Mesh::default(),
         alphas: Vec::new(),
-        targets: empty(),
-        normal_targets: empty(),
+        morphs: shapes.morphs.with(empty(), empty()),
+        is_morphed: shapes.is_morphed,
         broken: shapes.broken,
     };
     for instance in instances {
@@ -60,11 +60,11 @@ pub(crate) fn expanded(shapes: &Shapes, instances: &[Mat4]) -> Shapes {
         let (x, y, z) = (linear.x_axis, linear.y_axis, linear.z_axis);
         let sign = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
         let cofactors = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign;
-        for (to, from) in all.targets.iter_mut().zip(&shapes.targets) {
+        for (to, from) in all.morphs.positions.iter_mut().zip(&shapes.morphs.positions) {
             to.extend(from.iter().map(|d| linear * *d));
         }
         // A normal that has moved keeps its direction if its move is as much longer as the normal would be.
-        for (to, from) in all.normal_targets.iter_mut().zip(&shapes.normal_targets) {
+        for (to, from) in all.morphs.normals.iter_mut().zip(&shapes.morphs.normals) {
             let length = |n: &Vec3| (cofactors * *n).length().max(f32::MIN_POSITIVE);
             to.extend(from.iter().zip(&shapes.mesh.normals).map(|(d, n)| cofactors * *d / length(n)));
         }

@@ -1,6 +1,7 @@
 //! Meshes of a glTF document, and the joints that carry their vertices.
 
 use crate::gltf_buffers::Buffers;
+use crate::gltf_morphs::Morphs;
 use glam::{Mat4, Vec2, Vec3};
 use gltf::json::accessor::Type;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
@@ -14,10 +15,9 @@ pub(crate) struct Shapes {
     pub(crate) mesh: Mesh,
     /// Alphas of the vertices; none where all are 1.
     pub(crate) alphas: Vec<f32>,
-    /// Displacements, one a vertex.
-    pub(crate) targets: Displacements,
-    /// The same of the normals; empty for targets without.
-    pub(crate) normal_targets: Displacements,
+    pub(crate) morphs: Morphs,
+    /// Whether the mesh has been moved by its targets, so that `morphs` has none.
+    pub(crate) is_morphed: bool,
     /// Normals that had no direction.
     pub(crate) broken: usize,
 }
@@ -35,8 +35,13 @@ pub(crate) struct Influences {
     pub(crate) uneven: usize,
 }
 
-/// The triangles of a primitive in bind space; none for points, lines and primitives without positions.
-pub(crate) fn read_primitive(buffers: &Buffers<'_>, primitive: &Primitive) -> Result<Option<Shapes>, String> {
+/// The triangles of a primitive in bind space; none for points, lines and primitives without positions. With weights they are moved by
+/// its morph targets, which are left out.
+pub(crate) fn read_primitive(
+    buffers: &Buffers<'_>,
+    primitive: &Primitive,
+    weights: Option<&[f32]>,
+) -> Result<Option<Shapes>, String> {
     let Checked::Valid(mode) = primitive.mode else { return Err("unknown mode".to_owned()) };
     let attribute = |s| primitive.attributes.get(&Checked::Valid(s)).copied();
     let Some(positions) = attribute(Semantic::Positions) else { return Ok(None) };
@@ -49,7 +54,6 @@ pub(crate) fn read_primitive(buffers: &Buffers<'_>, primitive: &Primitive) -> Re
         Some(index) => one_each("normals", vectors(buffers, index)?, vertices)?,
         None => Vec::new(),
     };
-    let (targets, normal_targets) = read_targets(buffers, primitive, vertices, !normals.is_empty())?;
     let indices = match primitive.indices {
         Some(index) => buffers.integers(index, Type::Scalar)?,
         None => (0..vertices as u32).collect(),
@@ -77,10 +81,15 @@ pub(crate) fn read_primitive(buffers: &Buffers<'_>, primitive: &Primitive) -> Re
         return Err(format!("position {bad} is not finite"));
     }
     let broken = mesh.repair_normals();
-    Ok(Some(Shapes { mesh, alphas, targets, normal_targets, broken }))
+    let morphs = match weights {
+        Some(weights) => Morphs::apply(buffers, primitive, weights, &mut mesh)?,
+        None => Morphs::read(buffers, primitive, &mesh)?,
+    };
+    Ok(Some(Shapes { mesh, alphas, morphs, is_morphed: weights.is_some(), broken }))
 }
 
-fn vectors(buffers: &Buffers<'_>, index: Index<Accessor>) -> Result<Vec<Vec3>, String> {
+/// Vectors of an accessor.
+pub(crate) fn vectors(buffers: &Buffers<'_>, index: Index<Accessor>) -> Result<Vec<Vec3>, String> {
     Ok(buffers.floats(index, Type::Vec3)?.chunks_exact(3).map(Vec3::from_slice).collect())
 }
 
@@ -90,35 +99,6 @@ fn one_each<T>(name: &str, values: Vec<T>, vertices: usize) -> Result<Vec<T>, St
         true => Ok(values),
         false => Err(format!("{} {name} for {vertices} positions", values.len())),
     }
-}
-
-/// For each morph target the displacements of all vertices.
-type Displacements = Vec<Vec<Vec3>>;
-
-/// Displacements of positions and of normals.
-fn read_targets(
-    buffers: &Buffers<'_>,
-    primitive: &Primitive,
-    vertices: usize,
-    has_normals: bool,
-) -> Result<(Displacements, Displacements), String> {
-    let (mut targets, mut normal_targets) = (Vec::new(), Vec::new());
-    for (k, target) in primitive.targets.iter().flatten().enumerate() {
-        let read = |index: Option<_>, default| -> Result<Vec<Vec3>, String> {
-            let Some(index) = index else { return Ok(vec![Vec3::ZERO; default]) };
-            let moved = vectors(buffers, index)?;
-            if moved.len() != vertices {
-                return Err(format!("morph target {k} of {} positions for {vertices}", moved.len()));
-            }
-            if moved.iter().any(|d| d.is_nan() || d.abs().max_element() > MAX_COORDINATE) {
-                return Err(format!("morph target {k}: displacements must lie within ±1e9"));
-            }
-            Ok(moved)
-        };
-        targets.push(read(target.positions, vertices)?);
-        normal_targets.push(read(target.normals.filter(|_| has_normals), 0)?);
-    }
-    Ok((targets, normal_targets))
 }
 
 /// The triangles of a list, a strip or a fan.

@@ -56,6 +56,8 @@ pub(crate) struct Reader<'a> {
     uses: Vec<usize>,
     /// Primitives, by mesh and number, that are cut out for all nodes.
     cut: HashMap<(usize, usize), Shapes>,
+    /// Primitives, by mesh and number, as the weights of nodes at rest morph them, for other nodes with the same weights.
+    morphed: HashMap<(usize, usize, Vec<u32>), Shapes>,
     /// Primitives that are stored once for all nodes.
     shared: SharedMeshes,
     images: Images<'a>,
@@ -95,6 +97,7 @@ impl<'a> Reader<'a> {
             materials: HashMap::new(),
             uses: uses(root, shown),
             cut: HashMap::new(),
+            morphed: HashMap::new(),
             shared: SharedMeshes::default(),
             images,
             extensions,
@@ -178,7 +181,7 @@ impl Reader<'_> {
         // A document that is kept keeps the whole of it.
         let is_kept = context.document.is_some();
         let early = cut_out.filter(|_| !is_kept);
-        let Some((shapes, is_cut)) = self.shapes([node, m, p], &name, early, copies, context).map_err(fault)? else {
+        let Some((shapes, is_cut)) = self.shapes(of, p, &name, early, context).map_err(fault)? else {
             self.notes.skipped += 1;
             return Ok(None);
         };
@@ -249,33 +252,60 @@ impl Reader<'_> {
     /// several nodes or instances show and none moves are cut once.
     fn shapes(
         &mut self,
-        [n, m, p]: [usize; 3],
+        of: &PlacedMesh,
+        p: usize,
         name: &str,
         cut_out: Option<&CutOut>,
-        instances: Option<&[Mat4]>,
         context: &mut Context,
     ) -> Result<Option<(Shapes, bool)>, String> {
+        let (n, m, instances) = (of.node, of.mesh, of.copies.as_deref());
         let bone = &self.skeleton.bones[n];
         let is_still = self.root.nodes[n].skin.is_none()
             && !self.moving[n]
             && bone.weights.is_none()
             && bone.rest_weights.iter().all(|weight| *weight == 0.0);
         let is_shared = self.uses[m] > 1 || instances.is_some();
+        let keeps_morphs = bone.weights.is_some() || bone.rest_weights.iter().any(|weight| *weight != 0.0);
         let cut_out = cut_out.filter(|_| is_still && is_shared);
         let known = self.cut.get(&(m, p)).filter(|_| cut_out.is_some()).cloned();
         let is_new = known.is_none();
-        let read = || read_primitive(&self.buffers, &self.root.meshes[m].primitives[p]);
-        let Some(mut shapes) = known.map_or_else(read, |known| Ok(Some(known)))? else { return Ok(None) };
+        let Some(mut shapes) = known.map_or_else(|| self.primitive(of, p), |known| Ok(Some(known)))? else {
+            return Ok(None);
+        };
         if let Some(cut_out) = cut_out.filter(|_| is_new) {
             let alphas = core::mem::take(&mut shapes.alphas);
             context.cut_out(self.images.path(), name, cut_out, (&mut shapes.mesh, &alphas), false);
             self.cut.insert((m, p), shapes.clone());
         }
-        context.files.budget.take_mesh(&shapes.mesh, instances.map_or(1, <[Mat4]>::len), name)?;
+        let copies = instances.map_or(1, <[Mat4]>::len);
+        context.files.budget.take_mesh(&shapes.mesh, copies, name)?;
+        if keeps_morphs && !shapes.is_morphed {
+            let (all, targets) = (shapes.morphs.bytes().saturating_mul(copies as u64), shapes.morphs.count());
+            context.files.budget.take(all, 0, &format!("\"{name}\" of {targets} morph targets"))?;
+        }
         if let Some(instances) = instances {
             shapes = expanded(&shapes, instances);
         }
         Ok(Some((shapes, cut_out.is_some())))
+    }
+
+    /// A primitive of a node. Where neither the node nor its joints move and its weights stay, it is morphed by them: once for all such
+    /// nodes with the same weights.
+    fn primitive(&mut self, of: &PlacedMesh, p: usize) -> Result<Option<Shapes>, String> {
+        let (bone, primitive) = (&self.skeleton.bones[of.node], &self.root.meshes[of.mesh].primitives[p]);
+        let is_at_rest = !self.moving[of.node] && of.skin.iter().flatten().all(|(joint, _)| !self.moving[*joint]);
+        if !is_at_rest || of.copies.is_some() || bone.weights.is_some() || bone.rest_weights.is_empty() {
+            return read_primitive(&self.buffers, primitive, None);
+        }
+        let key = (of.mesh, p, bone.rest_weights.iter().map(|weight| weight.to_bits()).collect());
+        if let Some(known) = self.morphed.get(&key) {
+            return Ok(Some(known.clone()));
+        }
+        let shapes = read_primitive(&self.buffers, primitive, Some(&bone.rest_weights))?;
+        if let Some(shapes) = shapes.as_ref().filter(|_| self.uses[of.mesh] > 1) {
+            self.morphed.insert(key, shapes.clone());
+        }
+        Ok(shapes)
     }
 
     /// A primitive at the first moment, and its motion if it moves.
@@ -288,10 +318,10 @@ impl Reader<'_> {
         influences: Option<Influences>,
     ) -> Result<(Mesh, Option<(Deformer, Carrier)>), String> {
         let bone = &self.skeleton.bones[n];
-        let Shapes { mut mesh, targets, normal_targets, broken, .. } = shapes;
+        let Shapes { mut mesh, morphs, is_morphed, broken, .. } = shapes;
         self.notes.broken += broken;
-        if targets.len() != bone.rest_weights.len() {
-            let (k, first) = (targets.len(), bone.rest_weights.len());
+        if morphs.count() != bone.rest_weights.len() {
+            let (k, first) = (morphs.count(), bone.rest_weights.len());
             return Err(format!("{k} morph targets, the first primitive has {first}"));
         }
         let morphing = bone.weights.as_ref().is_some_and(|w| !w.is_constant());
@@ -301,9 +331,11 @@ impl Reader<'_> {
             return Ok((mesh, None));
         }
         let mut deformer = Deformer::rigid(&mesh);
-        let mut carrier = Carrier { skeleton, joints: vec![(Some(n), Mat4::IDENTITY)], morph: morphed.then_some(n) };
-        if morphed {
-            (deformer.targets, deformer.normal_targets) = (targets, normal_targets);
+        let morphs = Some(morphs).filter(|_| morphed && !is_morphed);
+        let morph = morphs.as_ref().map(|_| n);
+        let mut carrier = Carrier { skeleton, joints: vec![(Some(n), Mat4::IDENTITY)], morph };
+        if let Some(morphs) = &morphs {
+            [deformer.targets, deformer.normal_targets] = morphs.all();
         }
         let mut moves = morphing || self.moving[n];
         if let (Some(joints), Some(influences)) = (joints, influences) {
@@ -322,7 +354,7 @@ impl Reader<'_> {
             return Err("the matrix of a joint leaves ±1e9".to_owned());
         }
         let mut morph = Vec::new();
-        if morphed {
+        if morphs.is_some() {
             self.skeleton.morph_weights(n, 0.0, &mut morph);
         }
         if deformer.mirrors(&now) {

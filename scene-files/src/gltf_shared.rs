@@ -92,7 +92,7 @@ impl SharedMeshes {
         shown: &Shown<'_>,
         context: &mut Context,
     ) -> Result<(Option<Arc<Mesh>>, Repaired), String> {
-        let Some(shapes) = read_primitive(buffers, primitive)? else { return Ok((None, Repaired::default())) };
+        let Some(shapes) = read_primitive(buffers, primitive, None)? else { return Ok((None, Repaired::default())) };
         let mut part = Part::fixed(String::new(), shapes.mesh, None);
         // The reader of single meshes says what is wrong.
         if part.mesh.validate().is_err() {

@@ -57,7 +57,11 @@ impl HdrHeader {
         Ok((header, plain))
     }
 
+    /// Reads a variable. A line that begins with a blank is the history of the picture: what it says is in the pixels already.
     fn line(&mut self, line: &str) -> Result<(), String> {
+        if line.starts_with([' ', '\t']) {
+            return Ok(());
+        }
         let Some((key, value)) = line.split_once('=') else { return Ok(()) };
         let value = value.trim();
         let numbers = || -> Vec<f32> { value.split_whitespace().filter_map(|word| word.parse().ok()).collect() };
@@ -158,6 +162,25 @@ mod tests {
         assert_eq!(red("COLORCORR=2 1 4\nCOLORCORR= 1 1 2\n").unwrap(), plain / Vec3::new(2.0, 1.0, 8.0));
         for bad in ["EXPOSURE=0\n", "EXPOSURE=x\n", "COLORCORR=1 2\n", "FORMAT=raw\n"] {
             assert!(red(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn lines_of_history_are_not_read() {
+        let read =
+            |lines: &str| HdrHeader::read(format!("#?RADIANCE\n{lines}\n-Y 1 +X 1\n").as_bytes()).unwrap().unwrap().0;
+        let plain = read("FORMAT=32-bit_rle_rgbe\n");
+        let variables = [
+            "EXPOSURE=9",
+            "COLORCORR=2 1 1",
+            "FORMAT=32-bit_rle_xyze",
+            "FORMAT=raw",
+            "PRIMARIES=1 0 0 1 0 0 0 0",
+            "GAMMA=2",
+        ];
+        for (variable, blank) in variables.iter().flat_map(|variable| [" ", "\t"].map(|blank| (variable, blank))) {
+            let old = read(&format!("{blank}{variable}\n"));
+            assert_eq!((old.factor, old.is_xyz, &old.notes), (plain.factor, plain.is_xyz, &plain.notes), "{variable}");
         }
     }
 

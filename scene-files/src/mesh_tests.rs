@@ -238,3 +238,32 @@ fn ply_files_that_are_not_read_say_why() {
         assert!(message.contains(words), "{message}");
     }
 }
+
+/// A face of many corners that winds three times around.
+#[test]
+fn large_faces_that_cross_themselves_are_fans_with_a_warning() {
+    let n = 6000;
+    let corner = |k: usize| {
+        let angle = core::f64::consts::TAU * 3.0 * k as f64 / n as f64;
+        let radius = if k.is_multiple_of(2) { 0.5 } else { 1.0 };
+        format!("{} {} 0\n", radius * angle.cos(), radius * angle.sin())
+    };
+    let corners: Vec<String> = (0..n).map(corner).collect();
+    let numbers = |first: usize| (first..first + n).map(|k| k.to_string()).collect::<Vec<_>>().join(" ");
+    let obj = format!("v {}f {}\n", corners.join("v "), numbers(1));
+    let header =
+        format!("ply\nformat ascii 1.0\nelement vertex {n}\nproperty float x\nproperty float y\nproperty float z\n");
+    let list = "element face 1\nproperty list int int vertex_indices\nend_header\n";
+    let ply = format!("{header}{list}{}{n} {}\n", corners.concat(), numbers(0));
+    let begin = std::time::Instant::now();
+    for is_obj in [true, false] {
+        let mut context = Context::default();
+        let parts = match is_obj {
+            true => obj::parse(Path::new("m.obj"), &obj, &mut context),
+            false => ply::parse(Path::new("m.ply"), ply.as_bytes(), &mut context),
+        };
+        assert_eq!(parts.expect("a mesh")[0].mesh.triangles.len(), n - 2);
+        assert!(context.warnings.iter().any(|line| line.contains("a face crosses itself")), "{:?}", context.warnings);
+    }
+    assert!(begin.elapsed().as_secs_f64() < 2.0, "{:?}", begin.elapsed());
+}

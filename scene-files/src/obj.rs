@@ -7,7 +7,8 @@ use crate::obj_libraries::Libraries;
 use crate::obj_lines::{self, Run};
 use crate::obj_normals::{self, smoothing_group};
 use crate::part::Part;
-use crate::{polygon, vertex_colors};
+use crate::polygon::{self, Cut};
+use crate::vertex_colors;
 use brdf::Lambert;
 use glam::{Vec2, Vec3};
 use scene::{Mesh, SceneError};
@@ -56,7 +57,8 @@ pub(crate) fn obj_text(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError
 /// The meshes of a file: one for each material in use, or a single one where there are no materials.
 pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Vec<Part>, SceneError> {
     let (mut lists, groups, [short, infinite]) = read(path, text, context)?;
-    let Groups { names, lists: mut groups, libraries, .. } = groups;
+    let Groups { names, lists: mut groups, libraries, tangled, .. } = groups;
+    context.tell_tangled(path, tangled);
     let has_libraries = libraries.are_there();
     let appearances = libraries.appearances(path, context)?;
     if has_libraries {
@@ -250,6 +252,8 @@ struct Groups {
     material: usize,
     smoothing: u32,
     libraries: Libraries,
+    /// Large faces that cross themselves.
+    tangled: usize,
 }
 
 impl Default for Groups {
@@ -261,6 +265,7 @@ impl Default for Groups {
             material: 0,
             smoothing: 0,
             libraries: Libraries::default(),
+            tangled: 0,
         }
     }
 }
@@ -274,7 +279,8 @@ impl Groups {
             return;
         }
         let places: Vec<_> = face.iter().map(|c| positions[c.0 as usize].as_dvec3()).collect();
-        polygon::ears(&places, &mut |triangle| list.push(Face { corners: triangle.map(|k| face[k]), group }));
+        let cut = polygon::ears(&places, &mut |triangle| list.push(Face { corners: triangle.map(|k| face[k]), group }));
+        self.tangled += usize::from(cut == Cut::Tangled);
     }
 
     /// Reads a line that is neither a list's nor a face.

@@ -4,7 +4,8 @@ use crate::appearance::Appearance;
 use crate::context::Context;
 use crate::files::extension;
 use crate::part::Part;
-use crate::{image_file, polygon, vertex_colors};
+use crate::polygon::{self, Cut};
+use crate::{image_file, vertex_colors};
 use brdf::Lambert;
 use glam::{Vec2, Vec3};
 use scene::{Encoding, Mesh, Surface, TextureMap};
@@ -34,6 +35,8 @@ pub(crate) struct PlyMesh {
     uvs: Vec<[Vec2; 3]>,
     colors: Vec<Vec3>,
     owners: Vec<i64>,
+    /// Large faces that cross themselves.
+    tangled: usize,
 }
 
 impl PlyMesh {
@@ -51,7 +54,7 @@ impl PlyMesh {
             return Ok(());
         }
         let corners: Vec<_> = face.corners.iter().map(|&i| self.mesh.positions[i as usize].as_dvec3()).collect();
-        polygon::fan_or_ears(&corners, &mut |triangle| {
+        let cut = polygon::fan_or_ears(&corners, &mut |triangle| {
             self.mesh.triangles.push(triangle.map(|k| face.corners[k]));
             if !face.uvs.is_empty() {
                 // Faces before had none.
@@ -67,11 +70,13 @@ impl PlyMesh {
                 self.owners.push(image);
             }
         });
+        self.tangled += usize::from(cut == Cut::Tangled);
         Ok(())
     }
 
     /// One part for each image in use.
     pub(crate) fn parts(mut self, path: &Path, context: &mut Context) -> Result<Vec<Part>, String> {
+        context.tell_tangled(path, self.tangled);
         let vertices = self.mesh.positions.len();
         let is_bare = self.mesh.normals.len() != vertices;
         if is_bare {

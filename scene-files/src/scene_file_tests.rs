@@ -169,6 +169,7 @@ fn bad_input_is_refused_in_one_line_with_its_place() {
     refused("[[objects]]\nspheres = [[0, 0, 0, 1],\n [0, 0, 0, 0]]", 3, &["greater than 0"]);
     refused("[[objects]]\nspheres = []", 2, &["at least one"]);
     refused("[[objects]]\nquad = { center = [0, 0, 0], u = [1, 0, 0], v = [2, 0, 0] }", 2, &["parallel"]);
+    refused("[[objects]]\nquad = { center = [0, 0, 0], u = [1, 0, 0], v = [0, 3e19, 0] }", 2, &["v", "3.000e19"]);
     refused("[[objects]]\nplane = { point = [0, 0, 0], normal = [0, 0, 0] }", 2, &["length zero"]);
     refused("[[objects]]\nbox = { center = [0, 0, 0], size = [1, 0, 1] }", 2, &["greater than 0"]);
     refused("[[objects]]\n\nmesh = \"absent.obj\"", 3, &["absent.obj", "cannot read"]);
@@ -404,6 +405,11 @@ fn lights_that_are_none_are_refused() {
         &light("kind = \"rectangle\"\ncenter = [0, 3, 0]\nu = [1, 0, 0]\nv = [2, 0, 0]\nradiance = 1"),
         7,
         &["v: u and v are parallel"],
+    );
+    refused(
+        &light("kind = \"rectangle\"\ncenter = [0, 3, 0]\nu = [1e30, 0, 0]\nv = [0, 0, 1]\nradiance = 1"),
+        6,
+        &["u: half a side is 1.000e30 long: expected at most 1e9"],
     );
     refused(
         &light("kind = \"rectangle\"\ncenter = [0, 3, 0]\nu = [0, 0, 0]\nv = [2, 0, 0]\nradiance = 1"),

@@ -205,10 +205,7 @@ fn rectangle<'s>(t: &mut Table<'s>, around: &Around<'_>) -> Result<Own<'s>, Scen
     let origins = Origins::of(around.origin, center.place()?);
     let at = center.relative(origins.own)?;
     let (key_u, key_v) = (t.require("u")?, t.require("v")?);
-    let [u, v] = [key_u.nonzero_vec3()?, key_v.nonzero_vec3()?];
-    if u.normalize().cross(v.normalize()).length() < 1e-6 {
-        return Err(key_v.error("u and v are parallel"));
-    }
+    let [u, v] = Value::half_sides(&key_u, &key_v)?;
     let light = FlatLight::rectangle(at, u, v, Vec3::ONE).map_err(|e| center.error(e))?;
     flat(t, light, origins, around)
 }

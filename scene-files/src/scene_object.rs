@@ -351,11 +351,7 @@ fn geometry(
     let geometry = match shape {
         "quad" => {
             let (u, v) = (t.require("u")?, t.require("v")?);
-            let (u, place) = (u.nonzero_vec3()?, v);
-            let v = v.nonzero_vec3()?;
-            if u.normalize().cross(v.normalize()).length() < 1e-6 {
-                return Err(place.error("u and v are parallel"));
-            }
+            let [u, v] = Value::half_sides(&u, &v)?;
             Geometry::Flat(Mesh::quad(center, u, v))
         }
         "plane" => {

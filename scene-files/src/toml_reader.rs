@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Mat3, Mat4, Vec2, Vec3, Vec4};
 use lobe_core::Sphere;
-use scene::SceneError;
+use scene::{MAX_COORDINATE, SceneError};
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -159,6 +159,22 @@ impl<'s> Value<'s> {
     pub(crate) fn nonzero_vec3(&self) -> Result<Vec3, SceneError> {
         let v = self.vec3()?;
         if v.length() > 1e-18 { Ok(v) } else { Err(self.error("vector has length zero")) }
+    }
+
+    /// Half a side of a flat shape.
+    fn half_side(&self) -> Result<Vec3, SceneError> {
+        let v = self.nonzero_vec3()?;
+        if v.abs().max_element() > MAX_COORDINATE {
+            return Err(self.error(format!("half a side is {:.3e} long: expected at most 1e9", v.as_dvec3().length())));
+        }
+        Ok(v)
+    }
+
+    /// The half sides `u` and `v` of a parallelogram.
+    pub(crate) fn half_sides(u: &Self, v: &Self) -> Result<[Vec3; 2], SceneError> {
+        let sides = [u.half_side()?, v.half_side()?];
+        let [a, b] = sides.map(|side| side.as_dvec3().normalize());
+        if a.cross(b).length() < 1e-6 { Err(v.error("u and v are parallel")) } else { Ok(sides) }
     }
 
     /// A direction of any length, as a unit vector.

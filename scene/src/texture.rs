@@ -202,7 +202,7 @@ impl Texture {
     /// upper left texel where `uv` is not finite.
     ///
     /// Trilinear in the pyramid, by up to eight taps along a footprint longer than wide; where texels are larger than the
-    /// footprint, bilinear, or the nearest one if `is_pixelated`.
+    /// footprint, bilinear, or if `is_pixelated` the mean of squares of one value over a box of the footprint's size.
     #[must_use]
     pub fn sample(&self, uv: Vec2, footprint: [Vec2; 2], wrap: [Wrap; 2], is_pixelated: bool) -> [f32; 4] {
         with!(&*self.levels, levels => mean(levels, uv, footprint, wrap, is_pixelated)).to_array()
@@ -240,7 +240,9 @@ fn mean_from_far<T: Stored>(
     let uv = near(uv, wrap);
     let (major, long, short) = if a > b { (sides[0], a, b) } else { (sides[1], b, a) };
     if long <= 1.0 {
-        return if is_pixelated { all.nearest(uv, wrap) } else { all.bilinear(uv, wrap) * T::SCALE };
+        let numbers =
+            if is_pixelated { all.squares(uv, widths(sides, all.extent), wrap) } else { all.bilinear(uv, wrap) };
+        return numbers * T::SCALE;
     }
     // Footprints that are not finite see all of the image.
     let long = if long < f32::MAX { long } else { f32::MAX };
@@ -268,6 +270,11 @@ fn mean_from_far<T: Stored>(
         at += along;
     }
     sum * (T::SCALE * share)
+}
+
+/// In texels, the sides of a box along the axes with the variance of a parallelogram of these sides: at most 1, and never 0.
+fn widths([a, b]: [Vec2; 2], extent: Vec4) -> Vec2 {
+    ((a * a + b * b).map(f32::sqrt) * extent.xy()).min(Vec2::ONE).max(Vec2::splat(1e-6))
 }
 
 impl PartialEq for Texture {

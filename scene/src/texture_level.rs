@@ -1,6 +1,6 @@
 //! One level of a texture's pyramid: how memory holds its texels, how its edges wrap, and lookups in it.
 
-use glam::{BVec4A, Vec4};
+use glam::{BVec4A, Vec2, Vec4};
 
 /// The values outside [0, 1]².
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -168,6 +168,15 @@ impl<T: Stored> Level<T> {
         let masks = self.masks.map(|[x, y]| [x, y, x, y]);
         let ([x, y, ..], t) = neighbours(uv, self.extent, masks, wrap);
         self.blend(x, y, t.x, t.y)
+    }
+
+    /// The mean of numbers over a box with sides of so many texels, at most 1 and not 0, where texels are squares of one value.
+    pub(crate) fn squares(&self, uv: Vec4, widths: Vec2, wrap: [Wrap; 2]) -> Vec4 {
+        let masks = self.masks.map(|[x, y]| [x, y, x, y]);
+        let ([x, y, ..], t) = neighbours(uv, self.extent, masks, wrap);
+        // Of two texels the second one's part of the box.
+        let part = |t: f32, width: f32| ((t - 0.5) / width + 0.5).clamp(0.0, 1.0);
+        self.blend(x, y, part(t.x, widths.x), part(t.y, widths.y))
     }
 
     /// The numbers between this level's and the next one's.

@@ -98,6 +98,31 @@ fn footprints_blur_by_as_much_as_they_are_long() {
 }
 
 #[test]
+fn squares_are_means_over_the_footprint() {
+    let texture = noise([5, 3], Encoding::Linear);
+    let texel = |x: i64, y: i64| noise_texel(5, x.rem_euclid(5) as u32, y.rem_euclid(3) as u32);
+    // The texels that a part of a line covers, with their parts of it.
+    let covered = |at: f64, width: f64| {
+        let (begin, end) = (at - 0.5 * width, at + 0.5 * width);
+        let part = move |k: i64| (((k + 1) as f64).min(end) - (k as f64).max(begin)).max(0.0) / width;
+        (begin.floor() as i64..=end.floor() as i64).map(move |k| (k, part(k)))
+    };
+    for (u, v, across, down) in
+        [(0.13, 0.31, 0.9, 0.7), (0.79, 0.66, 0.3, 0.05), (0.402, 0.334, 0.02, 0.01), (-2.61, 7.99, 1.0, 1.0)]
+    {
+        let sides = [Vec2::new(across / 5.0, 0.0), Vec2::new(0.0, down / 3.0)];
+        let got = texture.sample(Vec2::new(u, v), sides, [Wrap::Repeat; 2], true);
+        let mut want = [0.0; 4];
+        for (x, a) in covered(f64::from(u) * 5.0, f64::from(across)) {
+            for (y, b) in covered(f64::from(v) * 3.0, f64::from(down)) {
+                texel(x, y).iter().zip(&mut want).for_each(|(value, sum)| *sum += value * (a * b) as f32);
+            }
+        }
+        assert!((0..4).all(|k| (got[k] - want[k]).abs() < 1e-4), "{u} {v}: {got:?} {want:?}");
+    }
+}
+
+#[test]
 fn any_coordinates_give_a_value() {
     let texture = noise([3, 5], Encoding::Srgb);
     let extremes = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, 1e-30, 0.0, -0.0, 1.0, 16_777_217.0];
