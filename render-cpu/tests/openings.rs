@@ -7,7 +7,7 @@ use lobe_core::{Receiver, Sphere};
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
 use scene::{Frame, Scene, Shade};
 use shading::Accuracy;
-use test_scenes::{Opening, ROOM, leaf, room, with_door};
+use test_scenes::{Opening, ROOM, leaf, room, room_with, with_door};
 use visibility_mask::MaskVisibility;
 use visibility_silhouettes::SilhouetteBlockers;
 
@@ -68,14 +68,14 @@ type Seen = fn(DVec3) -> Vec<DVec3>;
 
 /// The light and the blockers outside of the room.
 struct Outside {
-    opening: Opening,
+    openings: Vec<Opening>,
     light: Seen,
     /// Corners of a convex blocker beyond the opening.
     blocker: Vec<DVec3>,
 }
 
-/// The radiance of a white diffuse point by the formula for polygons (J. H. Lambert): the part of the opening before the light, less the part of
-/// that before the blocker, all of which are convex polygons in the opening's plane.
+/// The radiance of a white diffuse point by the formula for polygons (J. H. Lambert): the parts of openings before the light, less the parts of
+/// these before the blocker, all of which are convex polygons in the openings' plane.
 fn oracle(at: &Receiver, outside: &Outside) -> f64 {
     let (x, n) = (at.position.as_dvec3(), at.normal.as_dvec3());
     let z = f64::from(-ROOM.z);
@@ -84,10 +84,6 @@ fn oracle(at: &Receiver, outside: &Outside) -> f64 {
     }
     let on_plane = |p: &DVec3| (x + (p - x) * ((z - x.z) / (p.z - x.z))).truncate();
     let polygon = |points: &[DVec3]| hull(points.iter().map(on_plane).collect());
-    let [left, right, low, high] = outside.opening.map(f64::from);
-    let corners = [[left, low], [right, low], [right, high], [left, high]].map(DVec2::from_array);
-    let seen = clipped(&corners, |p| n.dot(p.extend(z) - x));
-    let lit = common(&seen, &polygon(&(outside.light)(x)));
     let flux = |polygon: &[DVec2]| {
         let to = |k: usize| (polygon[k % polygon.len()].extend(z) - x).normalize();
         let sides = (0..polygon.len()).map(|k| {
@@ -98,8 +94,15 @@ fn oracle(at: &Receiver, outside: &Outside) -> f64 {
         });
         (sides.sum::<f64>() / (2.0 * PI)).abs()
     };
-    let hidden = if outside.blocker.is_empty() { 0.0 } else { flux(&common(&lit, &polygon(&outside.blocker))) };
-    flux(&lit) - hidden
+    let light = polygon(&(outside.light)(x));
+    let through = |opening: &Opening| {
+        let [left, right, low, high] = opening.map(f64::from);
+        let corners = [[left, low], [right, low], [right, high], [left, high]].map(DVec2::from_array);
+        let lit = common(&clipped(&corners, |p| n.dot(p.extend(z) - x)), &light);
+        let hidden = if outside.blocker.is_empty() { 0.0 } else { flux(&common(&lit, &polygon(&outside.blocker))) };
+        flux(&lit) - hidden
+    };
+    outside.openings.iter().map(through).sum()
 }
 
 /// Mean and 99th percentile of the error of each point as a part of its own radiance, and the largest radiance that is not seen at all.
@@ -177,7 +180,7 @@ fn lights() -> [(&'static str, Vec<Light>, Seen); 4] {
 /// The errors of a scene by each light, which are to be at most some numbers in the mean and for 99 %.
 fn check(name: &str, opening: Opening, blocker: &[DVec3], most: [[f64; 2]; 4]) {
     for ((light, emits, seen), [most, most_of_99]) in lights().into_iter().zip(most) {
-        let outside = Outside { opening, light: seen, blocker: blocker.to_vec() };
+        let outside = Outside { openings: vec![opening], light: seen, blocker: blocker.to_vec() };
         let mut scene = room(opening, sphere(SPHERES[0]));
         scene.lights = emits;
         let scene = if blocker.is_empty() { scene } else { with_door(scene, opening) };
@@ -194,14 +197,14 @@ fn rooms_behind_doors_ajar_are_lit() {
     let [hinge, sides @ ..] = leaf(opening).map(|v| v.as_dvec3());
     let corner = |k: usize| (0..3).filter(|axis| k >> axis & 1 == 1).fold(hinge, |p, axis| p + sides[axis]);
     let blocker: Vec<DVec3> = (0..8).map(corner).collect();
-    check("door", opening, &blocker, [[0.012, 0.1], [0.013, 0.1], [0.017, 0.5], [0.014, 0.2]]);
+    check("door", opening, &blocker, [[0.004, 0.02], [0.004, 0.02], [0.003, 0.02], [0.001, 0.005]]);
 }
 
 #[test]
 fn rooms_behind_openings_are_lit() {
-    check("window", [-0.6, 0.6, -0.2, 0.8], &[], [[0.005, 0.03], [0.004, 0.02], [0.012, 0.07], [0.014, 0.07]]);
-    check("small window", [-0.2, 0.2, 0.1, 0.5], &[], [[0.005, 0.02], [0.004, 0.02], [0.011, 0.03], [0.008, 0.03]]);
-    check("slit", [-0.3, -0.28, -1.2, 0.8], &[], [[0.008, 0.03], [0.008, 0.03], [0.006, 0.02], [0.007, 0.03]]);
+    check("window", [-0.6, 0.6, -0.2, 0.8], &[], [[0.004, 0.02], [0.003, 0.01], [0.003, 0.01], [0.001, 0.005]]);
+    check("small window", [-0.2, 0.2, 0.1, 0.5], &[], [[0.004, 0.02], [0.003, 0.01], [0.003, 0.01], [0.001, 0.005]]);
+    check("slit", [-0.3, -0.28, -1.2, 0.8], &[], [[0.004, 0.02], [0.003, 0.01], [0.003, 0.01], [0.001, 0.005]]);
 }
 
 /// Openings that neither rows nor columns of a mask cross.
@@ -209,19 +212,48 @@ fn rooms_behind_openings_are_lit() {
 fn openings_between_all_lines_are_found() {
     let small = [-0.2, 0.2, 0.3, 0.7];
     let hole = [0.3, 0.38, -0.2, -0.12];
-    const FEW: [f64; 3] = [0.007, 0.03, 0.02];
-    for (name, opening, emits, light, [most, most_of_99, darkest]) in [
+    const FEW: [f64; 2] = [0.004, 0.02];
+    for (name, opening, emits, light, [most, most_of_99]) in [
         ("small window, square of 60 m", small, square(SQUARES[3]), square_seen::<3> as Seen, FEW),
         ("small window, square of 120 m", small, square(SQUARES[4]), square_seen::<4>, FEW),
         ("hole, square of 22 m", hole, square(SQUARES[0]), square_seen::<0>, FEW),
         ("hole, square of 60 m", hole, square(SQUARES[3]), square_seen::<3>, FEW),
-        // It shows one point the sphere's very rim.
-        ("hole, sphere", hole, sphere(SPHERES[0]), sphere_seen::<0>, [0.015, 0.03, 0.2]),
+        ("hole, sphere", hole, sphere(SPHERES[0]), sphere_seen::<0>, FEW),
     ] {
-        let outside = Outside { opening, light, blocker: Vec::new() };
+        let outside = Outside { openings: vec![opening], light, blocker: Vec::new() };
         let [mean, p99, dark] = own_errors(&room(opening, emits), &outside);
         println!("{name}: own error {mean:.5}, 99 % {p99:.4}, darkened {dark:.4}");
-        assert!(mean < most && p99 < most_of_99 && dark < darkest, "{name}: {mean} {p99} {dark}");
+        assert!(mean < most && p99 < most_of_99 && dark < 1e-4, "{name}: {mean} {p99} {dark}");
+    }
+}
+
+/// Holes of 3 cm, slits of 1 cm and panes, of which masks see some and miss others.
+#[test]
+fn all_of_many_openings_are_found() {
+    let grid = |count: [usize; 2], [width, height]: [f32; 2], [dx, dy]: [f32; 2]| -> Vec<Opening> {
+        let from = |k: usize, count: usize, step: f32| (k as f32 - 0.5 * (count as f32 - 1.0)) * step;
+        let cell = |k: usize| {
+            let [x, y] = [from(k % count[0], count[0], dx), from(k / count[0], count[1], dy) + 0.2];
+            [x - 0.5 * width, x + 0.5 * width, y - 0.5 * height, y + 0.5 * height]
+        };
+        (0..count[0] * count[1]).map(cell).collect()
+    };
+    let cases = [
+        ("2 holes", grid([2, 1], [0.03, 0.03], [0.33, 0.0])),
+        ("9 holes", grid([3, 3], [0.03, 0.03], [0.3, 0.27])),
+        ("8 slits", grid([1, 8], [1.2, 0.01], [0.0, 0.11])),
+        ("20 slits", grid([20, 1], [0.012, 0.9], [0.06, 0.0])),
+        ("12 panes", grid([4, 3], [0.26, 0.3], [0.3, 0.34])),
+    ];
+    for (name, openings) in cases {
+        for (light, emits, seen) in lights() {
+            let outside = Outside { openings: openings.clone(), light: seen, blocker: Vec::new() };
+            let mut scene = room_with(&openings, sphere(SPHERES[0]));
+            scene.lights = emits;
+            let [mean, p99, dark] = own_errors(&scene, &outside);
+            println!("{name}, {light}: own error {mean:.5}, 99 % {p99:.4}, darkened {dark:.4}");
+            assert!(mean < 0.004 && p99 < 0.02 && dark < 1e-4, "{name}, {light}: {mean} {p99} {dark}");
+        }
     }
 }
 
@@ -238,10 +270,10 @@ fn slits_before_near_lights_are_found() {
     for (half, light) in HALVES.into_iter().zip([seen::<0> as Seen, seen::<1>]) {
         let [u, v] = [Vec3::X * half.x as f32, Vec3::Y * half.y as f32];
         let emits = FlatLight::rectangle(CENTER.as_vec3(), u, v, Vec3::ONE).expect("a rectangle");
-        let outside = Outside { opening, light, blocker: Vec::new() };
+        let outside = Outside { openings: vec![opening], light, blocker: Vec::new() };
         let [mean, p99, dark] = own_errors(&room(opening, emits.into()), &outside);
         println!("slit, {half}: own error {mean:.5}, 99 % {p99:.4}, darkened {dark:.4}");
-        assert!(dark < 0.01 && mean < 0.05, "{half}: {dark} {mean}");
+        assert!(dark == 0.0 && mean < 0.004, "{half}: {dark} {mean}");
     }
 }
 
@@ -254,10 +286,9 @@ fn slits_before_narrow_lights_are_found() {
         ("sphere of 9°", sphere(SPHERES[2]), sphere_seen::<2>),
         ("square of 9°", square(SQUARES[2]), square_seen::<2>),
     ] {
-        let outside = Outside { opening, light, blocker: Vec::new() };
+        let outside = Outside { openings: vec![opening], light, blocker: Vec::new() };
         let [mean, p99, dark] = own_errors(&room(opening, emits), &outside);
         println!("slit, {name}: own error {mean:.5}, 99 % {p99:.4}, darkened {dark:.4}");
-        // Where light comes by its very rim alone, no row crosses it.
-        assert!(mean < 0.03 && dark < 0.04, "{name}: {mean} {dark}");
+        assert!(mean < 0.006 && p99 < 0.02 && dark == 0.0, "{name}: {mean} {p99} {dark}");
     }
 }

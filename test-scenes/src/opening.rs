@@ -8,30 +8,40 @@ pub const ROOM: Vec3 = Vec3::new(2.0, 1.5, 2.5);
 /// An opening in the wall at −z: x from, to, y from, to.
 pub type Opening = [f32; 4];
 
-/// The wall around an opening: its corners and those of the opening, whose sides are the only edges that a ray may pass.
-fn wall([left, right, low, high]: Opening) -> Mesh {
-    let at = |x: f32, y: f32| Vec3::new(x, y, -ROOM.z);
-    let (x, y) = (ROOM.x, ROOM.y);
-    let positions = vec![
-        at(-x, -y),
-        at(x, -y),
-        at(x, y),
-        at(-x, y),
-        at(left, low),
-        at(right, low),
-        at(right, high),
-        at(left, high),
-    ];
-    let ring = (0..4_u32).flat_map(|k| {
-        let next = (k + 1) % 4;
-        [[k, next, next + 4], [k, next + 4, k + 4]]
-    });
-    Mesh { positions, triangles: ring.collect(), ..Mesh::default() }
+/// The wall around openings: the cells of a grid along all of their sides that are in none.
+fn wall(openings: &[Opening]) -> Mesh {
+    let lines = |half: f32, sides: [usize; 2]| {
+        let inner = openings.iter().flat_map(|opening| sides.map(|side| opening[side]));
+        let mut lines: Vec<f32> = inner.chain([-half, half]).collect();
+        lines.sort_by(f32::total_cmp);
+        lines.dedup();
+        lines
+    };
+    let (x, y) = (lines(ROOM.x, [0, 1]), lines(ROOM.y, [2, 3]));
+    let positions = y.iter().flat_map(|y| x.iter().map(|x| Vec3::new(*x, *y, -ROOM.z))).collect();
+    let is_open = |i: usize, j: usize| {
+        let is_in = |[left, right, low, high]: &Opening| *left <= x[i] && x[i] < *right && *low <= y[j] && y[j] < *high;
+        openings.iter().any(is_in)
+    };
+    let mut triangles = Vec::new();
+    for j in 0..y.len() - 1 {
+        for i in (0..x.len() - 1).filter(|i| !is_open(*i, j)) {
+            let [a, b] = [j, j + 1].map(|j| (j * x.len() + i) as u32);
+            triangles.extend([[a, a + 1, b + 1], [a, b + 1, b]]);
+        }
+    }
+    Mesh { positions, triangles, ..Mesh::default() }
 }
 
 /// A white room of six sheets, seen from beside an opening in the wall at −z, and a light outside.
 #[must_use]
 pub fn room(opening: Opening, light: Light) -> Scene {
+    room_with(&[opening], light)
+}
+
+/// The same with any number of openings.
+#[must_use]
+pub fn room_with(openings: &[Opening], light: Light) -> Scene {
     let Vec3 { x, y, z } = ROOM;
     let sides = [
         Mesh::quad(Vec3::new(0.0, -y, 0.0), Vec3::X * x, Vec3::NEG_Z * z),
@@ -39,7 +49,7 @@ pub fn room(opening: Opening, light: Light) -> Scene {
         Mesh::quad(Vec3::new(0.0, 0.0, z), Vec3::NEG_X * x, Vec3::Y * y),
         Mesh::quad(Vec3::new(-x, 0.0, 0.0), Vec3::NEG_Z * z, Vec3::Y * y),
         Mesh::quad(Vec3::new(x, 0.0, 0.0), Vec3::Z * z, Vec3::Y * y),
-        wall(opening),
+        wall(openings),
     ];
     Scene {
         surfaces: Vec::new(),

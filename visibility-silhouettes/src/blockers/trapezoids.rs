@@ -7,7 +7,7 @@ use lobe_core::Outline;
 use visibility_mask::{LitArea, Mask};
 
 /// Trapezoids are found where at most this number of outlines is before the light: the time is that of each two of them.
-const MOST: usize = 192;
+const MOST: usize = 512;
 /// Half the distance of the two points of Gauss and Legendre's rule, in heights of a slab.
 const GAUSS: f32 = 0.288_675_13;
 /// Slabs of a window that no outline divides.
