@@ -275,7 +275,9 @@ fn blocks(o: &Object, needs: &Requirement) -> String {
         (Strategy::None, ..) => "blocks nothing".to_owned(),
         (Strategy::Custom(name), ..) => format!("blocks by {name}"),
         (Strategy::Silhouettes, _, Shape::Mesh(_) | Shape::Instances(_)) => "blocks by its silhouettes".to_owned(),
-        (Strategy::Rays, ..) => "blocks by rays".to_owned(),
+        (Strategy::Rays, ..) => {
+            "blocks by rays, which miss openings and blockers narrower than an eighth of a light".to_owned()
+        }
         (Strategy::ShadowMap, _, Shape::Instances(_)) => "blocks by its silhouettes".to_owned(),
         (Strategy::ShadowMap, _, Shape::Mesh(_)) => "blocks through shadow maps".to_owned(),
         (Strategy::Spheres, Proxy::File { path, .. }, _) => {

@@ -17,8 +17,8 @@ const SIDES: usize = 10;
 /// Numbers of surfaces that may be those of slivers alone, which rounding leaves between outlines that coincide.
 const DOUBTFUL: i32 = 3;
 
-/// A second ray is asked in a trapezoid that is not smaller than this part of the largest.
-const ASKED: f32 = 0.01;
+/// A second ray is traced into a trapezoid that is not smaller than this part of the largest.
+const SECOND: f32 = 0.01;
 
 /// A piece of an outline.
 #[derive(Clone, Copy, Debug)]
@@ -173,7 +173,7 @@ impl Trapezoids {
             let [Some(largest), next] = best else { continue };
             if is_open(largest.middle()) {
                 // Outlines that do not close would tell different numbers for one.
-                if next.is_some_and(|next| next.area() > ASKED * largest.area() && !is_open(next.middle())) {
+                if next.is_some_and(|next| next.area() > SECOND * largest.area() && !is_open(next.middle())) {
                     return false;
                 }
                 let open = found.iter().filter(|part| part.number == number);
