@@ -192,7 +192,7 @@ fn near_divide(whole: UnitSquare, box: vec4f, may_divide: bool, is_marked: bool)
     }
     let all = min(high, whole.center + whole.half) - max(low, whole.center - whole.half);
     let is_patch = outline_has_sides();
-    let has_parts = NEAR_PARTS > 1u && is_marked && count > 0u && !is_patch;
+    let has_parts = NEAR_PARTS > 1u && is_marked && count > 0u;
     if (may_divide && (has_parts || (count > 1u && sum < NEAR_SMALLER * all.x * all.y))) {
         near_parts = select(1u, NEAR_PARTS, has_parts);
         near_cells = count * near_parts * near_parts;
