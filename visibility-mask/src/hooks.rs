@@ -2,9 +2,15 @@
 
 use crate::counts::Counts;
 use crate::visible_fraction::{narrowest, sums};
-use crate::{Mask, UnitSquare};
+use crate::{LitArea, Mask, UnitSquare};
 use glam::Vec3;
 use lobe_core::{Lobe, Outline, Receiver};
+
+/// The sum of the areas of what is lit.
+#[must_use]
+pub fn area(lit: &LitArea) -> f32 {
+    lit.area()
+}
 
 /// A mask without blockers, with coarse rows or fine ones as [`MaskVisibility`](crate::MaskVisibility) chooses them.
 #[must_use]

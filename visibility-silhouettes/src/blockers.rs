@@ -345,19 +345,20 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         lit: &mut LitArea,
     ) -> bool {
         // Simplified outlines, and arcs in which a light cuts triangles, are left to masks.
-        if scratch.is_coarse || scratch.is_clipped && query.outline.is_none() {
+        if scratch.is_coarse {
             return false;
         }
         let mut view = View::new(*mask.square(), mask.raster(), mask.side(), query);
-        scratch.cut_outlines(query, &mut view);
-        if scratch.is_cut(query.outline.is_some()) {
+        let light = scratch.cut_outlines(query, &mut view);
+        if !scratch.arcs.is_empty() {
             return false;
         }
-        let SilhouetteScratch { trapezoids, silhouettes, facet, origin, hits, .. } = scratch;
+        let is_cut = scratch.is_cut(query.outline.is_some());
+        let SilhouetteScratch { trapezoids, silhouettes, outside, facet, origin, hits, .. } = scratch;
+        let drawn = if is_cut { &*outside } else { &*silhouettes };
         let facet = facet.map(|face| mask.square().local(face));
         let emits = Emits { mask, outline: query.outline, facet };
-        trapezoids
-            .find(silhouettes, &view, &emits, narrowest, lit, |p| self.is_open(view.ray_to(p), None, *origin, hits))
+        trapezoids.find(drawn, &view, &emits, narrowest, lit, |p| self.is_open(view.ray_to(p), light, *origin, hits))
     }
 }
 
