@@ -1,7 +1,7 @@
 //! Masks of flat lights from silhouettes, sample by sample, against f64 rays to every sample.
 
 use crate::common::soups::{soup, vec};
-use crate::common::{Rays, Soup};
+use crate::common::{Compared, LitParts, Rays, Soup};
 use core::f32::consts::TAU;
 use glam::{DVec3, Vec2, Vec3};
 use lobe_core::oracle::Random;
@@ -36,9 +36,7 @@ fn window(case: usize, random: &mut Random, whole: UnitSquare) -> UnitSquare {
     UnitSquare { half, center: whole.center + (whole.half - half) * place, ..whole }
 }
 
-/// Samples that differ, all samples, samples that differ by more than the rounding of an edge; and whether a triangle reaches through
-/// the light's plane.
-fn compare(case: usize, random: &mut Random) -> Option<([u32; 3], bool)> {
+fn compare(case: usize, random: &mut Random) -> Option<Compared> {
     let soup = soup(case % 6, random);
     if soup.triangles.is_empty() {
         return None;
@@ -98,6 +96,7 @@ fn compare(case: usize, random: &mut Random) -> Option<([u32; 3], bool)> {
     let raster = mask.raster();
     let depth = f64::from(outline.depth());
     let [mut different, mut all, mut wrong] = [0; 3];
+    let mut open = 0;
     for (j, (from, to)) in emitting.into_iter().enumerate() {
         let row = hooks::row(&mask, j);
         for i in from..to {
@@ -110,7 +109,9 @@ fn compare(case: usize, random: &mut Random) -> Option<([u32; 3], bool)> {
             };
             let dark = row[i as usize / 64] >> (i % 64) & 1 == 0;
             all += 1;
-            if dark != truth(0.0, 0.0) {
+            let hidden = truth(0.0, 0.0);
+            open += u32::from(!hidden);
+            if dark != hidden {
                 different += 1;
                 // Next to an edge either answer is right.
                 let around = [(2e-2, 0.0), (-2e-2, 0.0), (0.0, 2e-2), (0.0, -2e-2)];
@@ -118,7 +119,9 @@ fn compare(case: usize, random: &mut Random) -> Option<([u32; 3], bool)> {
             }
         }
     }
-    Some(([different, all, wrong], touches))
+    let is_partial = coverage == Coverage::Partial;
+    let lit = is_partial.then(|| LitParts::of(&blockers, &query, &mut scratch, &mask, [open, all])).flatten();
+    Some(Compared { samples: [different, all, wrong], touches, lit })
 }
 
 /// Whether the light's plane cuts a triangle.
@@ -135,8 +138,12 @@ fn is_cut(soup: &Soup, outline: &Outline, origin: DVec3) -> bool {
 fn every_sample_is_that_of_a_ray() {
     let mut random = Random::new(177);
     let (mut sums, mut worst, mut cases) = ([[0_u64; 3]; 2], [[0; 2]; 2], [0; 2]);
+    let mut known = LitParts::default();
     for case in 0..8_000 {
-        let Some(([different, all, wrong], touches)) = compare(case, &mut random) else { continue };
+        let Some(Compared { samples: [different, all, wrong], touches, lit }) = compare(case, &mut random) else {
+            continue;
+        };
+        known.add(lit);
         let kind = usize::from(touches);
         cases[kind] += 1;
         for (sum, x) in sums[kind].iter_mut().zip([different, all, wrong]) {
@@ -150,6 +157,7 @@ fn every_sample_is_that_of_a_ray() {
     for ([different, all, wrong], (cases, light)) in sums.iter().zip(cases.iter().zip(["apart", "cut"])) {
         println!("{cases} cases, {light}: {different} of {all} samples differ, {wrong} are wrong");
     }
+    known.check();
     assert!(cases.iter().all(|count| *count > 600), "{cases:?}");
     let part = |k: usize| sums[k][0] as f64 / sums[k][1] as f64;
     assert!(worst.iter().all(|worst| worst[0] <= 2) && sums.iter().all(|sum| sum[2] <= 4), "{worst:?} {sums:?}");

@@ -1,12 +1,12 @@
 //! Masks from silhouettes, sample by sample, against f64 rays to every sample.
 
 use crate::common::soups::{soup, vec};
-use crate::common::{Rays, Soup, globe, turn};
+use crate::common::{Compared, LitParts, Rays, Soup, globe, turn};
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
 use lobe_core::{Cone, Receiver, Sphere};
 use shading::{Accuracy, Coverage, LightId, Shaft, VisibilityQuery};
-use visibility_mask::{Blockers, LitArea, Raster, UnitSquare, hooks};
+use visibility_mask::{Blockers, Raster, UnitSquare, hooks};
 use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 
 /// The distance of a point from a triangle.
@@ -22,16 +22,6 @@ fn distance_to(p: DVec3, corners: [Vec3; 3]) -> f64 {
         p.distance(a + (b - a) * t)
     };
     sides.map(to_side).into_iter().fold(f64::INFINITY, f64::min)
-}
-
-/// A mask beside f64 rays.
-struct Compared {
-    /// Samples that differ, all samples, and samples that differ by more than the rounding of an edge.
-    samples: [u32; 3],
-    /// Whether a triangle reaches into the light.
-    touches: bool,
-    /// Of masks with many rows: what is lit as it is, as a part of the light, less the part of the samples that rays see.
-    lit: Option<f64>,
 }
 
 fn compare(case: usize, random: &mut Random) -> Option<Compared> {
@@ -122,15 +112,8 @@ fn compare(case: usize, random: &mut Random) -> Option<Compared> {
             }
         }
     }
-    let mut area = LitArea::default();
-    let narrowest = 1e-5 * square.half.x;
-    let is_found = depth >= 5
-        && coverage == Coverage::Partial
-        && blockers.find_lit(&query, &mut scratch, &mask, narrowest, &mut area);
-    let lit = (is_found && all > 0).then(|| {
-        let sample = f64::from((raster.samples * raster.rows).recip());
-        (f64::from(hooks::area(&area)) / sample - f64::from(open)) / f64::from(all)
-    });
+    let is_partial = coverage == Coverage::Partial;
+    let lit = is_partial.then(|| LitParts::of(&blockers, &query, &mut scratch, &mask, [open, all])).flatten();
     Some(Compared { samples: [different, all, wrong], touches, lit })
 }
 
@@ -139,17 +122,12 @@ fn every_sample_is_that_of_a_ray() {
     let mut random = Random::new(77);
     // Lights apart from all triangles, and lights that triangles reach into.
     let (mut sums, mut worst, mut cases) = ([[0_u64; 3]; 2], [[0; 2]; 2], [0; 2]);
-    let mut known = Vec::new();
+    let mut known = LitParts::default();
     for case in 0..10_000 {
         let Some(Compared { samples: [different, all, wrong], touches, lit }) = compare(case, &mut random) else {
             continue;
         };
-        if let Some(lit) = lit {
-            known.push(lit.abs());
-            if lit.abs() > 0.02 {
-                println!("case {case} (kind {}): the lit part is {lit:.4} of the light off", case % 6);
-            }
-        }
+        known.add(lit);
         let kind = usize::from(touches);
         cases[kind] += 1;
         for (sum, x) in sums[kind].iter_mut().zip([different, all, wrong]) {
@@ -163,11 +141,7 @@ fn every_sample_is_that_of_a_ray() {
     for ([different, all, wrong], (cases, light)) in sums.iter().zip(cases.iter().zip(["apart", "touching"])) {
         println!("{cases} cases, light {light}: {different} of {all} samples differ, {wrong} are wrong");
     }
-    known.sort_unstable_by(f64::total_cmp);
-    let mean = known.iter().sum::<f64>() / known.len() as f64;
-    let [p99, most] = [known[known.len() * 99 / 100], known[known.len() - 1]];
-    println!("{} lit parts as they are: {mean:.5} of the light off, 99 % {p99:.5}, largest {most:.5}", known.len());
-    assert!(known.len() > 1500 && mean < 1e-3 && p99 < 0.015 && most < 0.025, "{mean} {p99} {most}");
+    known.check();
     assert!(cases[0] > 5000 && cases[1] > 800);
     // On needles as thin as the rounding of their corners a few samples differ.
     let part = |k: usize| sums[k][0] as f64 / sums[k][1] as f64;

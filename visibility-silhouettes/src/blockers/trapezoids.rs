@@ -4,7 +4,7 @@ use crate::project::View;
 use crate::select::{STEP, Silhouettes};
 use glam::{Vec2, Vec3};
 use lobe_core::Outline;
-use visibility_mask::{LitArea, Mask};
+use visibility_mask::{LitArea, Mask, UnitSquare};
 
 /// Trapezoids are found where at most this number of outlines is before the light: the time is that of each two of them.
 const MOST: usize = 512;
@@ -227,7 +227,9 @@ impl Trapezoids {
         let Self { pieces, heights, .. } = self;
         let (low, high) = view.corners();
         heights.clear();
-        heights.extend((0..=SLABS).map(|k| low.y + (high.y - low.y) * (k as f32 / SLABS as f32)));
+        heights.extend((1..SLABS).map(|k| low.y + (high.y - low.y) * (k as f32 / SLABS as f32)));
+        let UnitSquare { right, up, .. } = view.square;
+        heights.extend(emits.outline.iter().flat_map(|outline| outline.on_plane([right, up])).map(|p| p.y));
         let bounds = [Vec3::new(1.0, 0.0, -low.x), Vec3::new(-1.0, 0.0, high.x)];
         let sides: Vec<Vec3> = bounds.into_iter().chain(emits.half_planes()).collect();
         let sides = if sides.len() > SIDES { &sides[..3] } else { &sides[..] };
@@ -262,7 +264,8 @@ impl Trapezoids {
                 }
             }
         }
-        heights.retain(|y| *y >= low.y && *y <= high.y);
+        heights.retain(|y| *y > low.y && *y < high.y);
+        heights.extend([low.y, high.y]);
         heights.sort_unstable_by(f32::total_cmp);
     }
 
@@ -277,7 +280,10 @@ impl Trapezoids {
             let height = slab[1] - slab[0];
             let y = slab[0] + 0.5 * height;
             // The mean of two places is that of a parabola, as which arcs are taken.
-            let [low, high] = [-GAUSS, GAUSS].map(|up| emits.at(y + up * height));
+            let [low, high] = [-GAUSS, GAUSS].map(|up| {
+                let [from, to] = emits.at(y + up * height);
+                if from < to { [from, to] } else { [0.5 * (from + to); 2] }
+            });
             let [first, last] = [0, 1].map(|side| 0.5 * (low[side] + high[side]));
             if height <= 1e-2 * narrowest || last - first < narrowest {
                 continue;

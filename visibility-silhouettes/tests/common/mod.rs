@@ -6,6 +6,8 @@ pub(crate) mod soups;
 use glam::{DVec3, Quat, Vec3};
 use lobe_core::Sphere;
 use lobe_core::oracle::Random;
+use shading::VisibilityQuery;
+use visibility_mask::{Blockers, LitArea, Mask, hooks};
 use visibility_silhouettes::AnyHit;
 
 #[derive(Clone, Debug, Default)]
@@ -108,4 +110,52 @@ pub(crate) fn cuboid(random: &mut Random, center: Vec3, size: f64) -> Soup {
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let triangles = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
     Soup { positions: (0..8).map(corner).collect(), triangles }
+}
+
+/// A mask beside f64 rays.
+pub(crate) struct Compared {
+    /// Samples that differ, all samples, and samples that differ by more than the rounding of an edge.
+    pub(crate) samples: [u32; 3],
+    /// Whether a triangle reaches into the light or through its plane.
+    pub(crate) touches: bool,
+    /// Of masks with many rows: the lit part as it is, less that of the samples which rays see, as parts of the light.
+    pub(crate) lit: Option<f64>,
+}
+
+/// The errors of lit parts.
+#[derive(Default)]
+pub(crate) struct LitParts(Vec<f64>);
+
+impl LitParts {
+    /// That of a mask of 500 samples and more after `splat`, if it is known: `open` of `all` samples are seen by rays.
+    pub(crate) fn of<B: Blockers>(
+        blockers: &B,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut B::Scratch,
+        mask: &Mask,
+        [open, all]: [u32; 2],
+    ) -> Option<f64> {
+        let mut area = LitArea::default();
+        let narrowest = 1e-5 * mask.square().half.x;
+        let is_found = mask.depth() >= 5 && all > 500 && blockers.find_lit(query, scratch, mask, narrowest, &mut area);
+        let sample = f64::from((mask.raster().samples * mask.raster().rows).recip());
+        is_found.then(|| (f64::from(hooks::area(&area)) / sample - f64::from(open)) / f64::from(all))
+    }
+
+    pub(crate) fn add(&mut self, lit: Option<f64>) {
+        self.0.extend(lit.map(f64::abs));
+    }
+
+    /// They are many, and small: rows of samples are coarser.
+    pub(crate) fn check(mut self) {
+        let Self(errors) = &mut self;
+        errors.sort_unstable_by(f64::total_cmp);
+        let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+        let [p99, most] = [errors[errors.len() * 99 / 100], errors[errors.len() - 1]];
+        println!(
+            "{} lit parts as they are: {mean:.5} of the light off, 99 % {p99:.5}, largest {most:.5}",
+            errors.len()
+        );
+        assert!(errors.len() > 200 && mean < 1e-3 && p99 < 0.015 && most < 0.03, "{mean} {p99} {most}");
+    }
 }
