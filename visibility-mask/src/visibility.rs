@@ -36,8 +36,8 @@ pub(crate) const NARROWEST_OPENING: f32 = 1.0 / 32768.0;
 pub enum LookAgain {
     /// Nowhere: the tolerance is a part of the unshadowed radiance.
     Never,
-    /// In all parts of a sky, where an opening is seen, whose lit part ends at blockers on two opposite sides, and where less than a tenth of the
-    /// light is seen; before lights wider than 17° to each side, and where nothing of a light wider than 3° is seen, also for openings between samples.
+    /// In all parts of a sky, and where less than a third of a light wider than 17° to each side is seen; of other lights where an opening is seen, whose lit part ends at blockers on
+    /// two opposite sides, and where less than a tenth is seen. Before wide lights, and where nothing of a light wider than 3° is seen, also for openings between samples.
     #[default]
     Openings,
     /// In all dark ends of ordinary penumbrae, and for openings between the samples, so that the tolerance is a part of the receiver's own
@@ -48,7 +48,7 @@ pub enum LookAgain {
 /// The `moments` visibility: any [`Blockers`] through the mask.
 ///
 /// # Method
-/// The blockers fill a mask of the whole light. If so little of it is lit that few samples measure its size, masks are drawn again in
+/// The blockers fill a mask of the whole light. If so little of it is lit that few samples measure its size, blockers find that part [as it is](Blockers::find_lit); if they cannot, masks are drawn again in
 /// windows around the lit part and, before wide lights, around openings between samples that the blockers [mark](Blockers::mark_openings), so
 /// that the error is small compared with the visible part; [`LookAgain`] says where. A lobe narrower than the light has a mask of its own over the part of the light that it covers,
 /// since the cells of the whole mask would limit its accuracy. As things move, samples come and go. Below a tolerance of 0.5 % the
