@@ -1,6 +1,6 @@
 //! The lit part of a window as trapezoids of exact area.
 
-use crate::UnitSquare;
+use crate::{Mask, Raster, UnitSquare};
 use glam::Vec3;
 
 /// Pieces of a window's width: each has two points, so that there are as many as columns of a fine mask.
@@ -25,6 +25,28 @@ impl LitArea {
 
     pub(crate) fn is_empty(&self) -> bool {
         self.points.is_empty()
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    pub(crate) fn truncate(&mut self, count: usize) {
+        self.points.truncate(count);
+    }
+
+    /// Whether all samples of a mask that emit are lit beside all points from one on.
+    pub(crate) fn is_clear(&self, start: usize, mask: &Mask) -> bool {
+        let raster = mask.raster();
+        self.points[start..].iter().all(|point| {
+            let row = ((point.y - raster.bottom) * raster.rows) as usize;
+            (row.saturating_sub(1)..(row + 2).min(mask.side())).all(|row| {
+                let at = ((point.x - raster.left) * raster.samples - Raster::shift(row)) as u32;
+                let (from, to) = mask.emitting(row);
+                let lit = mask.lit(row).0;
+                (at.saturating_sub(1).max(from)..(at + 2).min(to)).all(|k| lit[k as usize / 64] >> (k % 64) & 1 == 1)
+            })
+        })
     }
 
     /// Adds a trapezoid with two level sides, in plane coordinates of a window: the ends of the line halfway between these, by how much these ends move from the lower side to

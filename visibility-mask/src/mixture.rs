@@ -105,16 +105,39 @@ impl<A: Blockers, B: Blockers> Blockers for Mixture<A, B> {
         narrowest: f32,
         lit: &mut LitArea,
     ) -> bool {
-        // The outlines of both together are not known.
-        match scratch.partial {
-            (true, false) => self.first.find_lit(query, &mut scratch.first, mask, narrowest, lit),
-            (false, true) => self.second.find_lit(query, &mut scratch.second, mask, narrowest, lit),
-            _ => false,
+        let MixtureScratch { first, second, partial } = scratch;
+        // The outlines of both together are not known, but those of one may hide nothing of what the other shows.
+        let start = lit.len();
+        let is_found = (partial.0
+            && self.first.find_lit(query, first, mask, narrowest, lit)
+            && (!partial.1 || hides_none(&self.second, query, second, mask, (lit, start))))
+            || (partial.1 && {
+                lit.truncate(start);
+                self.second.find_lit(query, second, mask, narrowest, lit)
+                    && (!partial.0 || hides_none(&self.first, query, first, mask, (lit, start)))
+            });
+        if !is_found {
+            lit.truncate(start);
         }
+        is_found
     }
 
     fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {
         (scratch.partial.0 && self.first.may_hide_openings(&scratch.first))
             || (scratch.partial.1 && self.second.may_hide_openings(&scratch.second))
     }
+}
+
+/// Whether blockers hide no sample beside what is lit, from a place in its list on.
+fn hides_none<B: Blockers>(
+    blockers: &B,
+    query: &VisibilityQuery<'_>,
+    scratch: &mut B::Scratch,
+    mask: &Mask,
+    (lit, start): (&LitArea, usize),
+) -> bool {
+    let mut own = mask.clone();
+    own.reset_to(mask.square(), mask.depth(), query.at.normal, query.outline);
+    blockers.splat(query, scratch, &mut own);
+    lit.is_clear(start, &own)
 }
