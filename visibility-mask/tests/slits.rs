@@ -83,13 +83,13 @@ impl Blockers for Slit {
 }
 
 /// Hides a disc about a place.
-struct Ball(Vec2);
+struct Round(Vec2);
 
-impl Ball {
+impl Round {
     const RADIUS: f32 = 0.1;
 }
 
-impl Blockers for Ball {
+impl Blockers for Round {
     type Scratch = ();
 
     fn scratch(&self) {}
@@ -139,7 +139,7 @@ fn slits_along_rows_and_across_them_show_the_same() {
     }
 }
 
-/// A slit that is known as it is shows all kinds of lobes as much as masks around it do; beside a ball that hides none of it, too, and not beside one that does.
+/// A slit that is known as it is shows all kinds of lobes as much as masks around it do; beside a disc that hides none of it, too, and not beside one that does.
 #[test]
 fn a_slit_as_it_is_shows_what_masks_show() {
     let slit = |is_known| Slit { across: Vec3::X, is_known };
@@ -148,7 +148,7 @@ fn a_slit_as_it_is_shows_what_masks_show() {
     for (k, (a, b)) in masks.iter().zip(&known).enumerate() {
         assert!((b / a - 1.0).abs() < 0.04, "lobe {k}: {a} {b}");
     }
-    let beside = |at: Vec2, is_known| fractions(Mixture::new(slit(is_known), Ball(at)));
+    let beside = |at: Vec2, is_known| fractions(Mixture::new(slit(is_known), Round(at)));
     assert_eq!(beside(Vec2::new(-0.3, 0.1), true), known);
     let on = Vec2::new(PLACE, 0.1);
     assert_eq!(beside(on, true), beside(on, false));
