@@ -223,15 +223,15 @@ impl Mask {
         self.circle
     }
 
-    /// The part of the window that emits at a height: from, to. Empty if `to` is not above `from`.
+    /// The part of the window that emits at a height, in one more half-plane if given: from, to. Empty if `to` is not above `from`.
     #[must_use]
-    pub fn emits_at(&self, y: f32) -> [f32; 2] {
+    pub fn emits_at(&self, y: f32, also: Option<Vec3>) -> [f32; 2] {
         let (middle, disc) = self.circle;
         let off = y - middle.y;
         let half = (disc * disc - off * off).max(0.0).sqrt();
         let [low, high] = [-1.0, 1.0].map(|side| self.square.center.x + side * self.square.half.x);
         let (mut from, mut to) = (low.max(middle.x - half), high.min(middle.x + half));
-        for n in self.half_planes() {
+        for n in self.half_planes().chain(also) {
             let rest = y * n.y + n.z;
             if n.x > 0.0 {
                 from = from.max(-rest / n.x);

@@ -70,7 +70,7 @@ impl Blockers for Slit {
         let height = 2.0 * half.y / f32::from(SLABS);
         for k in 0..SLABS {
             let y = center.y - half.y + (f32::from(k) + 0.5) * height;
-            let [from, to] = mask.emits_at(y);
+            let [from, to] = mask.emits_at(y, None);
             let [a, b] = [PLACE - HALF, PLACE + HALF].map(|place| place * right.x.signum());
             let ends = [a.min(b).max(from), a.max(b).min(to)];
             if ends[0] < ends[1] {

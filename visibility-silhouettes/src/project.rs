@@ -37,15 +37,9 @@ impl View {
         let near = NEAR * if distance.is_finite() { distance } else { 1.0 };
         let left = square.center.x - square.half.x;
         let middle = query.outline.map_or([-left * raster.samples, 0.0], |outline| {
-            // From the lowest to the highest corner: in all rows inside of the outline, which is convex.
             let bottom = square.center.y - square.half.y;
-            let points = outline.on_plane([square.right, square.up]);
             let place = |p: Vec2| Vec2::new((p.x - left) * raster.samples, (p.y - bottom) * raster.rows - 0.5);
-            let low = place(points.clone().reduce(|a, b| if b.y < a.y { b } else { a }).unwrap_or_default());
-            let high = place(points.reduce(|a, b| if b.y > a.y { b } else { a }).unwrap_or_default());
-            let slope = (high.x - low.x) / (high.y - low.y);
-            let slope = if slope.is_finite() { slope } else { 0.0 };
-            [low.x - slope * low.y, slope]
+            line_through(ends_of(outline, &square).map(place))
         });
         let far = far.max(near);
         Self { square, raster, rows, near, far, clip: far, middle }
@@ -110,6 +104,21 @@ impl View {
             Vec2::new((x - self.raster.left) * self.raster.samples, (y - self.raster.bottom) * self.raster.rows - 0.5);
         at.clamp(Vec2::splat(-FAR_OUTSIDE), Vec2::splat(FAR_OUTSIDE))
     }
+}
+
+/// The lowest and the highest corner of a light's outline. The line through both is inside of it at all heights between them, since it is convex.
+pub(crate) fn ends_of(outline: &Outline, square: &UnitSquare) -> [Vec2; 2] {
+    let points = outline.on_plane([square.right, square.up]);
+    let low = points.clone().reduce(|a, b| if b.y < a.y { b } else { a }).unwrap_or_default();
+    let high = points.reduce(|a, b| if b.y > a.y { b } else { a }).unwrap_or_default();
+    [low, high]
+}
+
+/// The line `x = s + t y` through two points, as `[s, t]`; upright where these are at one height.
+pub(crate) fn line_through([low, high]: [Vec2; 2]) -> [f32; 2] {
+    let slope = (high.x - low.x) / (high.y - low.y);
+    let slope = if slope.is_finite() { slope } else { 0.0 };
+    [low.x - slope * low.y, slope]
 }
 
 /// A piece of an outline that crosses row lines, from a lower one to a higher one.

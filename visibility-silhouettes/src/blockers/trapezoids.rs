@@ -1,6 +1,6 @@
 //! The lit part of a window between outlines, as trapezoids.
 
-use crate::project::View;
+use crate::project::{View, ends_of, line_through};
 use crate::select::{STEP, Silhouettes};
 use glam::{Vec2, Vec3};
 use lobe_core::Outline;
@@ -56,13 +56,7 @@ struct Path([f32; 2]);
 
 impl Path {
     fn new(view: &View, outline: Option<&Outline>) -> Self {
-        let Some(outline) = outline else { return Self([0.0; 2]) };
-        let points = outline.on_plane([view.square.right, view.square.up]);
-        let low = points.clone().reduce(|a, b| if b.y < a.y { b } else { a }).unwrap_or_default();
-        let high = points.reduce(|a, b| if b.y > a.y { b } else { a }).unwrap_or_default();
-        let slope = (high.x - low.x) / (high.y - low.y);
-        let slope = if slope.is_finite() { slope } else { 0.0 };
-        Self([low.x - slope * low.y, slope])
+        Self(outline.map_or([0.0; 2], |outline| line_through(ends_of(outline, &view.square))))
     }
 
     /// How far a point is to its right.
@@ -104,19 +98,6 @@ pub(super) struct Emits<'a> {
 impl Emits<'_> {
     fn half_planes(&self) -> impl Iterator<Item = Vec3> + '_ {
         self.mask.half_planes().chain(self.facet)
-    }
-
-    fn at(&self, y: f32) -> [f32; 2] {
-        let [from, to] = self.mask.emits_at(y);
-        let Some(n) = self.facet else { return [from, to] };
-        let rest = y * n.y + n.z;
-        if n.x > 0.0 {
-            [from.max(-rest / n.x), to]
-        } else if n.x < 0.0 {
-            [from, to.min(-rest / n.x)]
-        } else {
-            [from, if rest > 0.0 { to } else { from }]
-        }
     }
 }
 
@@ -281,7 +262,7 @@ impl Trapezoids {
             let y = slab[0] + 0.5 * height;
             // The mean of two places is that of a parabola, as which arcs are taken.
             let [low, high] = [-GAUSS, GAUSS].map(|up| {
-                let [from, to] = emits.at(y + up * height);
+                let [from, to] = emits.mask.emits_at(y + up * height, emits.facet);
                 if from < to { [from, to] } else { [0.5 * (from + to); 2] }
             });
             let [first, last] = [0, 1].map(|side| 0.5 * (low[side] + high[side]));
