@@ -35,7 +35,7 @@ const MOST_NOISY: f64 = 0.25;
 /// silhouettes render it again. Background and surfaces that emit do not count.
 ///
 /// # Cost
-/// 16 shadow rays for each light and metered pixel: about 10 ms of two cores. With silhouettes as much as so many pixels of a picture, and
+/// 16 shadow rays for each light and metered pixel: about 10 ms of two cores. With silhouettes as much as that number of pixels of a picture, and
 /// their preparation.
 ///
 /// ```

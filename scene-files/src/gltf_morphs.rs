@@ -23,11 +23,12 @@ impl Morphs {
     pub(crate) fn read(buffers: &Buffers<'_>, primitive: &Primitive, mesh: &Mesh) -> Result<Self, String> {
         let mut all = Self::default();
         let [vertices, normals] = [&mesh.positions, &mesh.normals].map(Vec::len);
-        all.slots = each(buffers, primitive, [vertices, normals], |_, positions, normals| {
+        let (slots, firsts) = slots(primitive, normals > 0);
+        each(buffers, primitive, &firsts, [vertices, normals], |_, positions, normals| {
             all.positions.push(positions);
             all.normals.push(normals);
         })?;
-        Ok(all)
+        Ok(Self { slots, ..all })
     }
 
     /// Moves the primitive's mesh by these weights of its targets. Keeps no displacements: only the number of targets.
@@ -38,8 +39,9 @@ impl Morphs {
         mesh: &mut Mesh,
     ) -> Result<Self, String> {
         let [vertices, normals] = [&mesh.positions, &mesh.normals].map(Vec::len);
-        let sums = sums(&slots(primitive, normals > 0).0, weights);
-        let slots = each(buffers, primitive, [vertices, normals], |slot, positions, normals| {
+        let (slots, firsts) = slots(primitive, normals > 0);
+        let sums = sums(&slots, weights);
+        each(buffers, primitive, &firsts, [vertices, normals], |slot, positions, normals| {
             let amount = sums[slot];
             if amount != 0.0 {
                 let add = |to: &mut [Vec3], by: &[Vec3]| to.iter_mut().zip(by).for_each(|(p, d)| *p += amount * *d);
@@ -94,16 +96,16 @@ fn sums(slots: &[usize], weights: &[f32]) -> Vec<f32> {
     sums.into_iter().map(|sum| sum as f32).collect()
 }
 
-/// Gives `take` the slot and the displacements of targets with the same accessors, once for all of them. Returns the slot of each target.
+/// Gives `take` each slot and the displacements of its first target.
 fn each(
     buffers: &Buffers<'_>,
     primitive: &Primitive,
+    firsts: &[usize],
     [vertices, normals]: [usize; 2],
     mut take: impl FnMut(usize, Vec<Vec3>, Vec<Vec3>),
-) -> Result<Vec<usize>, String> {
-    let (slots, firsts) = slots(primitive, normals > 0);
+) -> Result<(), String> {
     let targets: Vec<_> = primitive.targets.iter().flatten().collect();
-    for (slot, k) in firsts.into_iter().enumerate() {
+    for (slot, k) in firsts.iter().copied().enumerate() {
         let read = |index: Option<_>, default| -> Result<Vec<Vec3>, String> {
             let Some(index) = index else { return Ok(vec![Vec3::ZERO; default]) };
             let moved = vectors(buffers, index)?;
@@ -118,7 +120,7 @@ fn each(
         let normals = targets[k].normals.filter(|_| normals > 0);
         take(slot, read(targets[k].positions, vertices)?, read(normals, 0)?);
     }
-    Ok(slots)
+    Ok(())
 }
 
 #[cfg(test)]
@@ -130,7 +132,7 @@ mod tests {
     use std::path::PathBuf;
     use std::sync::Arc;
 
-    /// A grid of so many vertices a side, morph targets by the numbers of their accessors, and nodes by their weights.
+    /// A grid of `side` vertices a side, morph targets by the numbers of their accessors, and nodes by their weights.
     fn load(side: usize, targets: &[usize], nodes: &[Vec<f32>]) -> Scene {
         let vertices = side * side;
         // Positions, and two accessors of displacements.

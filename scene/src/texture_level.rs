@@ -170,7 +170,7 @@ impl<T: Stored> Level<T> {
         self.blend(x, y, t.x, t.y)
     }
 
-    /// The mean of numbers over a box with sides of so many texels, at most 1 and not 0, where texels are squares of one value.
+    /// The mean of numbers over a box with sides of a number of texels, at most 1 and not 0, where texels are squares of one value.
     pub(crate) fn squares(&self, uv: Vec4, widths: Vec2, wrap: [Wrap; 2]) -> Vec4 {
         let masks = self.masks.map(|[x, y]| [x, y, x, y]);
         let ([x, y, ..], t) = neighbours(uv, self.extent, masks, wrap);

@@ -107,19 +107,11 @@ impl<A: Blockers, B: Blockers> Blockers for Mixture<A, B> {
     ) -> bool {
         let MixtureScratch { first, second, partial } = scratch;
         // The outlines of both together are not known, but those of one may hide nothing of what the other shows.
-        let start = lit.len();
-        let is_found = (partial.0
-            && self.first.find_lit(query, first, mask, narrowest, lit)
-            && (!partial.1 || hides_none(&self.second, query, second, mask, (lit, start))))
-            || (partial.1 && {
-                lit.truncate(start);
-                self.second.find_lit(query, second, mask, narrowest, lit)
-                    && (!partial.0 || hides_none(&self.first, query, first, mask, (lit, start)))
-            });
-        if !is_found {
-            lit.truncate(start);
-        }
-        is_found
+        let of = (mask, narrowest);
+        let beside = partial.1.then_some((&self.second, &mut *second));
+        (partial.0 && find_beside(query, of, (&self.first, &mut *first), beside, lit))
+            || (partial.1
+                && find_beside(query, of, (&self.second, second), partial.0.then_some((&self.first, first)), lit))
     }
 
     fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {
@@ -128,16 +120,24 @@ impl<A: Blockers, B: Blockers> Blockers for Mixture<A, B> {
     }
 }
 
-/// Whether blockers hide no sample beside what is lit, from a place in its list on.
-fn hides_none<B: Blockers>(
-    blockers: &B,
+/// Finds the lit part by blockers if others, which hide something of the light, hide no sample beside it.
+fn find_beside<A: Blockers, B: Blockers>(
     query: &VisibilityQuery<'_>,
-    scratch: &mut B::Scratch,
-    mask: &Mask,
-    (lit, start): (&LitArea, usize),
+    (mask, narrowest): (&Mask, f32),
+    (finder, scratch): (&A, &mut A::Scratch),
+    other: Option<(&B, &mut B::Scratch)>,
+    lit: &mut LitArea,
 ) -> bool {
-    let mut own = mask.clone();
-    own.reset_to(mask.square(), mask.depth(), query.at.normal, query.outline);
-    blockers.splat(query, scratch, &mut own);
-    lit.is_clear(start, &own)
+    let start = lit.len();
+    let is_found = finder.find_lit(query, scratch, mask, narrowest, lit)
+        && other.is_none_or(|(blockers, scratch)| {
+            let mut own = mask.clone();
+            own.reset_to(mask.square(), mask.depth(), query.at.normal, query.outline);
+            blockers.splat(query, scratch, &mut own);
+            lit.is_clear(start, &own)
+        });
+    if !is_found {
+        lit.truncate(start);
+    }
+    is_found
 }

@@ -252,7 +252,7 @@ impl<B: Blockers> MaskVisibility<B> {
         let is_patch = query.outline.is_some_and(Outline::has_sides);
         let is_wide = square.half.max_element() > contour::WIDE;
         // Behind a window a part of a wide light, or a few parts of a sky, are all that is seen, whatever it is that ends them.
-        let is_cut = masks.coverage() == Coverage::Partial && (is_patch || is_wide && counts.are_little());
+        let is_cut = (is_patch || is_wide && counts.are_little()) && masks.coverage() == Coverage::Partial;
         if !is_little && !is_cut {
             return;
         }
