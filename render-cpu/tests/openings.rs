@@ -7,7 +7,7 @@ use lobe_core::{Receiver, Sphere};
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
 use scene::{Frame, Scene, Shade};
 use shading::Accuracy;
-use test_scenes::{Opening, ROOM, leaf, room, room_with, with_door};
+use test_scenes::{Opening, ROOM, leaf, openings, room, room_with, with_door};
 use visibility_mask::MaskVisibility;
 use visibility_silhouettes::SilhouetteBlockers;
 
@@ -230,25 +230,17 @@ fn openings_between_all_lines_are_found() {
 /// Holes of 3 cm, slits of 1 cm and panes, of which masks see some and miss others.
 #[test]
 fn all_of_many_openings_are_found() {
-    let grid = |count: [usize; 2], [width, height]: [f32; 2], [dx, dy]: [f32; 2]| -> Vec<Opening> {
-        let from = |k: usize, count: usize, step: f32| (k as f32 - 0.5 * (count as f32 - 1.0)) * step;
-        let cell = |k: usize| {
-            let [x, y] = [from(k % count[0], count[0], dx), from(k / count[0], count[1], dy) + 0.2];
-            [x - 0.5 * width, x + 0.5 * width, y - 0.5 * height, y + 0.5 * height]
-        };
-        (0..count[0] * count[1]).map(cell).collect()
-    };
     let cases = [
-        ("2 holes", grid([2, 1], [0.03, 0.03], [0.33, 0.0])),
-        ("9 holes", grid([3, 3], [0.03, 0.03], [0.3, 0.27])),
-        ("8 slits", grid([1, 8], [1.2, 0.01], [0.0, 0.11])),
-        ("20 slits", grid([20, 1], [0.012, 0.9], [0.06, 0.0])),
-        ("12 panes", grid([4, 3], [0.26, 0.3], [0.3, 0.34])),
+        ("2 holes", openings([2, 1], [0.03, 0.03], [0.33, 0.0])),
+        ("9 holes", openings([3, 3], [0.03, 0.03], [0.3, 0.27])),
+        ("8 slits", openings([1, 8], [1.2, 0.01], [0.0, 0.11])),
+        ("20 slits", openings([20, 1], [0.012, 0.9], [0.06, 0.0])),
+        ("12 panes", openings([4, 3], [0.26, 0.3], [0.3, 0.34])),
     ];
-    for (name, openings) in cases {
+    for (name, all) in cases {
         for (light, emits, seen) in lights() {
-            let outside = Outside { openings: openings.clone(), light: seen, blocker: Vec::new() };
-            let mut scene = room_with(&openings, sphere(SPHERES[0]));
+            let outside = Outside { openings: all.clone(), light: seen, blocker: Vec::new() };
+            let mut scene = room_with(&all, sphere(SPHERES[0]));
             scene.lights = emits;
             let [mean, p99, dark] = own_errors(&scene, &outside);
             println!("{name}, {light}: own error {mean:.5}, 99 % {p99:.4}, darkened {dark:.4}");

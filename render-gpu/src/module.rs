@@ -327,7 +327,12 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     pieces.extend(&variant.materials.needs);
     pieces.extend(world);
     pieces.extend(variant.own.iter().map(|own| own.splat));
-    let declarations = format!("const LOOKS_AGAIN = {};\n{}", variant.looks_again, variant.declarations());
+    let declarations = format!(
+        "const LOOKS_AGAIN = {};\nconst BLOCKERS_ARE_SEVERAL = {};\n{}",
+        variant.looks_again,
+        variant.own.len() > 1,
+        variant.declarations()
+    );
     let texts = [&variant.materials.wgsl, &header, &hooks, &declarations, &stack].map(String::as_str);
     Text::new("penumbra", &pieces, &texts, &variant.bindings()).of(variant)
 }

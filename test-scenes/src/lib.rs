@@ -3,7 +3,7 @@
 mod opening;
 mod shades;
 
-pub use opening::{Opening, ROOM, leaf, room, room_with, with_door};
+pub use opening::{Opening, ROOM, leaf, openings, room, room_with, with_door};
 pub use shades::{around_lampshade, below_leaves, leaves};
 
 use brdf::Material;

@@ -33,6 +33,17 @@ fn wall(openings: &[Opening]) -> Mesh {
     Mesh { positions, triangles, ..Mesh::default() }
 }
 
+/// Rows of openings of the same size, with steps from middle to middle.
+#[must_use]
+pub fn openings(count: [usize; 2], [width, height]: [f32; 2], [dx, dy]: [f32; 2]) -> Vec<Opening> {
+    let place = |k: usize, count: usize, step: f32| (k as f32 - 0.5 * (count as f32 - 1.0)) * step;
+    let cell = |k: usize| {
+        let [x, y] = [place(k % count[0], count[0], dx), place(k / count[0], count[1], dy) + 0.2];
+        [x - 0.5 * width, x + 0.5 * width, y - 0.5 * height, y + 0.5 * height]
+    };
+    (0..count[0] * count[1]).map(cell).collect()
+}
+
 /// A white room of six sheets, seen from beside an opening in the wall at −z, and a light outside.
 #[must_use]
 pub fn room(opening: Opening, light: Light) -> Scene {

@@ -171,7 +171,7 @@ fn trade_survives_being_killed() {
     }
     // A digit of the first row changes: that row is measured anew, and said to be.
     let text = fs::read_to_string(&table).unwrap();
-    let changed = text.replacen("\"repeats\": 400", "\"repeats\": 401", 1);
+    let changed = text.replacen("\"repeats\": ", "\"repeats\": 1", 1);
     assert_ne!(changed, text);
     fs::write(&table, changed).unwrap();
     let finish: Vec<&str> = long.iter().copied().filter(|a| *a != "--quiet").collect();

@@ -81,3 +81,13 @@ fn light_row(ends: vec2f, y: f32) -> vec2f {
     }
     return row;
 }
+
+// The sides of an outline as half-planes of the last window's plane, besides the light's disc.
+fn light_side_count() -> u32 { return select(0u, outline_point_count, light_is_flat()); }
+
+fn light_side(k: u32) -> vec3f {
+    let p = outline_points[k];
+    let q = outline_points[select(k + 1u, 0u, k + 1u == outline_point_count)];
+    let side = vec2f(p.y - q.y, q.x - p.x);
+    return vec3f(side, -dot(side, p));
+}

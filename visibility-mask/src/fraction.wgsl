@@ -12,10 +12,10 @@ fn fraction_sums(lane: u32, mask: Mask, window: UnitSquare, at: Receiver, lobe: 
         columns[lane] = weights_columns(weights, middles(mask, lane));
     }
     workgroupBarrier();
-    var sum = vec4f(0.0, 0.0, f32(row_count(lit)), 0.0);
+    var sum = vec4f(0.0, 0.0, open_count(), 0.0);
     // Threads without a row, and rows without emitting samples, add nothing.
     if (emitting.x < emitting.y) {
-        let y = mask_row_y(mask, lane);
+        let y = open_y(mask, lane);
         let factors = weights_row(weights, y);
         let counts = row_counts(lit);
         // The emitting part, in columns.
@@ -28,7 +28,7 @@ fn fraction_sums(lane: u32, mask: Mask, window: UnitSquare, at: Receiver, lobe: 
                 w = select(vec4f(0.0), w, w > vec4f(0.0));
             }
             let column = vec4f(row_columns(group));
-            sum.x += dot(counts_of(counts, group), w);
+            sum.x += dot(open_of(counts, group), w);
             sum.y += dot(saturate(ends.y - column) - saturate(ends.x - column), w);
         }
         sum.y *= f32(row_width / (4u * row_groups));
@@ -52,4 +52,30 @@ fn middles(mask: Mask, group: u32) -> vec4f {
     let width = 2.0 * mask.square.half.x / f32(4u * row_groups);
     let left = mask.square.center.x - mask.square.half.x + 0.5 * width;
     return left + width * vec4f(row_columns(group));
+}
+
+// The lit samples of the row.
+fn open_count() -> f32 {
+    if (!LOOKS_AGAIN || !area_counts) {
+        return f32(row_count(lit));
+    }
+    var sum = 0.0;
+    for (var k = 0u; k < 4u * row_groups; k++) {
+        sum += area_row.columns[k];
+    }
+    return sum;
+}
+
+// Those in the four columns of a group.
+fn open_of(counts: Counts, group: u32) -> vec4f {
+    if (!LOOKS_AGAIN || !area_counts) {
+        return counts_of(counts, group);
+    }
+    let k = row_columns(group);
+    return vec4f(area_row.columns[k.x], area_row.columns[k.y], area_row.columns[k.z], area_row.columns[k.w]);
+}
+
+// The height at which the row's weights are taken.
+fn open_y(mask: Mask, j: u32) -> f32 {
+    return mask_row_y(mask, j) + select(0.0, area_row.above, LOOKS_AGAIN && area_counts);
 }

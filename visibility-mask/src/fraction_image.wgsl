@@ -41,7 +41,7 @@ fn masks_add(
     }
     var sums = array<vec3f, 2>();
     if (emitting.x < emitting.y) {
-        let y = mask_row_y(mask, lane);
+        let y = open_y(mask, lane);
         let counts = row_counts(lit);
         let samples = f32(row_width / (4u * row_groups));
         let ends = vec2f(emitting) / samples;
@@ -51,7 +51,7 @@ fn masks_add(
         for (var group = 0u; group < row_groups; group++) {
             let x = middles(mask, group);
             let column = vec4f(row_columns(group));
-            let open = counts_of(counts, group);
+            let open = open_of(counts, group);
             let emits = (saturate(ends.y - column) - saturate(ends.x - column)) * samples;
             for (var k = 0u; k < 4u; k++) {
                 let p = vec3f(x[k], y, 1.0);

@@ -67,14 +67,14 @@ fn microfacet_sums(lane: u32, mask: Mask, at: Receiver, lobe: Lobe, masks: Masks
     let microfacets = microfacets_in(mask.square, microfacets_of(at.normal, lobe));
     var sum = vec4f(0.0);
     if (emitting.x < emitting.y) {
-        let y = mask_row_y(mask, lane);
+        let y = open_y(mask, lane);
         let counts = row_counts(lit);
         let samples = f32(row_width / (4u * row_groups));
         let ends = vec2f(emitting) / samples;
         for (var group = 0u; group < row_groups; group++) {
             let x = middles(mask, group);
             let column = vec4f(row_columns(group));
-            let open = counts_of(counts, group);
+            let open = open_of(counts, group);
             let emits = (saturate(ends.y - column) - saturate(ends.x - column)) * samples;
             for (var k = 0u; k < 4u; k++) {
                 let point = vec2f(x[k], y);

@@ -60,24 +60,28 @@ fn mask_reset(square: UnitSquare, j: u32, normal: vec3f) -> Mask {
 
 // Computes the emitting samples, with the normal in the square's frame.
 fn mask_emit(mask: Mask, j: u32, n: vec3f) {
+    let ends = mask_emits_at(mask, mask_row_y(mask, j), n);
+    emitting = select(vec2u(0u), mask_samples(mask, j, ends.x, ends.y), j < SIDE);
+    lit = row_span(emitting.x, emitting.y);
+}
+
+// The emitting part of a line at height `y`, in plane coordinates x; empty if it is not from less to more.
+fn mask_emits_at(mask: Mask, y: f32, n: vec3f) -> vec2f {
     let disc = light_disc(mask.square);
-    let y = mask_row_y(mask, j);
     let off = y - disc.y;
     let half = sqrt(max(disc.z * disc.z - off * off, 0.0));
-    // Above the horizon: n.x x + n.y y + n.z > 0.
+    return mask_above(light_row(vec2f(disc.x - half, disc.x + half), y), y, n);
+}
+
+// The part of a line above a plane through the receiver, with this normal in the square's frame: n.x x + n.y y + n.z > 0.
+fn mask_above(ends: vec2f, y: f32, n: vec3f) -> vec2f {
     let rest = n.y * y + n.z;
-    let ends = light_row(vec2f(disc.x - half, disc.x + half), y);
-    var start = ends.x;
-    var end = ends.y;
     if (n.x > 0.0) {
-        start = max(start, -rest / n.x);
+        return vec2f(max(ends.x, -rest / n.x), ends.y);
     } else if (n.x < 0.0) {
-        end = min(end, -rest / n.x);
-    } else if (rest <= 0.0) {
-        end = start;
+        return vec2f(ends.x, min(ends.y, -rest / n.x));
     }
-    emitting = select(vec2u(0u), mask_samples(mask, j, start, end), j < SIDE);
-    lit = row_span(emitting.x, emitting.y);
+    return vec2f(ends.x, select(ends.y, ends.x, rest <= 0.0));
 }
 
 // Sides of a cell in plane coordinates.

@@ -4,9 +4,10 @@
 // Their windows, the lower corner and the upper one in plane coordinates, and their number.
 var<workgroup> near_windows: array<vec4f, PLACES_CELLS>;
 var<workgroup> near_count: u32;
-// The masks that are drawn in cells, 0 for one window; and into how many parts a window is divided along each side, a mask for each.
+// The masks that are drawn in cells, 0 for one window.
 var<workgroup> near_cells: u32;
-var<workgroup> near_parts: u32;
+// Whether the lit part of the whole light is known with its area, the same for all threads.
+var<private> near_is_area: bool;
 // The window that is tried.
 var<private> near_square: UnitSquare;
 // The number of the mask that is drawn or read, and the area of its samples over that of the whole light's.
@@ -21,19 +22,15 @@ var<private> near_box: vec4f;
 
 fn near_begin(lane: u32) {
     near_box = vec4f(-1e30);
+    near_is_area = false;
     places_clear(lane);
-    places_are_listed = false;
     if (lane == 0u) {
         near_count = 0u;
         near_cells = 0u;
-        near_parts = 1u;
     }
 }
 
-// Whether openings between the samples of a mask matter: before a wide light, or if all of a light's own radiance does.
-fn near_seeks() -> bool {
-    return frame.look_again > 1u || (frame.look_again > 0u && max(places_whole.half.x, places_whole.half.y) > NEAR_WIDE);
-}
+fn near_is_wide() -> bool { return max(places_whole.half.x, places_whole.half.y) > NEAR_WIDE; }
 
 // Adds the lit samples of this thread's row of a mask. Of its sides, left and right, those that are `inner` to the window are no ends.
 // Returns whether any sample is lit, and whether the lit ones end where the light does.
@@ -53,39 +50,86 @@ fn near_add(lane: u32, mask: Mask, inner: vec2<bool>) -> vec2u {
     return vec2u(1u, u32(at_left || at_right));
 }
 
-// Whether so little of the light is lit that few samples measure its size: `counts` has its lit and its emitting samples, and its rows with
-// lit ones; there are `rows` in all. Where none is lit, an opening between samples may be marked, or lie between the marks' lines.
-fn near_is_little(counts: vec4f, rows: u32) -> bool {
-    if (counts.x == 0.0) {
-        let may_be_missed = near_seeks() && places_are_listed && !outline_has_sides();
-        return counts.y > 0.0 && (frame.look_again > 1u || atomicLoad(&places_count) > 0u || may_be_missed);
-    }
-    return near_are_few(counts, rows) || near_is_cut(counts) || (near_seeks() && !outline_has_sides() && near_is_narrow(counts));
+// Of all masks of the whole light the lit and the emitting samples, the rows with lit ones, and those of them that end where the light does; the number
+// of rows, and columns with lit samples and those that end so.
+struct NearCounts {
+    lit: f32,
+    emitting: f32,
+    lit_rows: f32,
+    row_ends: f32,
+    rows: f32,
+    columns: f32,
+    column_ends: f32,
 }
 
-// Whether a part of a sky is half hidden: behind a window a few parts are all that is seen. Only where blockers have exact outlines.
-fn near_is_cut(counts: vec4f) -> bool {
-    return frame.look_again > 0u && outline_has_sides() && places_are_listed && counts.x > 0.0 && counts.x < counts.y;
-}
+// Whether less than a part of the light is lit.
+fn near_is_below(counts: NearCounts, part: f32) -> bool { return part * counts.lit < counts.emitting; }
 
 // Whether so few samples are lit, or so few rows have any, that their number is no measure: `LitCounts::are_few`.
-fn near_are_few(counts: vec4f, rows: u32) -> bool {
-    let is_few = NEAR_LEAST * counts.x < counts.y || NEAR_OF * counts.z < NEAR_FEW * f32(rows);
-    return frame.look_again > 0u && NEAR_LITTLE * counts.x < counts.y && is_few;
+fn near_are_few(counts: NearCounts) -> bool {
+    let is_few = near_is_below(counts, NEAR_LEAST) || NEAR_OF * counts.lit_rows < NEAR_FEW * counts.rows;
+    return near_is_below(counts, NEAR_LITTLE) && is_few;
 }
 
-// Whether openings between samples are marked beside lit ones, or the lit ones may all be one more, or one less, in a row after another.
-fn near_is_narrow(counts: vec4f) -> bool {
-    let is_narrow = NEAR_NARROW * counts.x < counts.z * f32(row_width);
-    return NEAR_SLIGHT * counts.x < counts.y && (is_narrow || atomicLoad(&places_count) > 0u);
+// Whether the lit part is that of an opening, which ends at blockers on two opposite sides; of an ordinary penumbra it ends where the light does.
+fn near_is_opening(counts: NearCounts) -> bool {
+    return counts.lit == 0.0 || frame.look_again > 1u || outline_has_sides()
+        || NEAR_ENDS * counts.row_ends < counts.lit_rows || NEAR_ENDS * counts.column_ends < counts.columns;
 }
 
-// Whether that is looked at again: of an opening the lit part ends at blockers on two opposite sides, of an ordinary penumbra where the light does,
-// of which that is done if few samples show it and it is slight. `counts` has the lit and the emitting samples, the rows with lit samples and those of them that end where the light does, `columns` the same across them.
-fn near_is_opening(counts: vec4f, columns: vec2f, rows: u32) -> bool {
-    let is_opening = NEAR_ENDS * counts.w < counts.z || NEAR_ENDS * columns.y < columns.x;
-    let is_slight = near_are_few(counts, rows) && NEAR_SLIGHT * counts.x < counts.y;
-    return is_opening || is_slight || frame.look_again > 1u || outline_has_sides() || counts.x == 0.0;
+// Whether a part of a sky, or less than a third of a wide light, is seen: behind a window that is all.
+fn near_is_cut(counts: NearCounts) -> bool {
+    let may_be = outline_has_sides() || (near_is_wide() && near_is_below(counts, NEAR_LITTLE));
+    return may_be && counts.lit > 0.0 && counts.lit < counts.emitting;
+}
+
+// Whether the lit part is wanted with its area, where blockers can tell that: as `MaskVisibility::draw`.
+fn near_wants_area(counts: NearCounts, light: Cone) -> bool {
+    let sin_sq = cone_sin_sq(light);
+    let may_be_missed = counts.lit == 0.0 && sin_sq >= NEAR_ASKS.x && sin_sq < NEAR_ASKS.y;
+    let is_cut = near_is_cut(counts);
+    let is_slight = near_is_below(counts, NEAR_SLIGHT);
+    let is_few = near_are_few(counts);
+    if (counts.emitting == 0.0 || !(is_slight || is_few || is_cut)) {
+        return false;
+    }
+    let is_opening = near_is_opening(counts) || is_cut;
+    let seeks = is_cut || outline_has_sides() || frame.look_again > 1u || near_is_wide() || may_be_missed;
+    return (seeks && is_opening) || (is_few && (is_opening || is_slight));
+}
+
+// Whether masks are drawn again in windows around the lit part.
+fn near_wants_windows(counts: NearCounts) -> bool {
+    if (counts.lit == 0.0) {
+        return counts.emitting > 0.0 && frame.look_again > 1u;
+    }
+    let is_slight = near_is_below(counts, NEAR_SLIGHT);
+    let is_few = near_are_few(counts);
+    let is_narrow = is_slight && NEAR_NARROW * counts.lit < counts.lit_rows * f32(row_width);
+    let seeks = !outline_has_sides() && (frame.look_again > 1u || near_is_wide());
+    return (is_few || (seeks && is_narrow)) && (near_is_opening(counts) || (is_few && is_slight));
+}
+
+// After the masks of the whole light, of which `sums` has the lit and the emitting samples, the rows with lit ones and those of them that end where the
+// light does: 1 if its lit part is wanted with its area, the masks that are drawn in cells, and the windows that are to be drawn without the area.
+// `is_one`: whether there is one mask. Requires uniform control flow.
+fn near_plan(lane: u32, sums: vec4f, rows: u32, is_one: bool, light: Cone) -> vec3u {
+    var counts = NearCounts(sums.x, sums.y, sums.z, sums.w, f32(rows), 0.0, 0.0);
+    if (!decide(lane, near_is_below(counts, NEAR_LITTLE) || near_is_cut(counts))) {
+        return vec3u(0u);
+    }
+    if (decide(lane, is_one)) {
+        let columns = near_columns_of(lane);
+        counts.columns = columns.x;
+        counts.column_ends = columns.y;
+    }
+    let wants_area = u32(decide(lane, near_wants_area(counts, light)));
+    if (!decide(lane, near_wants_windows(counts))) {
+        return vec3u(wants_area, 0u, 0u);
+    }
+    near_first(lane, places_whole, is_one);
+    let cells = workgroupUniformLoad(&near_cells);
+    return vec3u(wants_area, cells, max(cells, 1u));
 }
 
 // Of the mask that was drawn last the columns with lit samples, and those of them that end where the light does. Requires uniform control flow.
@@ -126,8 +170,6 @@ fn near_gather(first: u32, row: Row) {
 // The first windows: around all that is lit, in cells if these are much smaller together, or where nothing is lit a quarter of the light.
 // `is_one`: whether the light has one mask, whose samples are those of the thread's row. Requires uniform control flow.
 fn near_first(lane: u32, whole: UnitSquare, is_one: bool) {
-    // Before lit samples are added.
-    let is_marked = atomicLoad(&places_count) > 0u;
     let box = largest(lane, near_box);
     near_box = vec4f(-1e30);
     near_quarter = 0u;
@@ -136,7 +178,7 @@ fn near_first(lane: u32, whole: UnitSquare, is_one: bool) {
     }
     workgroupBarrier();
     if (lane == 0u) {
-        near_divide(whole, box, is_one, is_marked);
+        near_divide(whole, box, is_one);
     }
     let count = workgroupUniformLoad(&near_count);
     if (lane == 0u) {
@@ -170,9 +212,8 @@ fn near_add_places(lane: u32) {
     }
 }
 
-// Writes the windows: none if nothing is lit or marked. `box`: around the lit samples. Where openings between samples are marked, no more than
-// a few outlines are before the light, so that there are several masks for each window. By one thread.
-fn near_divide(whole: UnitSquare, box: vec4f, may_divide: bool, is_marked: bool) {
+// Writes the windows: none if nothing is lit. `box`: around the lit samples. By one thread.
+fn near_divide(whole: UnitSquare, box: vec4f, may_divide: bool) {
     var low = select(-box.xy, vec2f(1e30), box.z < -1e29);
     var high = select(box.zw, vec2f(-1e30), box.z < -1e29);
     var sum = 0.0;
@@ -191,19 +232,12 @@ fn near_divide(whole: UnitSquare, box: vec4f, may_divide: bool, is_marked: bool)
         }
     }
     let all = min(high, whole.center + whole.half) - max(low, whole.center - whole.half);
-    let is_patch = outline_has_sides();
-    let has_parts = NEAR_PARTS > 1u && is_marked && count > 0u;
-    if (may_divide && (has_parts || (count > 1u && sum < NEAR_SMALLER * all.x * all.y))) {
-        near_parts = select(1u, NEAR_PARTS, has_parts);
-        near_cells = count * near_parts * near_parts;
-        near_count = near_cells;
+    if (may_divide && count > 1u && sum < NEAR_SMALLER * all.x * all.y) {
+        near_cells = count;
+        near_count = count;
     } else if (all.x > 0.0 && all.y > 0.0) {
         near_windows[0] = vec4f(low, high);
         near_count = 1u;
-        if (NEAR_PARTS > 1u && may_divide && is_patch && places_are_listed) {
-            near_parts = NEAR_PARTS;
-            near_cells = NEAR_PARTS * NEAR_PARTS;
-        }
     }
 }
 
@@ -247,12 +281,11 @@ fn near_scale_of(square: UnitSquare, grid: vec2u) -> f32 {
 }
 
 fn near_window(whole: UnitSquare, index: u32) -> UnitSquare {
-    let count = near_parts * near_parts;
-    let window = near_windows[index / count];
-    return square_part(square_within(whole, window.xy, window.zw), index % count, vec2u(near_parts));
+    let window = near_windows[index];
+    return square_within(whole, window.xy, window.zw);
 }
 
-// The window that was tried is that of the mask.
+// The window of the mask that stays.
 fn near_keep(lane: u32, square: UnitSquare) {
     if (lane == 0u) {
         near_count = 1u;

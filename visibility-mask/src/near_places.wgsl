@@ -1,14 +1,9 @@
-// Boxes around what is lit, or may be lit between samples, in each of 4 × 4 cells of the window of the whole light: as `places.rs`, but in cells
-// that lie fixed. A cell has the length 1, in PLACES_STEPS steps.
+// Boxes around what is lit in each of 4 × 4 cells of the window of the whole light: as `places.rs`, but in cells that lie fixed. A cell has the length 1, in PLACES_STEPS steps.
 
 const PLACES_SIDE = 4u;
 const PLACES_CELLS = PLACES_SIDE * PLACES_SIDE;
 const PLACES_NONE = -2147483647;
 
-// Whether blockers are to mark openings between the samples of the mask that they draw.
-var<private> places_seek: bool;
-// Whether they have looked for them.
-var<private> places_are_listed: bool;
 // The window of the whole light.
 var<private> places_whole: UnitSquare;
 // Emitting samples of all rows.

@@ -21,3 +21,7 @@ fn light_disc(square: UnitSquare) -> vec3f { return vec3f(0.0, 0.0, square.disc)
 
 // The emitting part of a row from `ends.x` to `ends.y`, without regard to the horizon.
 fn light_row(ends: vec2f, y: f32) -> vec2f { return ends; }
+
+// Sides of the light besides its disc.
+fn light_side_count() -> u32 { return 0u; }
+fn light_side(k: u32) -> vec3f { return vec3f(0.0, 0.0, 1.0); }

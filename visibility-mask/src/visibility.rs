@@ -18,8 +18,8 @@ pub(crate) const WIDE: f32 = 0.6;
 
 /// Squared sines of half-angles: a light's masks have samples so fine that openings between them are not looked for; openings are looked for
 /// everywhere before the light.
-const NARROW: f32 = 0.0025;
-const WIDE_ANYWAY: f32 = 0.3;
+pub(crate) const NARROW: f32 = 0.0025;
+pub(crate) const WIDE_ANYWAY: f32 = 0.3;
 
 /// Whether openings between the samples of a dark mask of a light are looked for only where blockers [say](Blockers::may_hide_openings) that there may be
 /// some.

@@ -89,9 +89,11 @@ fn visible_fraction(
     let own_grid = select(counts.zw, counts.xy, is_whole);
     let own = plan.x * own_grid.x * own_grid.y;
     let count = own + plan.y * counts.x * counts.y;
-    // Masks of windows around the lit part: those that are stored, or those that are tried.
+    // Windows around the lit part: those that are stored, or those that are tried. The first of the latter may be the whole light's, for its
+    // lit part with exact areas.
     var more = select(0u, plan.w, LOOKS_AGAIN);
     var cells = 0u;
+    var first = count;
     for (var k = 0u; k < count + more; k++) {
         let is_near = LOOKS_AGAIN && k >= count;
         let is_own = k < own;
@@ -102,33 +104,54 @@ fn visible_fraction(
             window = masks.window;
         }
         row_refine((is_own && !is_whole) || forms.y > 0u);
+        let seeks_area = is_near && is_whole && k < first;
+        let is_area = is_near && !is_whole && near_is_area;
         var square = near_square;
         near_index = 0u;
         if (!is_near) {
             square = square_part(window, part, grid);
+        } else if (seeks_area || is_area) {
+            square = places_whole;
         } else if (cells + plan.w > 0u) {
-            near_index = k - count;
+            near_index = k - first;
             square = near_window(places_whole, near_index);
         }
         near_scale = near_scale_of(square, counts.xy);
         let mask = mask_of(square);
+        area_is_found = false;
         if (is_own || is_whole || forms.w > 0u) {
             row_bands = forms.x;
             row_first = SIDE * (part / grid.x % forms.x);
             _ = mask_reset(square, lane, at.normal);
-            places_seek = LOOKS_AGAIN && is_whole && !is_near && forms.w == 0u && near_seeks();
+            area_wish = select(AREA_UNWANTED, AREA_BESIDE, LOOKS_AGAIN && is_own && near_is_area);
+            area_wish = select(area_wish, AREA_ALONE, seeks_area);
             blockers_splat(lane, tile, at, light, mask);
             row_bands = 1u;
             row_first = 0u;
         } else {
             masks_load(part, is_near, plan.w > 0u);
         }
+        area_counts = area_is_found || is_area;
         var stays = true;
         if (is_whole) {
             let samples = vec2u(row_count(lit), emitting.y - min(emitting.x, emitting.y));
             let column = part % grid.x;
-            let ends = near_add(lane, mask, vec2(column > 0u, column + 1u < grid.x));
-            if (LOOKS_AGAIN && decide(lane, is_near)) {
+            if (LOOKS_AGAIN && decide(lane, seeks_area)) {
+                stays = decide(lane, area_is_found);
+                if (BLOCKERS_ARE_SEVERAL) {
+                    // Of the samples, those that have found it block none.
+                    stays = stays && total(lane, vec4f(f32(samples.y - samples.x), 0.0, 0.0, 0.0)).x == 0.0;
+                    area_counts = stays;
+                }
+                near_is_area = stays;
+                if (stays) {
+                    area_whole = area_row;
+                    visibility_areas.x = total(lane, vec4f(open_count(), 0.0, 0.0, 0.0)).x * near_scale;
+                    near_keep(lane, square);
+                    more = 1u;
+                }
+            } else if (LOOKS_AGAIN && decide(lane, is_near)) {
+                _ = near_add(lane, mask, vec2<bool>(false));
                 let lit_samples = total(lane, vec4f(f32(samples.x), 0.0, 0.0, 0.0)).x;
                 let fits = near_stays(lane, places_whole, lit_samples);
                 stays = decide(lane, cells > 0u || fits || more == NEAR_MOST);
@@ -142,20 +165,15 @@ fn visible_fraction(
                     visibility_areas.x = select(visibility_areas.x, 0.0, near_index == 0u) + lit_samples * near_scale;
                 }
             } else {
-                counts_of_whole += vec4u(samples, ends);
+                counts_of_whole += vec4u(samples, near_add(lane, mask, vec2(column > 0u, column + 1u < grid.x)));
                 if (decide(lane, k + 1u == count)) {
                     let all = total(lane, vec4f(counts_of_whole));
                     visibility_areas = all.xy;
-                    if (LOOKS_AGAIN && decide(lane, forms.w == 0u && near_is_little(all, SIDE * count))) {
-                        var columns = vec2f(0.0);
-                        if (decide(lane, count == 1u)) {
-                            columns = near_columns_of(lane);
-                        }
-                        if (decide(lane, near_is_opening(all, columns, SIDE * count))) {
-                            near_first(lane, places_whole, count == 1u);
-                            cells = workgroupUniformLoad(&near_cells);
-                            more = max(cells, 1u);
-                        }
+                    if (LOOKS_AGAIN && decide(lane, forms.w == 0u && frame.look_again > 0u)) {
+                        let again = near_plan(lane, all, SIDE * count, count == 1u, light);
+                        first += again.x;
+                        cells = again.y;
+                        more = again.x + again.z;
                     }
                 }
             }

@@ -3,8 +3,6 @@
 alias Fraction = f32;
 const NARROW_GRID = BROAD_GRID;
 const IS_NARROW_FINER = false;
-// Masks along each side of a window around openings between samples. None is stored.
-const NEAR_PARTS = 3u;
 
 // The sums of the masks of the whole light, as `fraction_sums`.
 var<private> broad_sums: vec4f;

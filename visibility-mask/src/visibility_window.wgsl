@@ -47,8 +47,6 @@ fn masks_window(window: UnitSquare, at: Receiver, tolerance: f32, lobe: Lobe) ->
     return square_zoomed(window, lobe, at.normal, zoom_sigmas(tolerance));
 }
 
-// Masks around the lit part are stored: one a window.
-const NEAR_PARTS = 1u;
 // The same in the masks around the lit part.
 var<private> near_lit: array<Row, PLACES_CELLS>;
 
@@ -57,6 +55,7 @@ fn masks_load(part: u32, is_near: bool, has_near: bool) {
     if (is_near) {
         emitting = vec2u(0u, row_width);
         lit = near_lit[near_index];
+        area_row = area_whole;
         return;
     }
     emitting = broad_emitting[part];

@@ -113,15 +113,15 @@ pub fn sky_header(samples: SkyResolution, most_lobes: u32) -> Option<String> {
 
 /// Results that threads compute together.
 pub static TOTAL: Piece = Piece::new(include_str!("total.wgsl"));
+/// The lit part of a window with its exact area, which blockers may find.
+pub static AREA: Piece = Piece::new(include_str!("area.wgsl"))
+    .numbers(wgsl_numbers![AREA_NARROWEST = 0.5 * visibility::NARROWEST_OPENING])
+    .needs(&[&MASK]);
 /// The visible fraction of a lobe through masks. Needs one of [`LAMBERT`] and [`LOBES`].
-pub static FRACTION: Piece = Piece::new(include_str!("fraction.wgsl")).needs(&[&MASK, &TOTAL]);
-/// Boxes around the lit parts of a light, also around those between the samples of a mask, which blockers mark.
-pub static PLACES: Piece = Piece::new(include_str!("near_places.wgsl"))
-    .numbers(wgsl_numbers![
-        PLACES_NARROWEST = 0.5 * visibility::NARROWEST_OPENING,
-        PLACES_FAINT = near_masks::FAINT as f32,
-        PLACES_STEPS = 16_777_216.0_f32,
-    ])
+pub static FRACTION: Piece = Piece::new(include_str!("fraction.wgsl")).needs(&[&AREA, &TOTAL]);
+/// Boxes around the lit parts of a light.
+static PLACES: Piece = Piece::new(include_str!("near_places.wgsl"))
+    .numbers(wgsl_numbers![PLACES_STEPS = 16_777_216.0_f32])
     .needs(&[&SQUARE]);
 /// Masks around a small lit part of a light: one, which is tried up to `NEAR_MOST` times, or one in each of a few cells.
 static NEAR: Piece = Piece::new(include_str!("near.wgsl"))
@@ -138,6 +138,7 @@ static NEAR: Piece = Piece::new(include_str!("near.wgsl"))
         NEAR_MOST = 8_u32,
         NEAR_SMALLER = near_masks::SMALLER,
         NEAR_WIDE = contour::WIDE,
+        NEAR_ASKS = (visibility::NARROW, visibility::WIDE_ANYWAY),
     ])
     .needs(&[&MASK, &TOTAL, &PLACES]);
 /// Masks of blockers. Needs `blockers_edges` and `blockers_splat`, and what [`FRACTION`] needs.

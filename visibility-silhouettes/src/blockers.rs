@@ -18,7 +18,7 @@ use visibility_mask::{Blockers, Edges, LitArea, Mask, asks_for_openings, facet_c
 
 mod openings;
 mod scratch;
-mod trapezoids;
+pub(crate) mod trapezoids;
 
 pub use scratch::SilhouetteScratch;
 

@@ -24,15 +24,6 @@ struct SilhouetteView {
 
 var<private> silhouettes_view: SilhouetteView;
 
-// Openings are looked for between no more edges than these.
-const SILHOUETTES_LINES = 1u + 63u * u32(LOOKS_AGAIN);
-// The lines of edges on the mask, if openings are wanted: the place at row line 0 and its growth from row to row, in samples, then the row at
-// sample 0 and its growth from sample to sample.
-var<workgroup> silhouettes_lines: array<vec4f, SILHOUETTES_LINES>;
-// The samples between which the edge lies, as bits, then a byte each: its first row, the one after its last, and eight more than the growth of the number
-// of surfaces where it is crossed from left to right, and from below.
-var<workgroup> silhouettes_crossed: array<vec3u, SILHOUETTES_LINES>;
-
 fn silhouettes_view_of(mask: Mask, eye: SilhouetteEye) -> SilhouetteView {
     let square = mask.square;
     let raster = mask_raster(mask);
@@ -69,8 +60,8 @@ fn silhouettes_clip(depth: f32, start: vec3f, end: vec3f) -> vec3f {
     return vec3f(start.xy + (end.xy - start.xy) * ((depth - start.z) / (end.z - start.z)), depth);
 }
 
-// Counts the crossings of edge `k` of the list with the rows, and its ends between them.
-fn silhouettes_draw(k: u32, world_a: vec3f, world_b: vec3f, step: i32) {
+// Counts the crossings of an edge with the rows, and its ends between them.
+fn silhouettes_draw(world_a: vec3f, world_b: vec3f, step: i32) {
     let view = silhouettes_view;
     var a = square_local(view.square, world_a);
     var b = square_local(view.square, world_b);
@@ -94,7 +85,11 @@ fn silhouettes_draw(k: u32, world_a: vec3f, world_b: vec3f, step: i32) {
             }
         }
     }
-    silhouettes_count(k, a, b, line, step);
+    if (LOOKS_AGAIN && silhouettes_lists) {
+        silhouettes_list_piece(a.xy / a.z, b.xy / b.z, line, step);
+    } else {
+        silhouettes_count(a, b, line, step);
+    }
 }
 
 // Draws the outlines in which a flat light's plane cuts triangles: from the point at which a triangle goes behind it to the one at
@@ -123,14 +118,13 @@ fn silhouettes_draw_clipped(lane: u32, eye: SilhouetteEye) {
         let side = any_hit_side(corners[0], corners[1], corners[2], eye.x);
         if (start.z > 0.0 && end.z > 0.0 && side != 0.0) {
             atomicStore(&silhouettes_cut, 1u);
-            silhouettes_count(SILHOUETTES_LINES, start, end, cross(start, end - start), select(-1, 1, side > 0.0));
+            silhouettes_count(start, end, cross(start, end - start), select(-1, 1, side > 0.0));
         }
     }
 }
 
-// Counts an edge between two points of the square's frame, in front of the light; `line` is the normal of the plane through them, `number` that
-// of the edge in the list.
-fn silhouettes_count(number: u32, a: vec3f, b: vec3f, line: vec3f, step: i32) {
+// Counts an edge between two points of the square's frame, in front of the light; `line` is the normal of the plane through them.
+fn silhouettes_count(a: vec3f, b: vec3f, line: vec3f, step: i32) {
     let view = silhouettes_view;
     let raster = view.raster;
     // Computed once for a vertex: the same for all its edges, whichever end it is.
@@ -162,16 +156,6 @@ fn silhouettes_count(number: u32, a: vec3f, b: vec3f, line: vec3f, step: i32) {
     let first = u32(select(row[1], row[0], is_up));
     let last = u32(select(row[0], row[1], is_up));
     let grows = select(-step, step, is_up);
-    if (LOOKS_AGAIN && places_seek && number < SILHOUETTES_LINES && view.first == 0u) {
-        let rise = select(0.0, -line.x / line.y, line.y != 0.0);
-        let height = select(0.0, -line.z / line.y, line.y != 0.0) + rise * raster.left;
-        let bottom = (height - raster.bottom) * raster.rows - 0.5;
-        silhouettes_lines[number] = vec4f(start, slope, bottom, rise * (raster.rows / raster.samples));
-        let goes_right = x[0] < x[1];
-        let growths = vec2u(vec2i(grows, select(step, -step, goes_right)) + 8);
-        let bytes = first | (last << 8u) | (growths.x << 16u) | (growths.y << 24u);
-        silhouettes_crossed[number] = vec3u(bitcast<vec2u>(vec2f(low, high)), bytes);
-    }
     if (row[0] == row[1] && is_left.x == is_left.y) {
         return;
     }

@@ -90,9 +90,6 @@ fn silhouettes_use(lane: u32, eye: SilhouetteEye, count: u32) {
             silhouettes_add(eye, a, b);
             continue;
         }
-        if (LOOKS_AGAIN && places_seek && k < SILHOUETTES_LINES) {
-            silhouettes_crossed[k] = vec3u(0u);
-        }
-        silhouettes_draw(k, a, b, i32(entry % 8u) - 2);
+        silhouettes_draw(a, b, i32(entry % 8u) - 2);
     }
 }

@@ -1,4 +1,4 @@
-// Masks from silhouettes, by a workgroup, and the directions of edges: the twin of `blockers.rs`. The list, the counts and the openings have
+// Masks from silhouettes, by a workgroup, and the directions of edges: the twin of `blockers.rs`. The list, the counts and the lit part's area have
 // files of their own.
 
 // Words with one bit a sample.
@@ -10,10 +10,9 @@ var<workgroup> silhouettes_least: atomic<i32>;
 var<workgroup> silhouettes_best: atomic<u32>;
 var<workgroup> silhouettes_open: u32;
 
-// The stages of a mask: its samples, then the openings between samples, which are looked for and marked.
+// The stages of a mask: its samples, then the area of its lit part.
 const SILHOUETTES_SAMPLES = 0u;
-const SILHOUETTES_OPENINGS = 1u;
-const SILHOUETTES_MARKS = 2u;
+const SILHOUETTES_AREA = 1u;
 var<workgroup> silhouettes_stage: u32;
 
 // The samples of the row with the fewest surfaces, among those with more than `above`.
@@ -137,21 +136,24 @@ fn silhouettes_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Co
     return edges;
 }
 
-// Blocks the hidden samples, and marks openings between them where these are wanted and little is lit. Requires uniform control flow.
+// Blocks the hidden samples, and finds the area of the lit part if that is wanted, or that alone. Requires uniform control flow.
 fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
     let eye = silhouettes_eye(at, light);
-    var span = emitting;
+    silhouettes_horizon = square_local(mask.square, at.normal);
+    silhouettes_face = vec3f(0.0);
     if (silhouettes_facet(at, light) == PARTIAL) {
-        span = mask_block_below(mask, lane, at.face);
+        _ = mask_block_below(mask, lane, at.face);
+        silhouettes_face = square_local(mask.square, at.face);
     }
     silhouettes_adds = false;
     silhouettes_view = silhouettes_view_of(mask, eye);
     var keep: array<u32, SILHOUETTES_BITS>;
     var above = -0x7fffffff;
-    var least = above;
     if (lane == 0u) {
-        silhouettes_stage = SILHOUETTES_SAMPLES;
-        atomicStore(&silhouettes_cut, 0u);
+        silhouettes_stage = select(SILHOUETTES_SAMPLES, SILHOUETTES_AREA, LOOKS_AGAIN && area_wish == AREA_ALONE);
+        if (area_wish != AREA_ALONE) {
+            atomicStore(&silhouettes_cut, 0u);
+        }
     }
     loop {
         if (lane == 0u) {
@@ -160,82 +162,86 @@ fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask
             silhouettes_width = row_width;
         }
         let width = workgroupUniformLoad(&silhouettes_width);
-        let stage = workgroupUniformLoad(&silhouettes_stage);
+        let is_area = LOOKS_AGAIN && workgroupUniformLoad(&silhouettes_stage) == SILHOUETTES_AREA;
         var fewest: SilhouetteFewest;
         var own = 0u;
         var place: vec2f;
-        if (!LOOKS_AGAIN || stage == SILHOUETTES_SAMPLES) {
-            fewest = silhouettes_scan(lane, eye, width, above);
+        if (is_area) {
+            if (!decide(lane, silhouettes_are_listed())) {
+                break;
+            }
+            silhouettes_gather(lane, eye);
+            let are_few = decide(lane, atomicLoad(&silhouettes_pieces) <= SILHOUETTES_PIECES);
+            var area: SilhouetteArea;
+            if (are_few) {
+                area = silhouettes_row(lane, mask, above);
+            }
+            workgroupBarrier();
+            if (!are_few || !decide(lane, atomicLoad(&silhouettes_pieces) <= SILHOUETTES_PIECES)) {
+                break;
+            }
+            fewest.least = area.least;
+            place = area.middle;
+            own = u32(area.part * 0x1p20f);
         } else {
-            let opening = silhouettes_openings(lane, span, stage == SILHOUETTES_MARKS, least);
-            fewest.least = opening.number;
-            place = opening.middle;
-            own = u32(opening.part * 0x1p20f);
-        }
-        if (LOOKS_AGAIN && stage == SILHOUETTES_MARKS) {
-            break;
+            fewest = silhouettes_scan(lane, eye, width, above);
         }
         atomicMin(&silhouettes_least, fewest.least);
         workgroupBarrier();
-        least = atomicLoad(&silhouettes_least);
-        if (!LOOKS_AGAIN || stage == SILHOUETTES_SAMPLES) {
+        let least = atomicLoad(&silhouettes_least);
+        if (is_area) {
+            own = select(0u, own, fewest.least == least);
+        } else {
             for (var w = 0u; w < SILHOUETTES_BITS; w++) {
                 fewest.bits[w] = select(0u, fewest.bits[w], fewest.least == least);
                 own += countOneBits(fewest.bits[w]);
             }
-        } else if (fewest.least != least) {
-            own = 0u;
         }
         atomicMax(&silhouettes_best, 256u * own + (255u - lane));
         let sums = total(lane, vec4f(f32(own), f32(fewest.rest), 0.0, 0.0));
         var is_done = sums.x == 0.0;
+        var is_open = false;
         if (!is_done) {
             // One ray decides whether the fewest surfaces are none.
             if (lane == 255u - atomicLoad(&silhouettes_best) % 256u) {
-                if (!LOOKS_AGAIN || stage == SILHOUETTES_SAMPLES) {
+                if (!is_area) {
                     place = vec2f(f32(silhouettes_middle(fewest.bits)) + 0.5 + row_phase(lane), f32(lane));
                 }
                 silhouettes_open = select(0u, 1u, silhouettes_sees(eye, place));
             }
-            let is_open = workgroupUniformLoad(&silhouettes_open) != 0u;
-            if (LOOKS_AGAIN && stage == SILHOUETTES_OPENINGS) {
-                if (lane == 0u) {
-                    silhouettes_stage = SILHOUETTES_MARKS;
-                }
-                if (is_open) {
-                    continue;
-                }
-                break;
-            }
-            if (is_open) {
-                for (var w = 0u; w < SILHOUETTES_BITS; w++) {
-                    keep[w] |= fewest.bits[w];
-                }
-            }
-            // The order of two edges that coincide to the last digit may be wrong, and a few samples between them then have too small a
-            // number.
-            is_done = u32(sums.x) >= u32(sums.y) / SILHOUETTES_FEW;
+            is_open = workgroupUniformLoad(&silhouettes_open) != 0u;
+            // The order of two edges that coincide to the last digit may be wrong, and a few samples between them, or a sliver, then have too small
+            // a number.
+            let is_sliver = is_area && !is_open && sums.x < SILHOUETTES_SLIVER * f32(SIDE) * 0x1p20f;
+            is_done = select(u32(sums.x) >= u32(sums.y) / SILHOUETTES_FEW, !is_sliver, is_area);
             above = least;
+        }
+        if (is_area && is_done) {
+            if (!is_open || fewest.least != least) {
+                area_clear();
+            }
+            area_take(mask);
+            area_is_found = true;
+            break;
+        }
+        if (!is_area && is_open) {
+            for (var w = 0u; w < SILHOUETTES_BITS; w++) {
+                keep[w] |= fewest.bits[w];
+            }
         }
         if (!is_done) {
             continue;
         }
-        // Then the openings, once.
-        if (!LOOKS_AGAIN || !decide(lane, stage == SILHOUETTES_SAMPLES && places_seek && silhouettes_are_listed())) {
+        if (!LOOKS_AGAIN || !decide(lane, area_wish == AREA_BESIDE)) {
             break;
         }
-        places_are_listed = true;
-        var seen = 0u;
-        for (var w = 0u; w < SILHOUETTES_BITS; w++) {
-            seen += countOneBits(keep[w]);
-        }
-        places_emitting[lane] = span;
-        if (PLACES_FAINT * total(lane, vec4f(f32(seen), 0.0, 0.0, 0.0)).x >= f32(width * SIDE)) {
-            break;
-        }
+        above = -0x7fffffff;
         if (lane == 0u) {
-            silhouettes_stage = SILHOUETTES_OPENINGS;
+            silhouettes_stage = SILHOUETTES_AREA;
         }
+    }
+    if (LOOKS_AGAIN && area_wish == AREA_ALONE) {
+        return;
     }
     for (var w = 0u; 32u * w < row_width; w++) {
         mask_block_set(w, ~keep[w]);

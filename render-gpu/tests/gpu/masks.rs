@@ -181,7 +181,7 @@ fn edges(gpu: &Gpu) {
 
 /// All pieces of masks, without the kernel.
 fn text(header: &str) -> String {
-    join(&[&wgsl::ROUND, &wgsl::ALIKE]) + "const LOOKS_AGAIN = false;\n" + header
+    join(&[&wgsl::ROUND, &wgsl::ALIKE]) + "const LOOKS_AGAIN = false;\nconst BLOCKERS_ARE_SEVERAL = false;\n" + header
 }
 
 /// Bits of a mask with spans along rows and shapes along heights, then the visible fraction. Positions of samples are rounded to

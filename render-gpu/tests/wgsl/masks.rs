@@ -11,6 +11,7 @@ use visibility_mask::{Fineness, wgsl};
 /// Blockers and reflectance, as the kernel requires them.
 const HOOKS: &str = "
     const LOOKS_AGAIN = true;
+    const BLOCKERS_ARE_SEVERAL = true;
     fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f { return vec4f(0.0); }
     fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
         mask_block_span(mask, lane, 0.0, 1.0);

@@ -9,13 +9,16 @@ use visibility_mask::{LitArea, Mask, UnitSquare};
 /// Trapezoids are found where at most this number of outlines is before the light: the time is that of each two of them.
 const MOST: usize = 512;
 /// Half the distance of the two points of Gauss and Legendre's rule, in heights of a slab.
-const GAUSS: f32 = 0.288_675_13;
+pub(crate) const GAUSS: f32 = 0.288_675_13;
 /// Slabs of a window that no outline divides.
 const SLABS: u32 = 32;
 /// The sides of the light and its window divide slabs if they are at most this number: a round light has many short ones.
 const SIDES: usize = 10;
 /// Numbers of surfaces that may be those of slivers alone, which rounding leaves between outlines that coincide.
 const DOUBTFUL: i32 = 3;
+
+/// A part of a window that may be slivers alone.
+pub(crate) const SLIVER: f32 = 1e-6;
 
 /// A second ray is traced into a trapezoid that is not smaller than this part of the largest.
 const SECOND: f32 = 0.01;
@@ -161,7 +164,7 @@ impl Trapezoids {
                 open.for_each(|part| lit.add(&view.square, part.ends, part.leans, part.y, part.height));
                 return true;
             }
-            if area > narrowest * narrowest + 1e-6 * window {
+            if area > narrowest * narrowest + SLIVER * window {
                 return true;
             }
         }
