@@ -1,8 +1,7 @@
 // The lit part of a mask's window with its exact area, from outlines: the twin of `blockers/trapezoids.rs`. Each thread has the heights of its row, divided where
 // outlines end, and at two lines between each two of them finds the parts of the line with the fewest surfaces.
 
-// A row's heights are told apart if they are SILHOUETTES_SLAB from each other; after this number of steps, if they are SILHOUETTES_THICK: drivers end loops that take
-// long.
+// Heights of a row are SILHOUETTES_SLAB from each other at least; after this number of steps SILHOUETTES_THICK: drivers end loops that take long.
 const SILHOUETTES_STEPS = 3072u;
 // The most steps between two heights.
 const SILHOUETTES_MOST = 8192u;

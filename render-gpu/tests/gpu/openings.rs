@@ -120,6 +120,14 @@ fn glossy(gpu: &Gpu) {
     let mut scene = room(WINDOW, square().into());
     scene.materials = vec![ModifiedPhong { kd: Vec3::splat(0.5), ks: Vec3::splat(0.1), exponent: 3.0 }.into()];
     check(gpu, "modified Phong", &scene, [0.004, 0.015], 0.03);
+    for (name, opening) in [("slit", SLIT), ("door", DOOR)] {
+        let mut beside = room(opening, square().into());
+        if name == "door" {
+            beside = with_door(beside, opening);
+        }
+        beside.materials.clone_from(&scene.materials);
+        check(gpu, &format!("modified Phong, {name}"), &beside, [0.008, 0.03], 0.3);
+    }
     let metal: Material = MetallicRoughness::new(Vec3::splat(0.8), 0.0, 1.0).expect("in range").into();
     scene.materials = vec![metal];
     check(gpu, "metallic roughness", &scene, [0.004, 0.015], 0.03);
