@@ -37,7 +37,7 @@ fn area_add(start: f32, end: f32, above: f32, height: f32) {
     let scale = f32(most) / f32(row_width);
     let ends = vec2f(start, end) * scale;
     let last = min(u32(ends.y), most - 1u);
-    for (var k = min(u32(ends.x), most - 1u); k <= last; k++) {
+    for (var k = u32(ends.x); k <= last; k++) {
         let low = max(ends.x, f32(k));
         let high = min(ends.y, f32(k + 1u));
         let part = (high - low) * height;
@@ -52,12 +52,11 @@ fn area_add(start: f32, end: f32, above: f32, height: f32) {
 
 // Takes the sums as the row's lit part.
 fn area_take(mask: Mask) {
-    let most = 4u * row_groups;
     var sum = 0.0;
-    for (var k = 0u; k < most; k++) {
+    for (var k = 0u; k < 4u * row_groups; k++) {
         let part = f32(area_columns[k]) / AREA_STEPS;
         sum += part;
-        area_row.columns[k] = part * (f32(row_width) / f32(most));
+        area_row.columns[k] = part * f32(row_width / (4u * row_groups));
     }
-    area_row.above = select(0.0, mask_cell(mask).y * f32(area_lift) / (AREA_LIFTS * sum), sum > 0.0);
+    area_row.above = mask_cell(mask).y * f32(area_lift) / (AREA_LIFTS * max(sum, 1e-9));
 }

@@ -83,31 +83,26 @@ fn near_is_cut(counts: NearCounts) -> bool {
     return may_be && counts.lit > 0.0 && counts.lit < counts.emitting;
 }
 
-// Whether the lit part is wanted with its area, where blockers can tell that: as `MaskVisibility::draw`.
-fn near_wants_area(counts: NearCounts, light: Cone) -> bool {
-    let sin_sq = cone_sin_sq(light);
-    let may_be_missed = counts.lit == 0.0 && sin_sq >= NEAR_ASKS.x && sin_sq < NEAR_ASKS.y;
+// Whether the lit part is wanted with its area, where blockers can tell that, and whether masks are drawn again in windows around it otherwise: as
+// `MaskVisibility::draw`.
+fn near_wishes(counts: NearCounts, light: Cone) -> vec2<bool> {
+    let is_dark = counts.lit == 0.0;
+    let is_slight = near_is_below(counts, NEAR_SLIGHT);
+    let is_few = near_are_few(counts);
     let is_cut = near_is_cut(counts);
-    let is_slight = near_is_below(counts, NEAR_SLIGHT);
-    let is_few = near_are_few(counts);
     if (counts.emitting == 0.0 || !(is_slight || is_few || is_cut)) {
-        return false;
+        return vec2<bool>(false);
     }
-    let is_opening = near_is_opening(counts) || is_cut;
-    let seeks = is_cut || outline_has_sides() || frame.look_again > 1u || near_is_wide() || may_be_missed;
-    return (seeks && is_opening) || (is_few && (is_opening || is_slight));
-}
-
-// Whether masks are drawn again in windows around the lit part.
-fn near_wants_windows(counts: NearCounts) -> bool {
-    if (counts.lit == 0.0) {
-        return counts.emitting > 0.0 && frame.look_again > 1u;
-    }
-    let is_slight = near_is_below(counts, NEAR_SLIGHT);
-    let is_few = near_are_few(counts);
+    let is_opening = near_is_opening(counts);
+    let is_known = is_few && (is_opening || is_slight);
+    let is_wide = frame.look_again > 1u || near_is_wide();
+    let sin_sq = cone_sin_sq(light);
+    let may_be_missed = is_dark && sin_sq >= NEAR_ASKS.x && sin_sq < NEAR_ASKS.y;
+    let seeks = is_cut || (is_opening && (is_wide || outline_has_sides() || may_be_missed));
+    // The lit ones may all be one more, or one less, in a row after another.
     let is_narrow = is_slight && NEAR_NARROW * counts.lit < counts.lit_rows * f32(row_width);
-    let seeks = !outline_has_sides() && (frame.look_again > 1u || near_is_wide());
-    return (is_few || (seeks && is_narrow)) && (near_is_opening(counts) || (is_few && is_slight));
+    let has_windows = is_known || (is_narrow && is_opening && is_wide && !outline_has_sides());
+    return vec2<bool>(seeks || is_known, select(has_windows, frame.look_again > 1u, is_dark));
 }
 
 // After the masks of the whole light, of which `sums` has the lit and the emitting samples, the rows with lit ones and those of them that end where the
@@ -123,8 +118,9 @@ fn near_plan(lane: u32, sums: vec4f, rows: u32, is_one: bool, light: Cone) -> ve
         counts.columns = columns.x;
         counts.column_ends = columns.y;
     }
-    let wants_area = u32(decide(lane, near_wants_area(counts, light)));
-    if (!decide(lane, near_wants_windows(counts))) {
+    let wishes = near_wishes(counts, light);
+    let wants_area = u32(decide(lane, wishes.x));
+    if (!decide(lane, wishes.y)) {
         return vec3u(wants_area, 0u, 0u);
     }
     near_first(lane, places_whole, is_one);

@@ -50,8 +50,9 @@ var<private> silhouettes_in_row: array<u32, SILHOUETTES_FLAGS>;
 var<private> silhouettes_between: array<u32, SILHOUETTES_FLAGS>;
 var<private> silhouettes_base: i32;
 
-// The first of the pieces from a number on; none is a large number.
-fn silhouettes_next(first: u32, in_row: bool) -> u32 {
+// The piece after a number, or the first one after none.
+fn silhouettes_next(before: u32, in_row: bool) -> u32 {
+    let first = before + 1u;
     for (var word = first / 32u; 32u * word < atomicLoad(&silhouettes_pieces); word++) {
         var bits = select(silhouettes_between[word], silhouettes_in_row[word], in_row);
         bits &= select(0xffffffffu, 0xffffffffu << (first % 32u), word == first / 32u);
@@ -87,7 +88,11 @@ fn silhouettes_set_between(low: f32, high: f32, base: i32) -> u32 {
     }
     var all = 0u;
     var begins = 1u;
-    for (var k = silhouettes_next(0u, true); k != SILHOUETTES_NONE; k = silhouettes_next(k + 1u, true)) {
+    for (var k = SILHOUETTES_NONE;;) {
+        k = silhouettes_next(k, true);
+        if (k == SILHOUETTES_NONE) {
+            break;
+        }
         let piece = silhouettes_piece(k);
         if (piece.high <= low) {
             silhouettes_base += piece.above;
@@ -109,9 +114,14 @@ fn silhouettes_gather(lane: u32, eye: SilhouetteEye) {
         atomicStore(&silhouettes_pieces, 0u);
     }
     workgroupBarrier();
-    silhouettes_lists = true;
-    silhouettes_use(lane, eye, atomicLoad(&silhouettes_found));
-    silhouettes_lists = false;
+    for (var k = lane; k < atomicLoad(&silhouettes_found); k += LANES) {
+        let entry = silhouettes_list[k];
+        let ends = silhouettes_data[silhouettes_data[0].w + entry / 8u];
+        let segment = silhouettes_segment(silhouettes_from(eye.x, ends.x), silhouettes_from(eye.x, ends.y));
+        if (segment.is_some) {
+            silhouettes_list_piece(segment.a.xy / segment.a.z, segment.b.xy / segment.b.z, segment.line, i32(entry % 8u) - 2);
+        }
+    }
     workgroupBarrier();
 }
 
@@ -129,7 +139,11 @@ fn silhouettes_row(lane: u32, mask: Mask, above: i32) -> SilhouetteArea {
     while (low < top) {
         let next = low + select(SILHOUETTES_SLAB, SILHOUETTES_THICK, steps > SILHOUETTES_STEPS);
         var high = top;
-        for (var k = silhouettes_next(0u, true); k != SILHOUETTES_NONE; k = silhouettes_next(k + 1u, true)) {
+        for (var k = SILHOUETTES_NONE;;) {
+            k = silhouettes_next(k, true);
+            if (k == SILHOUETTES_NONE) {
+                break;
+            }
             let piece = silhouettes_piece(k);
             high = select(high, piece.low, piece.low > next && piece.low < high);
             high = select(high, piece.high, piece.high > next && piece.high < high);
@@ -143,9 +157,9 @@ fn silhouettes_row(lane: u32, mask: Mask, above: i32) -> SilhouetteArea {
         }
         // 2, which compilers do not know: they would copy the loop's body.
         for (var line = 0u; line < 1u + silhouettes_known; line++) {
-            let beside = select(-SILHOUETTES_GAUSS, SILHOUETTES_GAUSS, line > 0u);
-            let y = 0.5 * (low + high) + beside * (high - low);
-            area = silhouettes_line(area, lane, mask, above, y, 0.5 * (high - low));
+            let half = 0.5 * (high - low);
+            let y = low + half * (1.0 + select(-2.0, 2.0, line > 0u) * SILHOUETTES_GAUSS);
+            area = silhouettes_line(area, lane, mask, above, y, half);
         }
         low = high;
     }
@@ -157,15 +171,11 @@ fn silhouettes_line(before: SilhouetteArea, lane: u32, mask: Mask, above: i32, y
     var area = before;
     let raster = silhouettes_view.raster;
     let at = raster.bottom + (y + 0.5) / raster.rows;
-    var ends = mask_emits_at(mask, at, silhouettes_horizon);
-    if (any(silhouettes_face != vec3f(0.0))) {
-        ends = mask_above(ends, at, silhouettes_face);
-    }
+    var ends = mask_above(mask_emits_at(mask, at, silhouettes_horizon), at, silhouettes_face);
     ends = clamp((ends - raster.left) * raster.samples, vec2f(0.0), vec2f(f32(row_width)));
     // From the beginning, and from each piece behind which there are fewer surfaces.
     var begin = ends.x;
     var piece_number = SILHOUETTES_NONE;
-    var next = silhouettes_next(0u, false);
     var is_more = ends.x < ends.y;
     while (is_more) {
         let part = silhouettes_part(vec2f(begin, ends.y), piece_number, y);
@@ -182,12 +192,14 @@ fn silhouettes_line(before: SilhouetteArea, lane: u32, mask: Mask, above: i32, y
             }
         }
         is_more = false;
-        while (next != SILHOUETTES_NONE && !is_more) {
-            let piece = silhouettes_piece(next);
+        while (!is_more) {
+            piece_number = silhouettes_next(piece_number, false);
+            if (piece_number == SILHOUETTES_NONE) {
+                break;
+            }
+            let piece = silhouettes_piece(piece_number);
             begin = piece.x + (y - piece.low) * piece.slope;
             is_more = piece.growth < 0 && y >= piece.low && y < piece.high && begin > ends.x && begin < ends.y;
-            piece_number = next;
-            next = silhouettes_next(next + 1u, false);
         }
     }
     return area;
@@ -199,7 +211,11 @@ struct SilhouettePart { number: i32, end: f32, is_new: bool }
 // The part from `ends.x` to the next piece, or to `ends.y`. `first`: the piece at its beginning, or none.
 fn silhouettes_part(ends: vec2f, first: u32, y: f32) -> SilhouettePart {
     var part = SilhouettePart(silhouettes_base, ends.y, true);
-    for (var k = silhouettes_next(0u, false); k != SILHOUETTES_NONE; k = silhouettes_next(k + 1u, false)) {
+    for (var k = SILHOUETTES_NONE;;) {
+        k = silhouettes_next(k, false);
+        if (k == SILHOUETTES_NONE) {
+            break;
+        }
         let piece = silhouettes_piece(k);
         let is_crossed = y >= piece.low && y < piece.high;
         let place = piece.x + (y - piece.low) * piece.slope;

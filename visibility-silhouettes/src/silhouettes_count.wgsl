@@ -60,17 +60,21 @@ fn silhouettes_clip(depth: f32, start: vec3f, end: vec3f) -> vec3f {
     return vec3f(start.xy + (end.xy - start.xy) * ((depth - start.z) / (end.z - start.z)), depth);
 }
 
-// Counts the crossings of an edge with the rows, and its ends between them.
-fn silhouettes_draw(world_a: vec3f, world_b: vec3f, step: i32) {
+// The part of an edge between the receiver and the light's plane, in the square's frame; and the normal of the plane through it and the receiver.
+struct SilhouetteSegment {
+    a: vec3f,
+    b: vec3f,
+    line: vec3f,
+    is_some: bool,
+}
+
+fn silhouettes_segment(world_a: vec3f, world_b: vec3f) -> SilhouetteSegment {
     let view = silhouettes_view;
     var a = square_local(view.square, world_a);
     var b = square_local(view.square, world_b);
     let is_near = vec2f(a.z, b.z) < vec2f(view.near);
     let is_far = vec2f(a.z, b.z) >= vec2f(view.far);
-    if (all(is_near) || all(is_far)) {
-        return;
-    }
-    // The line through both ends, from a × (b − a): clipped ends would be too far outside for it.
+    // From a × (b − a): clipped ends would be too far outside for it.
     let line = cross(a, b - a);
     for (var side = 0u; side < 2u; side++) {
         let cut = select(is_near, is_far, vec2<bool>(side == 1u));
@@ -85,10 +89,14 @@ fn silhouettes_draw(world_a: vec3f, world_b: vec3f, step: i32) {
             }
         }
     }
-    if (LOOKS_AGAIN && silhouettes_lists) {
-        silhouettes_list_piece(a.xy / a.z, b.xy / b.z, line, step);
-    } else {
-        silhouettes_count(a, b, line, step);
+    return SilhouetteSegment(a, b, line, !all(is_near) && !all(is_far));
+}
+
+// Counts the crossings of an edge with the rows, and its ends between them.
+fn silhouettes_draw(world_a: vec3f, world_b: vec3f, step: i32) {
+    let segment = silhouettes_segment(world_a, world_b);
+    if (segment.is_some) {
+        silhouettes_count(segment.a, segment.b, segment.line, step);
     }
 }
 

@@ -1,13 +1,12 @@
 // The parts of outlines in front of a light, for the area of its lit part.
 
-// Whether pieces are listed, instead of being counted: in place of the counts, up to their number.
-var<private> silhouettes_lists: bool;
+// Their number. They are listed in place of the counts.
 var<workgroup> silhouettes_pieces: atomic<u32>;
 // The heights of a piece's ends in rows, its place at the lower one in samples, its slope, then the growth of the number of surfaces and in two bits
 // whether the ends are left of the view's middle.
 const SILHOUETTES_PIECE = 5u;
 const SILHOUETTES_PIECES = LANES * SILHOUETTES_WORDS / SILHOUETTES_PIECE;
-// Normals in the frame of the mask's square: of the receiver, and of its facet if that cuts the light.
+// Normals in the frame of the mask's square: of the receiver, and of its facet, or one that cuts nothing.
 var<private> silhouettes_horizon: vec3f;
 var<private> silhouettes_face: vec3f;
 
@@ -23,7 +22,7 @@ fn silhouettes_window_side(k: u32) -> vec3f {
     } else if (k == 4u) {
         return silhouettes_horizon;
     } else if (k == 5u) {
-        return select(vec3f(0.0, 0.0, 1.0), silhouettes_face, any(silhouettes_face != vec3f(0.0)));
+        return silhouettes_face;
     }
     return light_side(k - 6u);
 }

@@ -140,7 +140,7 @@ fn silhouettes_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Co
 fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
     let eye = silhouettes_eye(at, light);
     silhouettes_horizon = square_local(mask.square, at.normal);
-    silhouettes_face = vec3f(0.0);
+    silhouettes_face = vec3f(0.0, 0.0, 1.0);
     if (silhouettes_facet(at, light) == PARTIAL) {
         _ = mask_block_below(mask, lane, at.face);
         silhouettes_face = square_local(mask.square, at.face);
