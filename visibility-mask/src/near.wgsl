@@ -102,7 +102,9 @@ fn near_wishes(counts: NearCounts, light: Cone) -> vec2<bool> {
     // The lit ones may all be one more, or one less, in a row after another.
     let is_narrow = is_slight && NEAR_NARROW * counts.lit < counts.lit_rows * f32(row_width);
     let has_windows = is_known || (is_narrow && is_opening && is_wide && !outline_has_sides());
-    return vec2<bool>(seeks || is_known, select(has_windows, frame.look_again > 1u, is_dark));
+    // Where other blockers hide a part of what is lit, its area stays unknown.
+    let is_mixed = BLOCKERS_ARE_SEVERAL && seeks;
+    return vec2<bool>(seeks || is_known, is_mixed || select(has_windows, frame.look_again > 1u, is_dark));
 }
 
 // After the masks of the whole light, of which `sums` has the lit and the emitting samples, the rows with lit ones and those of them that end where the

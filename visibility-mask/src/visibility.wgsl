@@ -137,16 +137,16 @@ fn visible_fraction(
             let samples = vec2u(row_count(lit), emitting.y - min(emitting.x, emitting.y));
             let column = part % grid.x;
             if (LOOKS_AGAIN && decide(lane, seeks_area)) {
-                stays = decide(lane, area_is_found);
-                if (BLOCKERS_ARE_SEVERAL) {
-                    // Of the samples, those that have found it block none.
-                    stays = stays && total(lane, vec4f(f32(samples.y - samples.x), 0.0, 0.0, 0.0)).x == 0.0;
-                    area_counts = stays;
-                }
+                area_counts = true;
+                let area = total(lane, vec4f(open_count(), f32(samples.y - samples.x), 0.0, 0.0)).xy;
+                // Of several strategies' blockers, those that have found it are all that hide any; and nothing is lit if no sample is.
+                let is_sure = select(visibility_areas.x == 0.0, !BLOCKERS_ARE_SEVERAL || area.y == 0.0, area.x > 0.0);
+                stays = decide(lane, area_is_found && is_sure);
+                area_counts = stays;
                 near_is_area = stays;
                 if (stays) {
                     area_whole = area_row;
-                    visibility_areas.x = total(lane, vec4f(open_count(), 0.0, 0.0, 0.0)).x * near_scale;
+                    visibility_areas.x = area.x * near_scale;
                     near_keep(lane, square);
                     more = 1u;
                 }
