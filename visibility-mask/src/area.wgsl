@@ -11,9 +11,8 @@ var<private> area_is_found: bool;
 // The lit samples in each column of a row, which are not whole numbers, and how far their middle is above that of the row, in plane coordinates.
 struct LitRow { columns: array<f32, COLUMNS>, above: f32 }
 
-// That of the thread's row in the last window, and in the window of the whole light.
+// That of the thread's row in the last window.
 var<private> area_row: LitRow;
-var<private> area_whole: LitRow;
 // Whether `area_row` counts instead of the mask's samples.
 var<private> area_counts: bool;
 

@@ -94,17 +94,17 @@ fn near_wishes(counts: NearCounts, light: Cone) -> vec2<bool> {
         return vec2<bool>(false);
     }
     let is_opening = near_is_opening(counts);
-    let is_known = is_few && (is_opening || is_slight);
+    let is_unsure = is_few && (is_opening || is_slight);
     let is_wide = frame.look_again > 1u || near_is_wide();
     let sin_sq = cone_sin_sq(light);
     let may_be_missed = is_dark && sin_sq >= NEAR_ASKS.x && sin_sq < NEAR_ASKS.y;
     let seeks = is_cut || (is_opening && (is_wide || outline_has_sides() || may_be_missed));
     // The lit ones may all be one more, or one less, in a row after another.
     let is_narrow = is_slight && NEAR_NARROW * counts.lit < counts.lit_rows * f32(row_width);
-    let has_windows = is_known || (is_narrow && is_opening && is_wide && !outline_has_sides());
+    let has_windows = is_unsure || (is_narrow && is_opening && is_wide && !outline_has_sides());
     // Where other blockers hide a part of what is lit, its area stays unknown.
     let is_mixed = BLOCKERS_ARE_SEVERAL && seeks;
-    return vec2<bool>(seeks || is_known, is_mixed || select(has_windows, frame.look_again > 1u, is_dark));
+    return vec2<bool>(seeks || is_unsure, is_mixed || select(has_windows, frame.look_again > 1u, is_dark));
 }
 
 // After the masks of the whole light, of which `sums` has the lit and the emitting samples, the rows with lit ones and those of them that end where the

@@ -18,7 +18,7 @@ pub(crate) const FILLED: u32 = 4;
 /// A window is divided before it has a mask if less than this part of it is lit, as far as segments tell.
 const SPARSE: f32 = 0.1;
 /// Openings between the samples of such a mask matter if less than 1/FAINT is lit.
-pub(crate) const FAINT: u32 = 16;
+const FAINT: u32 = 16;
 /// If less than 1/SLIGHT is lit, masks are drawn again for ordinary penumbrae as well: the light seen through an opening may end at its own
 /// outline.
 pub(crate) const SLIGHT: u32 = 10;

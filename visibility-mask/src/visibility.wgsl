@@ -1,5 +1,6 @@
 // MaskVisibility for blockers, by a workgroup. Calls the strategies' `blockers_edges(lane, tile, at, light, window) -> vec4f` (a
-// thread's part of the sums of edges) and `blockers_splat(lane, tile, at, light, mask)`.
+// thread's part of the sums of edges) and `blockers_splat(lane, tile, at, light, mask)`. LOOKS_AGAIN says whether masks are ever looked at again,
+// BLOCKERS_ARE_SEVERAL whether more than one strategy blocks.
 
 // Numbers of masks across and upward, computed by the first thread: for broad lobes, then for narrow ones. They include the bands
 // of a mask, which are one above the other.
@@ -145,7 +146,6 @@ fn visible_fraction(
                 area_counts = stays;
                 near_is_area = stays;
                 if (stays) {
-                    area_whole = area_row;
                     visibility_areas.x = area.x * near_scale;
                     near_keep(lane, square);
                     more = 1u;

@@ -49,13 +49,15 @@ fn masks_window(window: UnitSquare, at: Receiver, tolerance: f32, lobe: Lobe) ->
 
 // The same in the masks around the lit part.
 var<private> near_lit: array<Row, PLACES_CELLS>;
+// The lit part of the whole light with its area, where that is known.
+var<private> near_area: LitRow;
 
 // Reads the samples of a stored mask. If there are some around the lit part, their lit samples count instead.
 fn masks_load(part: u32, is_near: bool, has_near: bool) {
     if (is_near) {
         emitting = vec2u(0u, row_width);
         lit = near_lit[near_index];
-        area_row = area_whole;
+        area_row = near_area;
         return;
     }
     emitting = broad_emitting[part];
@@ -73,6 +75,7 @@ fn masks_use(
         masks_add(lane, mask, window, masks, is_own, is_near, at, lobe);
     } else if (is_near) {
         near_lit[near_index] = lit;
+        near_area = area_row;
     } else if (part < BROAD_COUNT) {
         broad_emitting[part] = emitting;
         broad_lit[part] = lit;

@@ -166,7 +166,7 @@ fn silhouettes_row(lane: u32, mask: Mask, above: i32) -> SilhouetteArea {
     return area;
 }
 
-// Adds the parts of a line with the fewest surfaces, or begins anew with them if they have fewer than all before.
+// Adds the parts of a line with the fewest surfaces, or begins again with them if they have fewer than all before.
 fn silhouettes_line(before: SilhouetteArea, lane: u32, mask: Mask, above: i32, y: f32, height: f32) -> SilhouetteArea {
     var area = before;
     let raster = silhouettes_view.raster;

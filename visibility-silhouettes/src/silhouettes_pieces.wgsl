@@ -6,13 +6,12 @@ var<workgroup> silhouettes_pieces: atomic<u32>;
 // whether the ends are left of the view's middle.
 const SILHOUETTES_PIECE = 5u;
 const SILHOUETTES_PIECES = LANES * SILHOUETTES_WORDS / SILHOUETTES_PIECE;
+
 // Normals in the frame of the mask's square: of the receiver, and of its facet, or one that cuts nothing.
 var<private> silhouettes_horizon: vec3f;
 var<private> silhouettes_face: vec3f;
 
-// The sides of what is seen of a window, as half-planes: those of the window, the first one on the left, then those of the light.
-fn silhouettes_side_count() -> u32 { return 6u + light_side_count(); }
-
+// The sides of what is seen of a window, as half-planes: its own, the first one on the left, two of the receiver's planes, then those of the light.
 fn silhouettes_window_side(k: u32) -> vec3f {
     let square = silhouettes_view.square;
     if (k < 4u) {
@@ -33,7 +32,7 @@ fn silhouettes_list_piece(a: vec2f, b: vec2f, line: vec3f, step: i32) {
     let view = silhouettes_view;
     var ends = array<vec2f, 2>(a, b);
     var is_left = vec2<bool>(false);
-    for (var k = 0u; k < silhouettes_side_count(); k++) {
+    for (var k = 0u; k < 6u + light_side_count(); k++) {
         let side = silhouettes_window_side(k);
         let inside = vec2f(dot(side.xy, ends[0]), dot(side.xy, ends[1])) + side.z;
         let is_out = inside < vec2f(0.0);

@@ -42,7 +42,7 @@ static COUNT: Piece = Piece::new(include_str!("silhouettes_count.wgsl"))
 static PIECES: Piece = Piece::new(include_str!("silhouettes_pieces.wgsl")).needs(&[&COUNT]);
 
 /// The silhouettes of a receiver, which are summed or counted.
-static LIST: Piece = Piece::new(include_str!("silhouettes_list.wgsl")).needs(&[&WALK, &SUM, &PIECES]);
+static LIST: Piece = Piece::new(include_str!("silhouettes_list.wgsl")).needs(&[&WALK, &SUM, &COUNT]);
 
 /// The area of the lit part.
 static LIT: Piece = Piece::new(include_str!("silhouettes_area.wgsl"))
@@ -52,7 +52,7 @@ static LIT: Piece = Piece::new(include_str!("silhouettes_area.wgsl"))
         SILHOUETTES_SLAB = 1e-4_f32,
         SILHOUETTES_THICK = 0.25_f32,
     ])
-    .needs(&[&LIST, &AREA]);
+    .needs(&[&LIST, &PIECES, &AREA]);
 
 /// `silhouettes_splat` and `silhouettes_edges`.
 pub(crate) static SPLAT: Piece = Piece::new(include_str!("silhouettes_splat.wgsl"))

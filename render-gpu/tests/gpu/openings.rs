@@ -120,11 +120,8 @@ fn glossy(gpu: &Gpu) {
     let mut scene = room(WINDOW, square().into());
     scene.materials = vec![ModifiedPhong { kd: Vec3::splat(0.5), ks: Vec3::splat(0.1), exponent: 3.0 }.into()];
     check(gpu, "modified Phong", &scene, [0.004, 0.015], 0.03);
-    for (name, opening) in [("slit", SLIT), ("door", DOOR)] {
-        let mut beside = room(opening, square().into());
-        if name == "door" {
-            beside = with_door(beside, opening);
-        }
+    let door = with_door(room(DOOR, square().into()), DOOR);
+    for (name, mut beside) in [("slit", room(SLIT, square().into())), ("door", door)] {
         beside.materials.clone_from(&scene.materials);
         check(gpu, &format!("modified Phong, {name}"), &beside, [0.008, 0.03], 0.3);
     }
