@@ -112,10 +112,7 @@ impl<V: Visibility> Visibility for Watched<'_, V> {
 }
 
 /// The silhouettes of a scene, kept by the caller.
-fn silhouettes<'a>(
-    world: &'a World<'a>,
-    meshes: &'a SceneSilhouettes,
-) -> MaskVisibility<SilhouetteBlockers<'a, SurfaceHits<'a>>> {
+fn silhouettes<'a>(world: &'a World<'a>, meshes: &'a SceneSilhouettes) -> MaskVisibility<SilhouetteBlockers<'a>> {
     MaskVisibility::new(SilhouetteBlockers::new(meshes.meshes(), SurfaceHits::new(world, |_| true)))
 }
 

@@ -19,12 +19,11 @@ use {
     render_gpu::ShadowCasting,
     scene::Bounds,
     shading::gpu::GpuLight as _,
-    visibility_silhouettes::{AnyHit, GpuSilhouettes, meets_plane},
+    visibility_silhouettes::{GpuSilhouettes, meets_plane},
 };
 
-type Silhouettes<'a> = SilhouetteBlockers<'a, SurfaceHits<'a>>;
 /// A sky before these kinds.
-type Sky<'a> = SkyShader<'a, (Option<&'a SphereBlockers>, Option<&'a Silhouettes<'a>>)>;
+type Sky<'a> = SkyShader<'a, (Option<&'a SphereBlockers>, Option<&'a SilhouetteBlockers<'a>>)>;
 
 /// The blockers of one frame, by strategy.
 #[derive(Debug)]
@@ -34,8 +33,8 @@ pub struct FrameBlockers<'a> {
     spheres: Option<&'a SphereBlockers>,
     maps: Option<ShadowMapBlockers>,
     /// Silhouettes of the objects that shadow maps draw, for receivers on these objects.
-    drawn: Option<OnObjects<Silhouettes<'a>>>,
-    silhouettes: Option<Silhouettes<'a>>,
+    drawn: Option<OnObjects<SilhouetteBlockers<'a>>>,
+    silhouettes: Option<SilhouetteBlockers<'a>>,
     rays: Option<RayBlockers<'a>>,
     /// The environment, where it is summed at once.
     sky: Option<SkyFrame<'a>>,
@@ -158,7 +157,7 @@ impl<'a> FrameBlockers<'a> {
         let silhouettes = self.silhouettes.as_ref().filter(|_| !by_rays)?;
         let meeting = |sphere: Sphere| {
             let mut triangles = Vec::new();
-            silhouettes.any_hit().triangles_meeting(sphere, &mut |corners| triangles.push(corners));
+            silhouettes.triangles_meeting(sphere, &mut |corners| triangles.push(corners));
             triangles
         };
         let mut cut = Vec::new();

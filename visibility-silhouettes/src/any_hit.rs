@@ -1,13 +1,14 @@
+use core::fmt::{self, Debug, Formatter};
 use glam::Vec3;
 use lobe_core::Sphere;
-use shading::Shaft;
+use shading::{DynScratch, Shaft};
 
 /// Traces the rays that outlines leave open: whether a ray meets any triangle.
 ///
 /// It must have the same triangles as the meshes.
 pub trait AnyHit: Sync {
     /// Working memory, one a thread.
-    type Scratch: Send;
+    type Scratch: Send + 'static;
 
     /// New working memory.
     fn scratch(&self) -> Self::Scratch;
@@ -30,4 +31,45 @@ pub trait AnyHit: Sync {
 
     /// Whether the triangles of an object are included.
     fn has(&self, object: u32) -> bool;
+}
+
+/// [`AnyHit`] in object-safe form: same operations, scratch erased. So the strategy is compiled once, not for each kind of rays.
+pub(crate) trait ErasedHits: Sync {
+    fn scratch(&self) -> DynScratch;
+    fn enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> bool;
+    fn leave(&self, position: Vec3, face: Vec3) -> Vec3;
+    fn is_hit(&self, origin: Vec3, direction: Vec3, distance: f32, scratch: &mut DynScratch) -> bool;
+    fn triangles_meeting(&self, sphere: Sphere, visit: &mut dyn FnMut([Vec3; 3]));
+    fn has(&self, object: u32) -> bool;
+}
+
+fn downcast<S: 'static>(scratch: &mut DynScratch) -> &mut S {
+    scratch.downcast_mut().expect("scratch was made by other rays")
+}
+
+impl<H: AnyHit> ErasedHits for H {
+    fn scratch(&self) -> DynScratch {
+        Box::new(AnyHit::scratch(self))
+    }
+    fn enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> bool {
+        AnyHit::enter(self, shaft, downcast(scratch))
+    }
+    fn leave(&self, position: Vec3, face: Vec3) -> Vec3 {
+        AnyHit::leave(self, position, face)
+    }
+    fn is_hit(&self, origin: Vec3, direction: Vec3, distance: f32, scratch: &mut DynScratch) -> bool {
+        AnyHit::is_hit(self, origin, direction, distance, downcast(scratch))
+    }
+    fn triangles_meeting(&self, sphere: Sphere, visit: &mut dyn FnMut([Vec3; 3])) {
+        AnyHit::triangles_meeting(self, sphere, visit);
+    }
+    fn has(&self, object: u32) -> bool {
+        AnyHit::has(self, object)
+    }
+}
+
+impl Debug for dyn ErasedHits + '_ {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str("AnyHit")
+    }
 }

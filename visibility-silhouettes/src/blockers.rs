@@ -1,3 +1,4 @@
+use crate::any_hit::ErasedHits;
 use crate::beside::Beside;
 use crate::clip::{Behind, LightSphere};
 use crate::fit::{is_flat, side};
@@ -12,7 +13,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
 use lobe_core::{Outline, Receiver, Sphere};
 use scratch::{Alike, Plane};
-use shading::{Coverage, Shaft, VisibilityQuery};
+use shading::{Coverage, DynScratch, Shaft, VisibilityQuery};
 use trapezoids::Emits;
 use visibility_mask::{Blockers, Edges, LitArea, Mask, asks_for_openings, facet_coverage};
 
@@ -72,18 +73,18 @@ pub(crate) const WIDEST_DISC: f32 = 0.9;
 ///
 /// A whole sky is seen through forms of its own ([`under_sky`](Self::under_sky)), of several levels: the farther, the simpler.
 #[derive(Debug)]
-pub struct SilhouetteBlockers<'m, H> {
+pub struct SilhouetteBlockers<'m> {
     pub(crate) meshes: Meshes<'m>,
     /// Where any mesh has forms for a whole sky.
     sky: Option<SkyMeshes<'m>>,
-    pub(crate) hits: H,
+    pub(crate) hits: Box<dyn ErasedHits + 'm>,
 }
 
-impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
+impl<'m> SilhouetteBlockers<'m> {
     /// Blockers of several meshes, and the rays against their triangles.
     #[must_use]
-    pub fn new(meshes: impl IntoIterator<Item = &'m SilhouetteMesh>, hits: H) -> Self {
-        Self { meshes: Meshes::new(meshes.into_iter().collect()), sky: None, hits }
+    pub fn new(meshes: impl IntoIterator<Item = &'m SilhouetteMesh>, hits: impl AnyHit + 'm) -> Self {
+        Self { meshes: Meshes::new(meshes.into_iter().collect()), sky: None, hits: Box::new(hits) }
     }
 
     /// Adds shared meshes at their places. The rays are to meet these as well.
@@ -122,13 +123,13 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
         (self.sky.as_ref(), self.sky.as_ref().map_or(&self.meshes, |sky| &sky.rest))
     }
 
-    /// The triangles that rays meet.
-    pub fn any_hit(&self) -> &H {
-        &self.hits
+    /// Calls `visit` for all triangles that may meet a sphere: see [`AnyHit::triangles_meeting`].
+    pub fn triangles_meeting(&self, sphere: Sphere, visit: &mut dyn FnMut([Vec3; 3])) {
+        self.hits.triangles_meeting(sphere, visit);
     }
 
     /// Lists the edges in a shaft.
-    fn list(&self, shaft: &Shaft, scratch: &mut SilhouetteScratch<H::Scratch>) {
+    fn list(&self, shaft: &Shaft, scratch: &mut SilhouetteScratch) {
         let near = scratch.near.enter(shaft, |sphere, visit| self.hits.triangles_meeting(sphere, visit));
         scratch.light = shaft.light;
         scratch.is_clipped = near.is_clipped;
@@ -158,7 +159,7 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
     }
 
     /// [`is_one_side`](Self::is_one_side), which is kept while the receivers are the same.
-    fn is_plane(&self, at: &Receiver, scratch: &mut SilhouetteScratch<H::Scratch>) -> bool {
+    fn is_plane(&self, at: &Receiver, scratch: &mut SilhouetteScratch) -> bool {
         let known = Plane { origins: scratch.lists.origins(), object: at.object, face: at.face, is_plane: false };
         match scratch.plane {
             Some(plane) if known == (Plane { is_plane: false, ..plane }) => plane.is_plane,
@@ -171,7 +172,7 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
     }
 
     /// Finds the outlines in which a flat light's plane cuts triangles near it. Returns whether there are any.
-    fn clip_by_plane(&self, light: &Outline, scratch: &mut SilhouetteScratch<H::Scratch>) -> bool {
+    fn clip_by_plane(&self, light: &Outline, scratch: &mut SilhouetteScratch) -> bool {
         let SilhouetteScratch { near, arcs, silhouettes, outside, origin, .. } = scratch;
         arcs.clear();
         let plane = Behind::new(light);
@@ -188,7 +189,7 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
 
     /// Lists the silhouettes of one receiver.
     #[inline(always)]
-    fn look<S: Simd>(&self, simd: S, query: &VisibilityQuery<'_>, scratch: &mut SilhouetteScratch<H::Scratch>) {
+    fn look<S: Simd>(&self, simd: S, query: &VisibilityQuery<'_>, scratch: &mut SilhouetteScratch) {
         let list = scratch.lists.at(simd, &self.meshes, query.at.position);
         let x = scratch.origin;
         let light = scratch.light;
@@ -202,8 +203,8 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
     }
 }
 
-impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
-    type Scratch = SilhouetteScratch<H::Scratch>;
+impl Blockers for SilhouetteBlockers<'_> {
+    type Scratch = SilhouetteScratch;
 
     fn scratch(&self) -> Self::Scratch {
         SilhouetteScratch::new(self.hits.scratch())
@@ -362,26 +363,21 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
     }
 }
 
-impl<H: AnyHit> SilhouetteBlockers<'_, H> {
+impl SilhouetteBlockers<'_> {
     /// Whether a ray in a direction meets nothing before the light's plane, or before the light if triangles reach into it.
     fn is_open(
         &self,
         (direction, plane): (Vec3, f32),
         light: Option<LightSphere>,
         origin: Vec3,
-        hits: &mut H::Scratch,
+        hits: &mut DynScratch,
     ) -> bool {
         let distance = light.map_or(plane, |light| light.distance(direction));
         !self.hits.is_hit(origin, direction, distance, hits)
     }
 
     /// Whether something may be open between the rows of a mask that is dark: on or between the samples of some of its columns.
-    fn may_show_across(
-        &self,
-        query: &VisibilityQuery<'_>,
-        scratch: &mut SilhouetteScratch<H::Scratch>,
-        mask: &Mask,
-    ) -> bool {
+    fn may_show_across(&self, query: &VisibilityQuery<'_>, scratch: &mut SilhouetteScratch, mask: &Mask) -> bool {
         let turned = scratch.turned_mask(query, mask, COLUMNS);
         let mut view = View::new(*turned.square(), turned.raster(), turned.side(), query);
         let light = scratch.cross(query, &mut view, &turned);
@@ -390,12 +386,7 @@ impl<H: AnyHit> SilhouetteBlockers<'_, H> {
     }
 
     /// Whether the samples with the fewest surfaces before them are open, by rays. Where their number is doubtful, those that are open are added.
-    fn is_any_open(
-        &self,
-        view: &View,
-        light: Option<LightSphere>,
-        scratch: &mut SilhouetteScratch<H::Scratch>,
-    ) -> bool {
+    fn is_any_open(&self, view: &View, light: Option<LightSphere>, scratch: &mut SilhouetteScratch) -> bool {
         let SilhouetteScratch { origin, is_coarse, counter, fewest, next, hits, .. } = scratch;
         let mut is_ray_open = |row: usize, sample: usize| self.is_open(view.ray(row, sample), light, *origin, hits);
         let mut any = fewest.middle.is_some_and(|(row, sample)| is_ray_open(row, sample));

@@ -8,10 +8,11 @@ use crate::look::{LookMemory, Looker, Space, World};
 use crate::look_placed::Search;
 use crate::select::{drawn, steps};
 use crate::sift::{FormMemory, Shared, Sift};
-use crate::{AnyHit, SilhouetteBlockers, SilhouetteInstances};
+use crate::{SilhouetteBlockers, SilhouetteInstances};
 use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
 use lobe_core::Receiver;
+use shading::DynScratch;
 use visibility_mask::sky::{Horizon, Meridians, SkyArcs, SkyBlockers, SkyBuffer, SkyTile, SkyWindow};
 
 /// Receivers that share a list: those of a tile that are near each other.
@@ -30,8 +31,8 @@ pub(crate) const STEP: usize = 6;
 pub(crate) const NAME: usize = 7;
 
 /// Working memory of [`SilhouetteBlockers`] before a sky.
-#[derive(Clone, Debug)]
-pub struct SkySilhouetteScratch<H> {
+#[derive(Debug)]
+pub struct SkySilhouetteScratch {
     /// Where rays start, of each receiver of the tile.
     origins: Vec<Vec3>,
     normals: Vec<Vec3>,
@@ -49,7 +50,7 @@ pub struct SkySilhouetteScratch<H> {
     memory: Memory,
     look: LookMemory,
     forms: FormMemory,
-    hits: H,
+    hits: DynScratch,
 }
 
 /// Receivers that share lists.
@@ -97,7 +98,7 @@ fn divide(order: &mut [usize], origins: &[Vec3]) {
     divide(other, origins);
 }
 
-impl<H> SkySilhouetteScratch<H> {
+impl SkySilhouetteScratch {
     /// Divides the receivers into parts without lists.
     fn divide(&mut self) {
         let count = self.origins.len();
@@ -130,9 +131,9 @@ fn share(hull: &Hull, levels: &Levels, shared: &mut Option<Shared>) {
     *shared = is_close.then(|| shared.take().unwrap_or_default());
 }
 
-impl<H: AnyHit> SilhouetteBlockers<'_, H> {
+impl SilhouetteBlockers<'_> {
     /// Makes the lists of a part.
-    fn list_part(&self, tile: &SkyTile<'_>, number: usize, scratch: &mut SkySilhouetteScratch<H::Scratch>) {
+    fn list_part(&self, tile: &SkyTile<'_>, number: usize, scratch: &mut SkySilhouetteScratch) {
         let scale = self.sky_scale(tile.meridians);
         let group = number / PARTS;
         if !scratch.groups[group].is_listed {
@@ -156,7 +157,7 @@ impl<H: AnyHit> SilhouetteBlockers<'_, H> {
         tile: &SkyTile<'_>,
         (sky, scale): (&SkyMeshes<'_>, f32),
         number: usize,
-        scratch: &mut SkySilhouetteScratch<H::Scratch>,
+        scratch: &mut SkySilhouetteScratch,
     ) {
         let hull = scratch.hull_of(number, PART, Some(scale));
         let SkySilhouetteScratch { order, origins, normals, parts, forms: memory, look, .. } = scratch;
@@ -204,8 +205,8 @@ impl<H: AnyHit> SilhouetteBlockers<'_, H> {
     }
 }
 
-impl<H: AnyHit> SkyBlockers for SilhouetteBlockers<'_, H> {
-    type Scratch = SkySilhouetteScratch<H::Scratch>;
+impl SkyBlockers for SilhouetteBlockers<'_> {
+    type Scratch = SkySilhouetteScratch;
 
     fn scratch(&self) -> Self::Scratch {
         SkySilhouetteScratch {

@@ -5,7 +5,7 @@ use glam::Vec3;
 use lobe_core::{Cone, FlatShape, Lobe, Outline, Receiver, Sphere};
 use shading::{Accuracy, LightCoverage, LightExtent, LightId, LightVisibility, Shaft, Visibility};
 use visibility_mask::MaskVisibility;
-use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
+use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(1.0, 6.0, 0.5), radius: 1.5 };
 
@@ -32,12 +32,7 @@ fn ground() -> Vec<Vec<Receiver>> {
 }
 
 /// The visible fraction of the light for each receiver, in groups or each alone.
-fn shares<H: AnyHit>(
-    blockers: SilhouetteBlockers<'_, H>,
-    groups: &[Vec<Receiver>],
-    tolerance: f32,
-    alone: bool,
-) -> Vec<f32> {
+fn shares(blockers: SilhouetteBlockers<'_>, groups: &[Vec<Receiver>], tolerance: f32, alone: bool) -> Vec<f32> {
     let strategy = MaskVisibility::new(blockers);
     let mut scratch = strategy.scratch();
     let mut out = Vec::new();
@@ -121,7 +116,7 @@ fn lights_that_cut_a_body_see_its_exact_outlines() {
     let panel = FlatShape::polygon(&corners, Vec3::NEG_Y, bounds, 1.0);
     let extent = LightExtent { sides: [3.0 * Vec3::X, 3.0 * Vec3::Z], margin: 0.04 };
     let pierced = Sphere { center: Vec3::new(0.8, 2.6, 0.3), radius: 0.8 };
-    let shares = |blockers: SilhouetteBlockers<'_, Rays<'_>>, is_flat: bool| {
+    let shares = |blockers: SilhouetteBlockers<'_>, is_flat: bool| {
         let strategy = MaskVisibility::new(blockers);
         let mut scratch = strategy.scratch();
         let mut out = Vec::new();

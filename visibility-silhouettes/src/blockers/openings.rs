@@ -1,6 +1,6 @@
 //! Openings between the samples of a mask, from the crossings of outlines with its rows.
 
-use super::{AnyHit, SilhouetteBlockers, SilhouetteScratch};
+use super::{SilhouetteBlockers, SilhouetteScratch};
 use crate::project::{Crossing, View};
 use core::ops::Range;
 use glam::Vec2;
@@ -121,12 +121,12 @@ impl Openings {
     }
 }
 
-impl<H: AnyHit> SilhouetteBlockers<'_, H> {
+impl SilhouetteBlockers<'_> {
     /// Marks openings that are between the samples of a mask's rows, and those that are lower than a row.
     pub(super) fn mark(
         &self,
         query: &VisibilityQuery<'_>,
-        scratch: &mut SilhouetteScratch<H::Scratch>,
+        scratch: &mut SilhouetteScratch,
         mask: &mut Mask,
         narrowest: f32,
     ) {
@@ -157,7 +157,7 @@ impl<H: AnyHit> SilhouetteBlockers<'_, H> {
     fn open_between(
         &self,
         query: &VisibilityQuery<'_>,
-        scratch: &mut SilhouetteScratch<H::Scratch>,
+        scratch: &mut SilhouetteScratch,
         mask: &Mask,
         narrowest: f32,
         is_hidden: impl Fn(&View, &Opening) -> bool,

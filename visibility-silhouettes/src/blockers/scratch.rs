@@ -10,12 +10,12 @@ use crate::select::Silhouettes;
 use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
 use lobe_core::{Cone, Receiver, Sphere};
-use shading::{Coverage, VisibilityQuery};
+use shading::{Coverage, DynScratch, VisibilityQuery};
 use visibility_mask::Mask;
 
 /// Working memory of [`SilhouetteBlockers`](crate::SilhouetteBlockers).
-#[derive(Clone, Debug)]
-pub struct SilhouetteScratch<H> {
+#[derive(Debug)]
+pub struct SilhouetteScratch {
     /// Whether the current shaft comes from the caller; otherwise each receiver has its own.
     pub(super) entered: bool,
     pub(super) lists: Lists,
@@ -53,12 +53,12 @@ pub struct SilhouetteScratch<H> {
     /// Ends of openings, and a mask for those between rows.
     pub(super) marks: Vec<[Vec2; 2]>,
     pub(super) turned: Mask,
-    pub(super) hits: H,
+    pub(super) hits: DynScratch,
 }
 
-impl<H> SilhouetteScratch<H> {
+impl SilhouetteScratch {
     /// Of a strategy whose rays have this memory.
-    pub(super) fn new(hits: H) -> Self {
+    pub(super) fn new(hits: DynScratch) -> Self {
         Self {
             entered: false,
             lists: Lists::default(),
