@@ -94,15 +94,27 @@ impl SceneSilhouettes {
         (revisions, looks): (&[Revision], Looks),
         cancel: &Cancel,
     ) -> [usize; 2] {
+        let blocking: Vec<bool> = (0..scene.objects.len() as u32).map(blocks).collect();
+        self.follow(scene, &blocking, (revisions, looks), cancel)
+    }
+
+    fn follow(
+        &mut self,
+        scene: &Scene,
+        blocking: &[bool],
+        (revisions, looks): (&[Revision], Looks),
+        cancel: &Cancel,
+    ) -> [usize; 2] {
         let before = core::mem::replace(&mut self.looks, looks);
         let old = core::mem::take(&mut self.revisions).into_iter().zip(core::mem::take(&mut self.meshes));
         let mut old: HashMap<u64, (Revision, SilhouetteMesh)> = old.map(|(r, mesh)| (r.object, (r, mesh))).collect();
         let instances_made = match cancel.is_cancelled() {
             true => 0,
-            false => self.update_instances(scene, &blocks, (revisions, before)),
+            false => self.update_instances(scene, blocking, (revisions, before)),
         };
-        let chosen = (0..scene.objects.len() as u32).zip(revisions).filter(|(object, _)| blocks(*object));
-        let work: Vec<_> = chosen.map(|(object, revision)| (object, *revision, old.remove(&revision.object))).collect();
+        let chosen = (0..).zip(revisions).zip(blocking).filter(|(_, blocks)| **blocks);
+        let work: Vec<_> =
+            chosen.map(|((object, revision), _)| (object, *revision, old.remove(&revision.object))).collect();
         let are_copied = self.are_copied;
         let follow = |(object, revision, old): (u32, Revision, Option<(Revision, SilhouetteMesh)>)| {
             if cancel.is_cancelled() {
@@ -137,13 +149,13 @@ impl SceneSilhouettes {
     fn update_instances(
         &mut self,
         scene: &Scene,
-        blocks: impl Fn(u32) -> bool,
+        blocking: &[bool],
         (revisions, before): (&[Revision], Looks),
     ) -> usize {
         let looks = self.looks;
         let all =
             (0..).zip(&scene.objects).zip(revisions).filter_map(|((number, object), revision)| match &object.shape {
-                Shape::Instances(instances) if !self.are_copied && blocks(number) => {
+                Shape::Instances(instances) if !self.are_copied && blocking[number as usize] => {
                     Some((number, *revision, instances))
                 }
                 _ => None,

@@ -145,23 +145,15 @@ impl<V: Visibility, I: Integrator<V>, K: SkyLighting> CpuShader<V, I, K> {
         // In a box: it is large, and changes hands often.
         let memory = || Box::new(Memory::new(self));
         let pool = Mutex::new(Vec::new());
-        let groups: Vec<(GroupStats, Layers)> = parted(points, out)
-            .into_par_iter()
-            .enumerate()
-            .with_max_len(RUN)
-            .map_init(
-                || Lent::new(&pool),
-                |lent, (number, (part, out))| {
-                    let memory = lent.memory.get_or_insert_with(memory);
-                    let is_square = part.len() == GROUP && points.squares.binary_search(&part.start).is_ok();
-                    let (receivers, materials) = (&points.receivers[part.clone()], &points.materials[part]);
-                    let mut group = Group::new(number, is_square, request);
-                    self.group((receivers, materials), frame, memory, &mut group, out);
-                    (group.stats, group.layers)
-                },
-            )
-            .collect();
-        let (stats, layers): (Vec<_>, Vec<_>) = groups.into_iter().unzip();
+        let begin = || -> ShadeGroup<'_> {
+            let mut lent = Lent::new(&pool);
+            Box::new(move |group, part, out| {
+                let memory = lent.memory.get_or_insert_with(memory);
+                let (receivers, materials) = (&points.receivers[part.clone()], &points.materials[part]);
+                self.group((receivers, materials), frame, memory, group, out);
+            })
+        };
+        let (stats, layers) = in_parallel(points, request, out, &begin);
         (GroupStats::sum(&stats, watch.seconds()), layers)
     }
 
@@ -352,6 +344,30 @@ where
     ) -> Result<ShadeStats, Infallible> {
         Ok(self.run(points, frame, out, &ShadeRequest::default()).0)
     }
+}
+
+/// Shades one group of points, with a thread's memory.
+type ShadeGroup<'s> = Box<dyn FnMut(&mut Group<'_>, Range<usize>, &mut [Vec3]) + 's>;
+
+/// All groups, in parallel: `begin` is called for each run of groups. Behind `dyn`, so that it is not compiled for each kind of shader.
+fn in_parallel<'s>(
+    points: &ShadingPoints,
+    request: &ShadeRequest<'_>,
+    out: &mut [Vec3],
+    begin: &(dyn Fn() -> ShadeGroup<'s> + Sync),
+) -> (Vec<GroupStats>, Vec<Layers>) {
+    let groups: Vec<(GroupStats, Layers)> = parted(points, out)
+        .into_par_iter()
+        .enumerate()
+        .with_max_len(RUN)
+        .map_init(begin, |shade, (number, (part, out))| {
+            let is_square = part.len() == GROUP && points.squares.binary_search(&part.start).is_ok();
+            let mut group = Group::new(number, is_square, request);
+            shade(&mut group, part, out);
+            (group.stats, group.layers)
+        })
+        .collect();
+    groups.into_iter().unzip()
 }
 
 /// The groups of points, each with its part of `out`.

@@ -14,7 +14,7 @@ fn free() -> std::sync::MutexGuard<'static, Vec<Gpu>> {
 }
 
 /// A test of the GPU, ignored without one.
-pub(crate) fn trial(name: &str, gpu: Option<&Gpu>, test: impl FnOnce(&Gpu) + Send + 'static) -> Trial {
+pub(crate) fn trial(name: &str, gpu: Option<&Gpu>, test: fn(&Gpu)) -> Trial {
     let run = move || {
         let known = free().pop();
         let gpu = known.map_or_else(|| Gpu::blocking(&GpuOptions::default()), Ok)?;
