@@ -154,7 +154,7 @@ fn visible_fraction(
                 _ = near_add(lane, mask, vec2<bool>(false));
                 let lit_samples = total(lane, vec4f(f32(samples.x), 0.0, 0.0, 0.0)).x;
                 let fits = near_stays(lane, places_whole, lit_samples);
-                stays = decide(lane, cells > 0u || fits || more == NEAR_MOST);
+                stays = decide(lane, cells > 0u || fits || k + 1u - first == NEAR_MOST);
                 more += u32(!stays);
                 // An opening that is not found again is as large as the whole light's masks show.
                 stays = stays && (cells > 0u || lit_samples > 0.0);
