@@ -95,10 +95,11 @@ impl SceneSilhouettes {
         cancel: &Cancel,
     ) -> [usize; 2] {
         let blocking: Vec<bool> = (0..scene.objects.len() as u32).map(blocks).collect();
-        self.follow(scene, &blocking, (revisions, looks), cancel)
+        self.update_blocking(scene, &blocking, (revisions, looks), cancel)
     }
 
-    fn follow(
+    /// The same for each object's choice: compiled once, whatever chooses.
+    fn update_blocking(
         &mut self,
         scene: &Scene,
         blocking: &[bool],

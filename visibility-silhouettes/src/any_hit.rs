@@ -34,7 +34,7 @@ pub trait AnyHit: Sync {
 }
 
 /// [`AnyHit`] in object-safe form: same operations, scratch erased. So the strategy is compiled once, not for each kind of rays.
-pub(crate) trait ErasedHits: Sync {
+pub(crate) trait DynAnyHit: Sync {
     fn scratch(&self) -> DynScratch;
     fn enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> bool;
     fn leave(&self, position: Vec3, face: Vec3) -> Vec3;
@@ -47,7 +47,7 @@ fn downcast<S: 'static>(scratch: &mut DynScratch) -> &mut S {
     scratch.downcast_mut().expect("scratch was made by other rays")
 }
 
-impl<H: AnyHit> ErasedHits for H {
+impl<H: AnyHit> DynAnyHit for H {
     fn scratch(&self) -> DynScratch {
         Box::new(AnyHit::scratch(self))
     }
@@ -68,7 +68,7 @@ impl<H: AnyHit> ErasedHits for H {
     }
 }
 
-impl Debug for dyn ErasedHits + '_ {
+impl Debug for dyn DynAnyHit + '_ {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str("AnyHit")
     }

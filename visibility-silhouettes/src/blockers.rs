@@ -1,4 +1,4 @@
-use crate::any_hit::ErasedHits;
+use crate::any_hit::DynAnyHit;
 use crate::beside::Beside;
 use crate::clip::{Behind, LightSphere};
 use crate::fit::{is_flat, side};
@@ -77,7 +77,7 @@ pub struct SilhouetteBlockers<'m> {
     pub(crate) meshes: Meshes<'m>,
     /// Where any mesh has forms for a whole sky.
     sky: Option<SkyMeshes<'m>>,
-    pub(crate) hits: Box<dyn ErasedHits + 'm>,
+    pub(crate) hits: Box<dyn DynAnyHit + 'm>,
 }
 
 impl<'m> SilhouetteBlockers<'m> {
