@@ -327,7 +327,7 @@ type SumOfPairs = fn(Level, &Columns<12>) -> Columns<2>;
 /// By the chords of their ellipses.
 #[inline(never)]
 fn over_chords<const IS_CUT: bool>(level: Level, pairs: &Columns<12>) -> Columns<2> {
-    let mut ellipses = [[0.0; WIDTH]; 11];
+    let mut ellipses = [[0.0; WIDTH]; 12];
     map(level, &ToEllipse::<IS_CUT>, pairs, &[], &mut ellipses);
     let sums = dispatch!(level, _simd => {
         let mut sums = [[0.0; WIDTH]; 2];
@@ -383,7 +383,7 @@ const BRUSHED: [SumOfPairs; 3] = [over_brushed::<false>, over_brushed::<true>, o
 /// [`over_chords`] of microfacets with a grain.
 #[inline(never)]
 fn over_brushed<const IS_CUT: bool>(level: Level, pairs: &Columns<12>) -> Columns<2> {
-    let mut all = [[0.0; WIDTH]; 13];
+    let mut all = [[0.0; WIDTH]; 14];
     map(level, &ToBrushed::<IS_CUT>, pairs, &[], &mut all);
     let sums = dispatch!(level, _simd => {
         let mut sums = [[0.0; WIDTH]; 2];
@@ -410,9 +410,9 @@ fn over_brushed_facets(level: Level, pairs: &Columns<12>) -> Columns<2> {
 }
 
 struct ToBrushed<const IS_CUT: bool>;
-impl<const IS_CUT: bool> Lane<12, 0, 13> for ToBrushed<IS_CUT> {
+impl<const IS_CUT: bool> Lane<12, 0, 14> for ToBrushed<IS_CUT> {
     #[inline(always)]
-    fn value(&self, pair: [f32; 12], []: [f32; 0]) -> [f32; 13] {
+    fn value(&self, pair: [f32; 12], []: [f32; 0]) -> [f32; 14] {
         bytemuck::cast(Brushed::new::<IS_CUT>(&bytemuck::cast(pair)))
     }
 }
@@ -426,9 +426,9 @@ impl Lane<12, 0, 5> for ToFacets {
 }
 
 struct ToEllipse<const IS_CUT: bool>;
-impl<const IS_CUT: bool> Lane<12, 0, 11> for ToEllipse<IS_CUT> {
+impl<const IS_CUT: bool> Lane<12, 0, 12> for ToEllipse<IS_CUT> {
     #[inline(always)]
-    fn value(&self, pair: [f32; 12], []: [f32; 0]) -> [f32; 11] {
+    fn value(&self, pair: [f32; 12], []: [f32; 0]) -> [f32; 12] {
         bytemuck::cast(Ellipse::new::<IS_CUT>(&bytemuck::cast(pair)))
     }
 }

@@ -1,13 +1,13 @@
 //! The integrals of lobes of microfacets with a grain over a light's cone: the chords of another ellipse.
 
-use super::microfacets::{Ellipse, moments, principal_axis};
+use super::microfacets::{Ellipse, Moments, chords_of, moments};
 use super::pair::Pair;
 use crate::PackedLobe;
 use crate::grain::Grain;
 use crate::microfacets::{alpha_sq, seen_from};
 use glam::Vec3;
 
-/// The numbers that all chords of microfacets with a grain share. Thirteen numbers, so that many of them lie in columns.
+/// The numbers that all chords of microfacets with a grain share. Fourteen numbers, so that many of them lie in columns.
 ///
 /// Slopes are stretched by another `α` along the grain than across it, `σ = (h_t/α_t, h_b/α_b)/h_z`, and the light is an ellipse still. Chords run
 /// along its principal axis there. Lines stay lines: among slopes as they are a chord has `α` along it and across it, whose product is `α_t α_b`, and a
@@ -33,8 +33,10 @@ impl Brushed {
         let (cx, cy, cz) = (forward.dot(pair.light), aside.dot(pair.light), n.dot(pair.light));
         let (vx, vy) = (sin * turn.x, -sin * turn.y);
         let (lx, ly) = (cx * turn.x + cy * turn.y, cy * turn.x - cx * turn.y);
-        let [xx, yy, xy] = moments([vx, vy, vz], [lx, ly, cz], pair.one_minus_cos);
-        let (ex, ey) = principal_axis([xx / (rough * rough), yy / (fine * fine), xy / (rough * fine)]);
+        let Moments { middle: [mx, my], second: [xx, yy, xy] } =
+            moments([vx, vy, vz], [lx, ly, cz], pair.one_minus_cos);
+        let second = [xx / (rough * rough), yy / (fine * fine), xy / (rough * fine)];
+        let ([ex, ey], gap) = chords_of::<IS_CUT>(&Moments { middle: [mx / rough, my / fine], second });
         let (ax, ay) = (rough * ex, fine * ey);
         let along = (ax * ax + ay * ay).sqrt();
         let (ax, ay) = (ax / along, ay / along);
@@ -44,7 +46,7 @@ impl Brushed {
         let light = Vec3::new(lx * ax + ly * ay, ly * ax - lx * ay, cz);
         let [x, y] = sheared([view.x, view.y], [along, shear, across]);
         let shared = (cx * cx + cy * cy, (vz * vz + x * x + y * y).sqrt());
-        let ellipse = Ellipse::between::<IS_CUT>(view, light, pair.one_minus_cos, across * across, shared);
+        let ellipse = Ellipse::between::<IS_CUT>(view, light, pair.one_minus_cos, (across * across, gap), shared);
         Self { ellipse, along, shear }
     }
 

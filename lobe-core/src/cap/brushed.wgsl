@@ -6,6 +6,7 @@ struct Ellipse {
     light: vec3f,
     // Across the chords.
     alpha_sq: f32,
+    width: f32,
     middle: f32,
     half: f32,
     shadowing: f32,
@@ -27,19 +28,22 @@ fn ellipse_of(at: Receiver, lobe: Lobe, light: Seen) -> Ellipse {
     let v = vec3f(seen.y * turn.x, -seen.y * turn.y, seen.x);
     let l = vec3f(c.x * turn.x + c.y * turn.y, c.y * turn.x - c.x * turn.y, dot(n, light.axis));
     let moments = ellipse_moments(v, l, light.one_minus_cos);
-    let e = ellipse_axis(moments / vec3f(rough * rough, fine * fine, rough * fine));
-    let stretched = vec2f(rough, fine) * e;
+    let stretch = vec3f(rough * rough, fine * fine, rough * fine);
+    let own = EllipseMoments(moments.middle / vec2f(rough, fine), moments.second / stretch);
+    let e = ellipse_chords(own, !light.above);
+    let stretched = vec2f(rough, fine) * e.xy;
     let along = sqrt(dot(stretched, stretched));
     let a = stretched / along;
     let across = rough * fine / along;
     let shear = (fine * fine - rough * rough) * e.x * e.y / (along * along);
     let view = vec3f(v.x * a.x + v.y * a.y, v.y * a.x - v.x * a.y, v.z);
     let toward = vec3f(l.x * a.x + l.y * a.y, l.y * a.x - l.x * a.y, l.z);
-    let places = ellipse_places(view, toward, dot(c, c), across * across, light);
+    let width_sq = 1.0 + e.z * e.z;
+    let places = ellipse_places(view, toward, dot(c, c), width_sq * across * across, light);
     let rest = ellipse_sheared(view.xy, vec3f(along, shear, across));
     let shadowing = sqrt(view.z * view.z + dot(rest, rest));
     return Ellipse(
-        view, light.one_minus_cos, toward, across * across, places.x, places.y, shadowing, !light.above, along, shear
+        view, light.one_minus_cos, toward, across * across, sqrt(width_sq), places.x, places.y, shadowing, !light.above, along, shear
     );
 }
 

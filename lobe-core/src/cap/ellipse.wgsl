@@ -5,6 +5,7 @@ struct Ellipse {
     one_minus_cos: f32,
     light: vec3f,
     alpha_sq: f32,
+    width: f32,
     middle: f32,
     half: f32,
     shadowing: f32,
@@ -17,12 +18,14 @@ fn ellipse_of(at: Receiver, lobe: Lobe, light: Seen) -> Ellipse {
     let ahead = tangent_toward(n, lobe.axis);
     let c = vec3f(dot(ahead, light.axis), dot(cross(n, ahead), light.axis), dot(n, light.axis));
     let alpha_sq = microfacets_alpha_sq(lobe.exponent);
-    let e = ellipse_axis(ellipse_moments(vec3f(seen.y, 0.0, seen.x), c, light.one_minus_cos));
+    let e = ellipse_chords(ellipse_moments(vec3f(seen.y, 0.0, seen.x), c, light.one_minus_cos), !light.above);
     let view = vec3f(seen.y * e.x, -seen.y * e.y, seen.x);
     let toward = vec3f(c.x * e.x + c.y * e.y, c.y * e.x - c.x * e.y, c.z);
-    let places = ellipse_places(view, toward, dot(c.xy, c.xy), alpha_sq, light);
+    let width_sq = alpha_sq + e.z * e.z;
+    let places = ellipse_places(view, toward, dot(c.xy, c.xy), width_sq, light);
     let shadowing = sqrt(seen.x * seen.x * (1.0 - alpha_sq) + alpha_sq);
-    return Ellipse(view, light.one_minus_cos, toward, alpha_sq, places.x, places.y, shadowing, !light.above);
+    let width = sqrt(width_sq / alpha_sq);
+    return Ellipse(view, light.one_minus_cos, toward, alpha_sq, width, places.x, places.y, shadowing, !light.above);
 }
 
 // α along the chords.

@@ -49,28 +49,66 @@ fn root_of(x: f32) -> f32 { return sqrt(positive(x)); }
 
 fn above_zero(x: f32) -> f32 { return max(x, 1e-12); }
 
-// The ellipse's second moment about the origin, in slopes: xx, yy and xy.
-fn ellipse_moments(view: vec3f, light: vec3f, omc: f32) -> vec3f {
+// An ellipse by its middle and its second moment about that: xx, yy and xy.
+struct EllipseMoments {
+    middle: vec2f,
+    second: vec3f,
+}
+
+// `moments` of microfacets.rs, in slopes.
+fn ellipse_moments(view: vec3f, light: vec3f, omc: f32) -> EllipseMoments {
     let near = max(view.z + light.z, 1e-3);
     let s = (view.xy + light.xy) / near;
-    let q = light.xy - s * light.z;
-    let size = 0.25 * (omc * (2.0 - omc)) / (near * near);
-    return vec3f(s * s + size * (1.0 + s * s - q * q), s.x * s.y + size * (s.x * s.y - q.x * q.y));
+    let both = 1.0 + dot(view, light);
+    let k = both - omc;
+    let n = vec3f(k - 2.0 * view.xy * light.xy, -(view.x * light.y + view.y * light.x));
+    let det = n.x * n.y - n.z * n.z;
+    let inverse = select(0.0, 1.0 / det, det > 1e-9 && n.x + n.y > 0.0);
+    let z = omc * inverse * vec2f(n.y * s.x - n.z * s.y, n.x * s.y - n.z * s.x);
+    let size = 0.25 * inverse * (2.0 * both * omc / (near * near) + omc * dot(s, z));
+    return EllipseMoments(s + z, size * vec3f(n.y, n.x, -n.z));
 }
 
-// Cosine and sine of the turn of the chords: they run along the principal axis of a second moment.
-fn ellipse_axis(moments: vec3f) -> vec2f {
-    let twice = 2.0 * moments.z;
-    let difference = moments.x - moments.y;
-    let axes = sqrt(difference * difference + twice * twice);
-    let double = select(1.0, difference / axes, axes > 1e-30);
+// The longer axis of a second moment, and by how much its eigenvalues differ.
+fn ellipse_longer_axis(second: vec3f) -> vec3f {
+    let twice = 2.0 * second.z;
+    let difference = second.x - second.y;
+    let root = sqrt(difference * difference + twice * twice);
+    let double = select(1.0, difference / root, root > 1e-30);
     let up = root_of(0.5 * (1.0 - double));
-    return vec2f(root_of(0.5 * (1.0 + double)), select(up, -up, twice < 0.0));
+    return vec3f(root_of(0.5 * (1.0 + double)), select(up, -up, twice < 0.0), root);
 }
 
-// Middle and half of the chords' places, of view and light along the chords and α across them. `flat` is the squared length of the light's
-// direction along the surface.
-fn ellipse_places(view: vec3f, toward: vec3f, flat: f32, alpha_sq: f32, light: Seen) -> vec2f {
+// `chords_of` of microfacets.rs: the direction of chords, and the gap.
+fn ellipse_chords(ellipse: EllipseMoments, is_cut: bool) -> vec3f {
+    let m = ellipse.middle;
+    let inside = vec3f(ellipse_longer_axis(ellipse.second + vec3f(m * m, m.x * m.y)).xy, 0.0);
+    if (is_cut) {
+        return inside;
+    }
+    let axis = ellipse_longer_axis(ellipse.second);
+    let sum = ellipse.second.x + ellipse.second.y;
+    let square = 2.0 * max(vec2f(sum + axis.z, sum - axis.z), vec2f(1e-30));
+    let p = vec2f(dot(m, axis.xy), m.y * axis.x - m.x * axis.y);
+    let scaled = square * p * p;
+    var lambda = max(max(sqrt(scaled.x + scaled.y) - square.x, sqrt(scaled.y) - square.y), 0.0);
+    for (var k = 0u; k < ELLIPSE_STEPS; k++) {
+        let over = 1.0 / (square + lambda);
+        let parts = scaled * over * over;
+        lambda += max(0.5 * (parts.x + parts.y - 1.0) / dot(parts, over), 0.0);
+    }
+    let toward = p / (square + lambda);
+    let length = sqrt(dot(toward, toward));
+    if (!(lambda > 0.0 && length > 0.0 && length < 1e30)) {
+        return inside;
+    }
+    let n = toward / length;
+    return vec3f(n.x * axis.x - n.y * axis.y, n.x * axis.y + n.y * axis.x, lambda * length);
+}
+
+// Middle and half of the chords' places, of view and light along the chords and the square of the places' width. `flat` is the squared length of the
+// light's direction along the surface.
+fn ellipse_places(view: vec3f, toward: vec3f, flat: f32, width_sq: f32, light: Seen) -> vec2f {
     let omc = light.one_minus_cos;
     let sin_sq = omc * (2.0 - omc);
     // From where to where: a·z² − 2b·z − d ≤ 0 about the half vector of the light's middle.
@@ -116,8 +154,8 @@ fn ellipse_places(view: vec3f, toward: vec3f, flat: f32, alpha_sq: f32, light: S
         low = least;
         high = most;
     }
-    let first = low / sqrt(alpha_sq + low * low);
-    let last = high / sqrt(alpha_sq + high * high);
+    let first = low / sqrt(width_sq + low * low);
+    let last = high / sqrt(width_sq + high * high);
     return vec2f(0.5 * (first + last), positive(0.5 * (last - first)));
 }
 
@@ -152,7 +190,10 @@ fn ellipse_node(ellipse: Ellipse, cosine: f32, weight: f32) -> vec2f {
     let c = ellipse.light;
     let along = ellipse_along(ellipse);
     let t = ellipse.middle + ellipse.half * cosine;
-    let y = t / sqrt(above_zero((1.0 - t) * (1.0 + t)));
+    let rest = (1.0 - t) * (1.0 + t);
+    let y = ellipse.width * t / sqrt(above_zero(rest));
+    let square = rest + ellipse.width * ellipse.width * (t * t);
+    let own_weight = weight * ellipse.width / (square * sqrt(square));
     let slope = sqrt(ellipse.alpha_sq) * y;
     let root = sqrt(1.0 + slope * slope);
 
@@ -200,7 +241,7 @@ fn ellipse_node(ellipse: Ellipse, cosine: f32, weight: f32) -> vec2f {
     }
     let at = vec4f(along, b, slope, shift);
     if (!ellipse.is_cut) {
-        return weight * ellipse_part(ellipse, at, p, q, select(0.0, length, is_one));
+        return own_weight * ellipse_part(ellipse, at, p, q, select(0.0, length, is_one));
     }
     let aside = slope - v.y / v.z;
     let reach = root_of(1.0 / (v.z * v.z) - aside * aside);
@@ -216,7 +257,7 @@ fn ellipse_node(ellipse: Ellipse, cosine: f32, weight: f32) -> vec2f {
         let high = min(q, most);
         sum += ellipse_part(ellipse, at, least, high, high - least);
     }
-    return weight * sum;
+    return own_weight * sum;
 }
 
 fn ellipse_end(end: f32, steep: f32) -> f32 {

@@ -52,6 +52,7 @@ static BRUSHED_FACETS: Piece = Piece::new(include_str!("brushed_facets.wgsl"))
 static ELLIPSE_CHORDS: Piece = Piece::new(include_str!("microfacets.wgsl"))
     .numbers(wgsl_numbers![
         ELLIPSE_FAR = microfacets::FAR,
+        ELLIPSE_STEPS = microfacets::STEPS as u32,
         NODES_WHOLE = microfacets::TEN,
         NODES_CUT = microfacets::THIRTY_TWO,
     ])
