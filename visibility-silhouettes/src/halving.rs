@@ -8,6 +8,8 @@ const SORTED: usize = 256;
 const BINS: usize = 32;
 /// Parts with more edges than this are halved on all threads.
 const PARALLEL: usize = 1 << 14;
+/// Parts that are halves of so many others are halved in the middle: the best cuts through edges that meet in one point take a leaf at a time.
+const DEEPEST: u32 = 48;
 
 /// The halves of a part of the edges.
 #[derive(Clone, Copy, Debug, Default)]
@@ -39,7 +41,7 @@ impl Halving {
         let mut halves = vec![Halves::default(); items.len().div_ceil(WIDE)];
         let mut spare = if items.len() > SORTED { items.clone() } else { Vec::new() };
         let around = Around::of(&items);
-        let root = halve(&mut items, &mut spare, (&mut halves, 0), &around);
+        let root = halve(&mut items, &mut spare, (&mut halves, 0), &around, 0);
         Self { halves, root, order: items.iter().map(Item::number).collect() }
     }
 }
@@ -95,6 +97,11 @@ impl Bounds {
 
     fn join(&mut self, low: Vec4, high: Vec4) {
         (self.low, self.high) = (self.low.min(low), self.high.max(high));
+    }
+
+    /// The axis along which it is longest.
+    fn longest(&self) -> usize {
+        (self.high - self.low).truncate().max_position()
     }
 
     fn half_area(&self) -> f32 {
@@ -156,12 +163,18 @@ impl Cut {
 /// the first leaf of the second half, or 0 for edges that fit into a leaf.
 ///
 /// Edges that are too many to be sorted keep their order within the halves: by number.
-fn halve(items: &mut [Item], spare: &mut [Item], (halves, first): (&mut [Halves], u32), around: &Around) -> u32 {
+fn halve(
+    items: &mut [Item],
+    spare: &mut [Item],
+    (halves, first): (&mut [Halves], u32),
+    around: &Around,
+    depth: u32,
+) -> u32 {
     if items.len() <= SORTED {
         return Sorted::halve(items, halves, first);
     }
     let bins = Bins::new(items, &around.middles);
-    let cut = bins.best();
+    let cut = if depth < DEEPEST { bins.best() } else { Cut { axis: around.middles.longest(), ..Cut::NONE } };
     let count = cut.size(items.len());
     let is_whole = bins.part(items, spare, &cut, count);
     if !is_whole {
@@ -179,8 +192,8 @@ fn halve(items: &mut [Item], spare: &mut [Item], (halves, first): (&mut [Halves]
     let (low_halves, high_halves) = halves.split_at_mut(leaf);
     let middles = both(
         low.len().min(high.len()) > PARALLEL,
-        || halve(low, low_spare, (low_halves, first), &around[0]),
-        || halve(high, high_spare, (high_halves, middle), &around[1]),
+        || halve(low, low_spare, (low_halves, first), &around[0], depth + 1),
+        || halve(high, high_spare, (high_halves, middle), &around[1], depth + 1),
     );
     // The second half does not use its first place.
     halves[leaf] = Halves { areas, middles };
@@ -471,6 +484,14 @@ mod tests {
                 check(&boxes, &halving, 0..count, halving.root);
             }
         }
+    }
+
+    /// The best cuts through edges from one point to a line take a leaf each: as deep as there are leaves, which no stack has room for.
+    #[test]
+    fn a_fan_is_no_chain() {
+        let boxes = (0..200_000).map(|i| [Vec3::ZERO, Vec3::new(1.0, 1e-5 * i as f32, 0.0)]);
+        let depth = crate::tree::Tree::new(boxes, 0).0.depth();
+        assert!(depth < 100, "{depth}");
     }
 
     /// Large parts are halved on several threads.

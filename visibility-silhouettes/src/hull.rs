@@ -121,8 +121,10 @@ pub(crate) struct Memory {
     pub(crate) forms: Vec<Option<bool>>,
     pub(crate) stack: Vec<u32>,
     pub(crate) leaves: Vec<Leaf>,
-    /// Of the hierarchy over places.
+    /// Of the hierarchy over places, or over meshes.
     pub(crate) places: Vec<Leaf>,
+    /// The numbers of meshes.
+    pub(crate) met: Vec<u32>,
 }
 
 /// Some edges of a mesh.

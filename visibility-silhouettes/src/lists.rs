@@ -1,9 +1,10 @@
 //! The edges that a receiver must test: lists that near receivers share.
 
 use crate::edge_list::EdgeList;
-use crate::hull::{Fineness, Hull, Memory};
+use crate::hull::{Fineness, Hull, Leaf, Memory};
 use crate::levels::Levels;
 use crate::placed::Placed;
+use crate::tree::Tree;
 use crate::{SilhouetteInstances, SilhouetteMesh};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
@@ -24,6 +25,8 @@ const NEIGHBOURS: f32 = 2.5;
 const NEARBY_LEAVES: usize = 128;
 const NEARBY_TIMES: usize = 4;
 const ALONE: u32 = 16;
+/// More meshes than this have a hierarchy.
+const MANY: usize = 16;
 /// Number of spheres whose lists are kept.
 const KEPT: usize = 16;
 
@@ -31,6 +34,8 @@ const KEPT: usize = 16;
 #[derive(Debug)]
 pub(crate) struct Meshes<'m> {
     meshes: Vec<&'m SilhouetteMesh>,
+    /// A hierarchy over the boxes of many meshes, and their numbers in the order of its leaves.
+    top: Option<(Tree, Vec<u32>)>,
     /// The number of each mesh's first edge.
     bases: Vec<u32>,
     /// The number of their edges; those of instances come after them.
@@ -61,7 +66,8 @@ impl<'m> Meshes<'m> {
         };
         let bases = meshes.iter().scan(0, next).collect();
         let own = meshes.iter().map(|mesh| mesh.edge_count() as u32).sum();
-        Self { meshes, bases, own, instances: None, has_forms: false, fineness: Fineness::default() }
+        let top = (meshes.len() > MANY).then(|| hierarchy(&meshes));
+        Self { meshes, top, bases, own, instances: None, has_forms: false, fineness: Fineness::default() }
     }
 
     /// Makes the forms for a whole sky. None if no mesh has any.
@@ -118,11 +124,19 @@ impl<'m> Meshes<'m> {
     pub(crate) fn list(&self, hull: &Hull, most: usize, memory: &mut Memory, out: &mut EdgeList) -> Option<usize> {
         out.clear();
         let mut left = most;
-        let all = self.meshes.iter().zip(&self.bases).all(|(mesh, base)| {
-            dispatch!(Level::new(), simd => {
-                hull.find(simd, mesh, *base, memory, &mut left, out)
-            })
-        });
+        let mut find = |number: usize, memory: &mut Memory, left: &mut usize| {
+            let (mesh, base) = (self.meshes[number], self.bases[number]);
+            dispatch!(Level::new(), simd => hull.find(simd, mesh, base, memory, left, out))
+        };
+        let all = match &self.top {
+            None => (0..self.meshes.len()).all(|number| find(number, memory, &mut left)),
+            Some(top) => {
+                let met = met(hull, top, memory);
+                let all = met.iter().all(|number| find(*number as usize, memory, &mut left));
+                memory.met = met;
+                all
+            }
+        };
         let all = all
             && self.instances.is_none_or(|instances| {
                 let wanted = (instances, self.has_forms);
@@ -130,6 +144,34 @@ impl<'m> Meshes<'m> {
             });
         all.then(|| most - left)
     }
+}
+
+/// A hierarchy over meshes, and the order in which its leaves have them.
+fn hierarchy(meshes: &[&SilhouetteMesh]) -> (Tree, Vec<u32>) {
+    let trees = |number: u32| meshes[number as usize].trees().into_iter().filter(|tree| !tree.nodes().is_empty());
+    let bounds = |number: u32| {
+        let boxes = trees(number).map(Tree::bounds).reduce(|[a, b], [low, high]| [a.min(low), b.max(high)]);
+        boxes.unwrap_or_default()
+    };
+    let numbers: Vec<u32> = (0..meshes.len() as u32).filter(|number| trees(*number).next().is_some()).collect();
+    let (mut tree, order) = Tree::new(numbers.iter().map(|number| bounds(*number)), 0);
+    let order: Vec<u32> = order.into_iter().map(|i| numbers[i as usize]).collect();
+    // Without normals nothing is left out for its side.
+    tree.fit(|range| order[range].iter().map(|number| (bounds(*number), Vec3::ZERO, None, 0.0)));
+    (tree, order)
+}
+
+/// The numbers of the meshes that are inside of a hull, ascending, as all of them would be searched.
+fn met(hull: &Hull, (tree, order): &(Tree, Vec<u32>), memory: &mut Memory) -> Vec<u32> {
+    let mut met = core::mem::take(&mut memory.met);
+    let Memory { stack, places, .. } = memory;
+    places.clear();
+    dispatch!(Level::new(), simd => hull.leaves(simd, tree, None, stack, &mut usize::MAX.clone(), places));
+    met.clear();
+    let range = |leaf: &Leaf| leaf.first as usize..leaf.first as usize + usize::from(leaf.count);
+    met.extend(places.iter().flat_map(|leaf| &order[range(leaf)]));
+    met.sort_unstable();
+    met
 }
 
 /// The lists of a shaft.
@@ -307,6 +349,40 @@ impl Lists {
 mod tests {
     use super::*;
     use crate::edge_list::COLUMNS;
+    use lobe_core::oracle::Random;
+
+    fn bits(list: &EdgeList) -> Vec<[u32; COLUMNS]> {
+        (0..list.len()).map(|i| core::array::from_fn(|column| list.get(column, i).to_bits())).collect()
+    }
+
+    /// Cards at random, and one that has no edges: the same list by the hierarchy over them as one after the other.
+    #[test]
+    fn many_meshes_are_listed_as_few_are() {
+        let mut random = Random::new(4);
+        let mut vector = || random.axis().as_vec3() * random.between(0.1, 9.0) as f32;
+        let mut card = |corners: u32| {
+            let (p, u, v) = (vector(), 0.1 * vector(), 0.1 * vector());
+            let triangles = [[0, 1, 2], [2, 1, 3]];
+            SilhouetteMesh::new(0, &[p, p + u, p + v, p + u + v], &triangles[..corners as usize - 2])
+        };
+        let cards: Vec<SilhouetteMesh> = (0..100).map(|k| card(if k == 70 { 2 } else { 4 })).collect();
+        let many = Meshes::new(cards.iter().collect());
+        assert!(many.top.is_some());
+        let few = Meshes { top: None, ..Meshes::new(cards.iter().collect()) };
+        let (mut count, mut lists) = (0, [EdgeList::default(), EdgeList::default()]);
+        for _ in 0..50 {
+            let (receivers, light) =
+                (Sphere { center: vector(), radius: 0.5 }, Sphere { center: vector(), radius: 1.0 });
+            let hull = Hull::new(&Shaft::new(receivers, light, LightId(0)), 1e-3, Fineness::default());
+            for (meshes, out) in [&many, &few].into_iter().zip(&mut lists) {
+                meshes.list(&hull, usize::MAX, &mut Memory::default(), out).expect("as many as there are");
+            }
+            let [one, other] = lists.each_ref().map(bits);
+            assert_eq!(one, other);
+            count += one.len();
+        }
+        assert!(count > 100 && count < 10_000, "{count}");
+    }
 
     /// A wavy sheet, and the same edges in lists with and without packets.
     #[test]
