@@ -103,6 +103,12 @@ impl Light {
         self.kind().full_radiance()
     }
 
+    /// The [part that it fills](LightKind::roundness) of the circle around it; none of cones.
+    #[must_use]
+    pub fn roundness(&self) -> Option<f32> {
+        self.kind().roundness()
+    }
+
     /// The [sphere around a scene](LightKind::world) that it is made for; none of lights that have a place.
     #[must_use]
     pub fn world(&self) -> Option<Sphere> {

@@ -344,7 +344,7 @@ class Scene:
         crease: float = 180.0,
         terminator: _Terminator = "exact",
         emission: _Emission = "lights",
-        studio: _Studio = "soft",
+        studio: Optional[_Studio] = None,
     ) -> Scene: ...
     @staticmethod
     def builtin(*, size: Optional[tuple[int, int]] = None) -> Scene: ...
@@ -721,7 +721,7 @@ def bake(
     crease: float = 180.0,
     terminator: _Terminator = "exact",
     emission: _Emission = "lights",
-    studio: _Studio = "soft",
+    studio: Optional[_Studio] = None,
     progress: Optional[_Progress] = None,
 ) -> dict[str, Any]: ...
 def compare(

@@ -67,7 +67,7 @@ fn light(
 /// prints of them. `form` is "emission", "lightmap" or "vertex-colors"; the others are the options of the command, and those of
 /// `Scene.load`. Nothing is kept of a bake that is stopped.
 #[pyfunction]
-#[pyo3(signature = (path, output, *, form = "emission", page = 1024, density = None, padding = 2, samples = 2, unwrap = false, both_sides = false, per_light = false, subdivide = None, vertices = 1_000_000, tolerance = 0.005, time = 0.0, clip = None, normals = "file", crease = 180.0, terminator = "exact", emission = "lights", studio = "soft", progress = None))]
+#[pyo3(signature = (path, output, *, form = "emission", page = 1024, density = None, padding = 2, samples = 2, unwrap = false, both_sides = false, per_light = false, subdivide = None, vertices = 1_000_000, tolerance = 0.005, time = 0.0, clip = None, normals = "file", crease = 180.0, terminator = "exact", emission = "lights", studio = None, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "each is a keyword")]
 pub(crate) fn bake<'py>(
     py: Python<'py>,
@@ -90,7 +90,7 @@ pub(crate) fn bake<'py>(
     crease: f64,
     terminator: &str,
     emission: &str,
-    studio: &str,
+    studio: Option<&str>,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let forms = [("emission", Form::Emission), ("lightmap", Form::Lightmap), ("vertex-colors", Form::VertexColors)];

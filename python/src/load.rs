@@ -13,7 +13,7 @@ pub(crate) struct Choices<'a> {
     pub(crate) crease: f64,
     pub(crate) terminator: &'a str,
     pub(crate) emission: &'a str,
-    pub(crate) studio: &'a str,
+    pub(crate) studio: Option<&'a str>,
 }
 
 /// Where light ends on smooth meshes.
@@ -35,6 +35,6 @@ impl Choices<'_> {
             .with_normals(named("normals", self.normals, &normals)?)
             .with_terminator(terminator(self.terminator)?)
             .with_emission(named("emission", self.emission, &emission)?)
-            .with_studio(named("studio", self.studio, &studio)?))
+            .with_studio(self.studio.map(|name| named("studio", name, &studio)).transpose()?))
     }
 }

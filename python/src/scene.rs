@@ -116,9 +116,9 @@ impl Scene {
     ///
     /// `normals` of models are those of the "file", of each "face", or "smooth" ones across edges of at most `crease` degrees. `terminator`,
     /// "exact" or "smooth", is where light ends on smooth meshes. Objects that emit have an `emission` that "lights" the others, or is "seen" alone. The
-    /// `studio` lights a model without lights, "soft" or by its "key" alone.
+    /// `studio` lights a model without lights, "soft" (as without a choice) or by its "key" alone; chosen, also one in which objects emit.
     #[staticmethod]
-    #[pyo3(signature = (path, *, clip = None, size = None, normals = "file", crease = 180.0, terminator = "exact", emission = "lights", studio = "soft"))]
+    #[pyo3(signature = (path, *, clip = None, size = None, normals = "file", crease = 180.0, terminator = "exact", emission = "lights", studio = None))]
     #[expect(clippy::too_many_arguments, reason = "each is a keyword")]
     fn load(
         py: Python<'_>,
@@ -129,7 +129,7 @@ impl Scene {
         crease: f64,
         terminator: &str,
         emission: &str,
-        studio: &str,
+        studio: Option<&str>,
     ) -> PyResult<Self> {
         let options = Choices { clip, normals, crease, terminator, emission, studio }.options()?;
         let read = || scene::load_with(&path, &options);

@@ -39,7 +39,7 @@ pub(crate) struct Context {
     /// Whether it is for the others.
     pub(crate) emission: Emission,
     /// The lights of a model that brings none.
-    pub(crate) studio: Studio,
+    pub(crate) studio: Option<Studio>,
     /// The normals of meshes for which the scene file names none.
     pub(crate) normals: Normals,
     /// How light ends on meshes of which the scene file does not say it.

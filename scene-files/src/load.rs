@@ -96,8 +96,9 @@ pub struct LoadOptions {
     pub terminator: Terminator,
     /// Whether objects that emit light the others.
     pub emission: Emission,
-    /// The lights of a model that brings none.
-    pub studio: Studio,
+    /// The lights of a model that brings none: [`Studio::Soft`] without a choice. A choice also lights a model in which objects emit; else these are
+    /// all its lights, unless they are faint.
+    pub studio: Option<Studio>,
 }
 
 impl LoadOptions {
@@ -129,9 +130,8 @@ impl LoadOptions {
 
     /// Lights a model that brings no lights so.
     #[must_use]
-    pub const fn with_studio(mut self, studio: Studio) -> Self {
-        self.studio = studio;
-        self
+    pub fn with_studio(self, studio: impl Into<Option<Studio>>) -> Self {
+        Self { studio: studio.into(), ..self }
     }
 
     /// Lets objects that emit light the others, or not.

@@ -8,6 +8,7 @@ use crate::gltf_file::Read;
 use crate::gltf_light::PlacedLight;
 use crate::mesh_file::near_parts;
 use crate::part::share_out;
+use crate::studio;
 use brdf::ModifiedPhong;
 use glam::{Mat4, Vec3};
 use scene::motion::{LightMover, LightPlace, Placement};
@@ -81,6 +82,18 @@ fn swept_bounds(animation: &Animation, objects: &mut [Object]) -> Bounds {
     bounds
 }
 
+/// Adds the lights of a studio to those of objects that emit, if these are faint or the studio is requested.
+fn add_studio(path: &Path, scene: &mut Scene, bounds: &Bounds, context: &mut Context) {
+    let is_faint = studio::is_faint(&scene.lights, bounds);
+    if !is_faint && context.studio.is_none() {
+        return;
+    }
+    if !scene.lights.is_empty() && context.studio.is_none() {
+        context.warn(path, "what emits in it is faint: a studio lights it as well");
+    }
+    scene.lights.extend(context.studio.unwrap_or_default().lights(bounds));
+}
+
 /// A mesh file as a scene of its own. Floor, light and camera suit the whole animation.
 pub(crate) fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
     let file = near_parts(path, clip, context, MESH_OR_SCENE)?;
@@ -111,8 +124,8 @@ pub(crate) fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Re
     let (materials, surfaces) = Appearance::parted(appearances);
     let mut scene = Scene { camera, width, height, materials, surfaces, objects, lights, ..Scene::default() };
     light_up(path, &mut scene, &mut animation, context);
-    if scene.lights.is_empty() && !is_kept {
-        scene.lights = context.studio.lights(&bounds);
+    if own.is_empty() && !is_kept {
+        add_studio(path, &mut scene, &bounds, context);
     }
     scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
     Ok((scene, animation))

@@ -4,6 +4,7 @@ use glam::Vec3;
 use lighting::{AmbientLight, Light, SphereLight};
 use lobe_core::Sphere;
 use scene::Bounds;
+use shading::LightLobes;
 
 /// How a model without lights is lit.
 ///
@@ -37,6 +38,17 @@ impl Studio {
             AmbientLight { radiance: Vec3::new(0.14, 0.145, 0.15), world }.into(),
         ]
     }
+}
+
+/// Lights that look from everywhere less bright than this part of a disc as large as the model, of radiance 1, are no lighting of it.
+const FAINT: f32 = 0.01;
+
+/// Whether lights in a model are too faint to be all its lighting.
+pub(crate) fn is_faint(lights: &[Light], bounds: &Bounds) -> bool {
+    let size = bounds.radius() * bounds.radius();
+    let area = |light: &Light| light.roundness().unwrap_or(1.0) * light.bounds().radius.powi(2) / size;
+    let bright = lights.iter().map(|light| area(light) * light.full_radiance().max_element()).sum::<f32>();
+    bright < FAINT
 }
 
 /// The directions of the key light and of the fill, which stands above the camera, so that few of its shadows are seen.

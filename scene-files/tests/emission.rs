@@ -4,7 +4,7 @@
 
 use glam::Vec3;
 use scene::{Animation, Scene, Strategy};
-use scene_files::{Emission, LoadOptions};
+use scene_files::{Emission, LoadOptions, Studio};
 use shading::LightLobes;
 use std::fmt::Write as _;
 use std::fs;
@@ -76,6 +76,25 @@ fn a_panel_of_a_gltf_is_the_only_light() {
     let seen = load_text("room.gltf", &text, Emission::Seen);
     assert_eq!((seen.scene.lights.len(), seen.scene.lights[2].name()), (3, "ambient"));
     assert!(seen.warnings.is_empty(), "{:?}", seen.warnings);
+}
+
+/// A lamp that is a thousandth as large as the model, or dim, leaves the model its studio; a studio that is requested comes to all.
+#[test]
+fn a_faint_panel_leaves_the_studio() {
+    let small = panel(r#", "scale": [0.005, 1, 0.005]"#, r#""emissiveFactor": [1, 0, 0]"#, "");
+    let dim = panel("", r#""emissiveFactor": [0.003, 0.001, 0]"#, "");
+    for text in [small, dim] {
+        let Loaded { scene, warnings, .. } = load_text("room.gltf", &text, Emission::Lights);
+        let names: Vec<_> = scene.lights.iter().map(lighting::Light::name).collect();
+        assert_eq!(names, ["flat", "sphere", "sphere", "ambient"]);
+        assert!(warnings.iter().any(|w| w.contains("faint")) && warnings.len() == 1, "{warnings:?}");
+    }
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("room.gltf");
+    fs::write(&file, panel("", BRIGHT, "")).unwrap();
+    fs::write(folder.path().join("panel.bin"), panel_bytes()).unwrap();
+    let (scene, _, warnings) = scene_files::load_with(&file, &LoadOptions::new().with_studio(Studio::Key)).unwrap();
+    assert_eq!((scene.lights.len(), scene.lights[1].name(), warnings.len()), (2, "sphere", 0));
 }
 
 #[test]

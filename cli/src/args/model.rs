@@ -21,9 +21,9 @@ pub(crate) struct ModelArgs {
     #[arg(long, value_enum, default_value_t = Emission::Lights)]
     emission: Emission,
 
-    /// Lights of a model that brings none
-    #[arg(long, value_enum, default_value_t = Studio::Soft)]
-    studio: Studio,
+    /// Lights of a model that brings none, soft unless given; given, also of one in which objects emit
+    #[arg(long, value_enum)]
+    studio: Option<Studio>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -56,10 +56,9 @@ enum Emission {
     Seen,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Studio {
     /// A key light, a fill and ambient light, which metals mirror
-    #[default]
     Soft,
     /// One light, as --method paper needs it
     Key,
@@ -81,10 +80,10 @@ impl ModelArgs {
             Emission::Lights => scene::Emission::Lights,
             Emission::Seen => scene::Emission::Seen,
         };
-        let studio = match self.studio {
+        let studio = self.studio.map(|studio| match studio {
             Studio::Soft => scene::Studio::Soft,
             Studio::Key => scene::Studio::Key,
-        };
+        });
         LoadOptions::new()
             .with_clip(clip)
             .with_normals(normals)
