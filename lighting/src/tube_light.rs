@@ -1,7 +1,7 @@
 use crate::gpu::{PLANE_OUTSIDE, PLANE_TUBE, PLANES, TUBE_BESIDE, TUBE_DEPTH, TUBE_STEPS, shape_of};
 use crate::{Area, AreaShape, Light, LightError, LightKind};
 use core::f32::consts::PI;
-use glam::{Mat4, Vec3};
+use glam::{Mat4, Vec2, Vec3};
 use lobe_core::{Cone, Outline, Receiver, SeenLight, Sphere};
 use shading::gpu::GpuText;
 use shading::{LightExtent, LightLobes};
@@ -81,7 +81,7 @@ impl TubeLight {
         end.write_arc(ends);
         start.write_arc(starts);
         let (axis, depth) = self.plane(places.map(|place| toward * height + along * place), toward, height);
-        let corners = corners.map(|p| p * (depth / axis.dot(p)));
+        corners.iter_mut().for_each(|p| *p *= depth / axis.dot(*p));
         Outline::new(&corners, axis).map(|outline| outline.with_roundness(self.roundness()))
     }
 
@@ -144,8 +144,9 @@ impl TubeEnd {
     fn write_arc(&self, corners: &mut [Vec3]) {
         let last = corners.len() - 1;
         let step = 2.0 * self.half_turn / last as f32;
+        let turn = Vec2::from_angle(step);
         // Of a triangle from the middle to what it stands for.
-        let grown = step / step.sin().max(f32::MIN_POSITIVE);
+        let grown = step / turn.y.max(f32::MIN_POSITIVE);
         // All corners but the two on the planes are this far out: (n − 2)R² + 2R = n·grown.
         let reach = match last {
             1 => 1.0,
@@ -155,10 +156,11 @@ impl TubeEnd {
                 ((1.0 + inner * (inner + 2.0) * grown).sqrt() - 1.0) / inner
             }
         };
+        let mut toward = Vec2::from_angle(-self.half_turn);
         for (k, corner) in corners.iter_mut().enumerate() {
-            let (sin, cos) = (k as f32 * step - self.half_turn).sin_cos();
             let reach = if k == 0 || k == last { 1.0 } else { reach };
-            *corner = self.middle + (self.axes[0] * cos + self.axes[1] * sin) * reach;
+            *corner = self.middle + (self.axes[0] * toward.x + self.axes[1] * toward.y) * reach;
+            toward = turn.rotate(toward);
         }
     }
 }

@@ -65,7 +65,7 @@ pub use crate::microfacets::{Microfacets, MicrofacetsAt, Schlick};
 pub use crate::moments::{cone_lobe, exponent_of_spread};
 pub use crate::outline::{
     FlatShape, LightImage, Outline, Places, fingerprint, image_integral, light_image_integral, light_integral,
-    nearest_of, outline_integral,
+    outline_integral,
 };
 pub use crate::packed_lobe::PackedLobe;
 pub use crate::product::{is_lambert, product_integral, product_of_angle, products_of_angle};

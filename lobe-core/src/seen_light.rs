@@ -47,14 +47,16 @@ impl SeenLight {
     /// The same light as far as a flat one is above the horizon of `normal`: with an empty cone where nothing of it is.
     #[must_use]
     pub fn above(&self, normal: Vec3) -> Self {
-        // A light that is cut already ends at the horizon, but for rounding.
-        let Some(outline) = self.outline.as_ref().filter(|outline| !outline.is_clipped()) else { return *self };
-        if outline.corners().iter().all(|p| normal.dot(*p) >= 0.0) {
-            return *self;
+        let mut seen = *self;
+        seen.keep_above(normal);
+        seen
+    }
+
+    /// [`above`](Self::above) in place.
+    pub(crate) fn keep_above(&mut self, normal: Vec3) {
+        if Outline::keep_above(&mut self.outline, normal) && self.outline.is_none() {
+            // The cone alone would be a light.
+            self.cone.one_minus_cos = 0.0;
         }
-        let outline = outline.above(normal);
-        // The cone alone would be a light.
-        let one_minus_cos = if outline.is_some() { self.cone.one_minus_cos } else { 0.0 };
-        Self { cone: Cone { one_minus_cos, ..self.cone }, outline, ..*self }
     }
 }

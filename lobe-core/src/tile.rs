@@ -166,10 +166,11 @@ impl TileLight {
         self.cones.resize(tile.blocks(), Kept::default());
         self.each.resize(tile.blocks(), Kept::default());
         let mut count = 0;
-        for (i, seen) in seen.into_iter().enumerate() {
+        for (i, mut seen) in seen.into_iter().enumerate() {
             is_flat |= seen.outline.is_some();
             let [.., x, y, z, _, _, _] = row(&tile.blocks[i / WIDTH].0, i % WIDTH);
-            let SeenLight { cone, radiance, outline } = seen.above(Vec3::new(x, y, z));
+            seen.keep_above(Vec3::new(x, y, z));
+            let SeenLight { cone, radiance, outline } = seen;
             self.outlines.push(outline);
             let last = if i + 1 == tile.len() { WIDTH } else { i % WIDTH + 1 };
             // The rows that are too many repeat the last one, as the tile's do.
@@ -210,7 +211,9 @@ impl TileLight {
             return SeenLight { cone, radiance, outline: self.outlines.get(i).copied().flatten() };
         };
         let [x, y, z, u, v, w, ..] = row(&self.at[i / WIDTH].0, i % WIDTH);
-        flat.shape.seen_from(Vec3::new(x, y, z), flat.is_two_sided, radiance).above(Vec3::new(u, v, w))
+        let mut seen = flat.shape.seen_from(Vec3::new(x, y, z), flat.is_two_sided, radiance);
+        seen.keep_above(Vec3::new(u, v, w));
+        seen
     }
 
     /// A flat light, and blocks of the receivers that it is seen from.

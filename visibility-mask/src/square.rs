@@ -1,6 +1,6 @@
 use crate::spread::Spread;
 use glam::{UVec2, Vec2, Vec2Swizzles, Vec3};
-use lobe_core::{Cone, Lobe, Outline, nearest_of, orthonormal_basis};
+use lobe_core::{Cone, Lobe, Outline, orthonormal_basis};
 
 /// Half-angles above this (85°) count as this one: the square faces one hemisphere.
 pub(crate) const WIDEST_TAN: f32 = 11.43;
@@ -129,7 +129,7 @@ impl UnitSquare {
         let mut point = if along > 1e-3 { aside / along } else { aside.normalize_or_zero() * 1e3 };
         let n = self.local(normal);
         if let Some(bright) = bright {
-            point = nearest_of(bright.on_plane([self.right, self.up]), point);
+            point = bright.nearest([self.right, self.up], point);
         } else {
             for _ in 0..3 {
                 let below = n.x * point.x + n.y * point.y + n.z;

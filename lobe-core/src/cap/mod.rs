@@ -127,7 +127,7 @@ pub(crate) fn integrals_at(level: Level, light: &TileLight, lobes: &TileLobes, o
     }
     out.resize(lobes.blocks() * WIDTH, 0.0);
     if let Some((flat, at)) = light.as_flat() {
-        of_flat(level, light, (flat, at), lobes, out);
+        of_flat(level, (flat, at), lobes, out);
         return;
     }
     if !light.outlines().is_empty() {
@@ -144,16 +144,16 @@ pub(crate) fn integrals_at(level: Level, light: &TileLight, lobes: &TileLobes, o
 }
 
 /// Lambert lobes side by side, others one by one.
-fn of_flat(level: Level, light: &TileLight, (flat, at): (&Flat, &[Kept<9>]), lobes: &TileLobes, out: &mut [f32]) {
+fn of_flat(level: Level, (flat, at): (&Flat, &[Kept<9>]), lobes: &TileLobes, out: &mut [f32]) {
     out.fill(0.0);
     for (block, at) in at.iter().enumerate() {
         let mut lambert = None;
         for j in 0..WIDTH {
             let i = block * WIDTH + j;
-            let [.., x, y, z, _, _, _] = row(&at.0, j);
-            let normal = Vec3::new(x, y, z);
+            let [x, y, z, u, v, w, _, _, _] = row(&at.0, j);
+            let (from, normal) = (Vec3::new(x, y, z), Vec3::new(u, v, w));
             let at_normal = Receiver::on_surface(Vec3::ZERO, normal, normal);
-            let mut seen = None;
+            let (mut bright, mut is_made) = (None, false);
             for (number, lobe) in lobes.of(i) {
                 if matches!(lobe, BrdfLobe::Cosine(lobe) if is_lambert(&at_normal, &lobe)) {
                     let of_block = || outline::of_block(level, &flat.shape, flat.is_two_sided, &at.0);
@@ -163,8 +163,11 @@ fn of_flat(level: Level, light: &TileLight, (flat, at): (&Flat, &[Kept<9>]), lob
                         continue;
                     }
                 }
-                let seen = seen.get_or_insert_with(|| light.seen_by(i));
-                out[number] = outline::light_integral(&at_normal, &lobe, &seen.cone, seen.outline.as_ref());
+                if !is_made {
+                    bright = flat.shape.bright_above(from, normal, flat.is_two_sided);
+                    is_made = true;
+                }
+                out[number] = bright.as_ref().map_or(0.0, |bright| outline::integral(&at_normal, &lobe, bright));
             }
         }
     }

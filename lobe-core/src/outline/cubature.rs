@@ -1,5 +1,6 @@
 //! Integrals over the plane of an outline by rows of nodes that are gathered about a peak.
 
+use super::on_plane::OnPlane;
 use super::{LightImage, Outline, Places};
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use glam::{Vec2, Vec3};
@@ -221,25 +222,24 @@ impl Samples {
 /// The integral with an image, by channel, and without.
 pub(super) fn cubature(
     normal: Vec3,
-    light: &Outline,
-    frame: [Vec3; 2],
+    light: &OnPlane<'_>,
     peak: Peak,
     value: impl Value,
     image: Option<&LightImage>,
 ) -> [f32; 4] {
     let Some(image) = image else {
         let integrand = Integrand { peak, value, shown: Alone };
-        let [sum] = dispatch!(Level::new(), simd => of_rows(simd, normal, light, frame, &integrand));
+        let [sum] = dispatch!(Level::new(), simd => of_rows(simd, normal, light, &integrand));
         return [0.0, 0.0, 0.0, sum];
     };
-    let shown = Picture { image, places: light.places(frame) };
-    let is_small = light.on_plane(frame).all(|p| ((p - peak.point) / peak.width).length_squared() < SMALL_LIGHT);
+    let shown = Picture { image, places: light.outline.places(light.frame) };
+    let is_small = light.corners().iter().all(|p| ((*p - peak.point) / peak.width).length_squared() < SMALL_LIGHT);
     let integrand = Integrand { peak, value, shown };
-    if !is_small || light.is_clipped {
-        return dispatch!(Level::new(), simd => of_rows::<_, 4>(simd, normal, light, frame, &integrand));
+    if !is_small || light.outline.is_clipped {
+        return dispatch!(Level::new(), simd => of_rows::<_, 4>(simd, normal, light, &integrand));
     }
     let [r, g, b, alone, x, y, z, plane] =
-        dispatch!(Level::new(), simd => of_rows::<_, 8>(simd, normal, light, frame, &integrand));
+        dispatch!(Level::new(), simd => of_rows::<_, 8>(simd, normal, light, &integrand));
     // The mean of the image is one: the part of it that the nodes miss, they miss of the product.
     let off = |sum: f32| alone * (1.0 - sum / plane);
     [r + off(x), g + off(y), b + off(z), alone]
@@ -249,16 +249,15 @@ pub(super) fn cubature(
 fn of_rows<S: Simd, const N: usize>(
     simd: S,
     normal: Vec3,
-    light: &Outline,
-    frame: [Vec3; 2],
+    light: &OnPlane<'_>,
     integrand: &Integrand<impl Value, impl Shown<N>>,
 ) -> [f32; N] {
     let peak = &integrand.peak;
     // Relative to the peak, in its widths.
     let mut corners = [Vec2::ZERO; Outline::ROOM];
     let count = light.corners().len();
-    for (corner, p) in corners.iter_mut().zip(light.on_plane(frame)) {
-        *corner = (p - peak.point) / peak.width;
+    for (corner, p) in corners.iter_mut().zip(light.corners()) {
+        *corner = (*p - peak.point) / peak.width;
     }
     let corners = &corners[..count];
     let mut cuts = [0.0; Outline::ROOM];
@@ -269,11 +268,11 @@ fn of_rows<S: Simd, const N: usize>(
     // Half-planes `a x + b y + c ≥ 0`.
     let mut sides = [[0.0; 3]; Outline::ROOM];
     // A circle in widths is an ellipse, of which the horizon may leave a part.
-    if let Some((center, radius)) = light.circle(frame) {
+    if let Some((center, radius)) = light.outline.circle(light.frame) {
         let (center, half) = ((center - peak.point) / peak.width, Vec2::splat(radius) / peak.width);
         let [low, high] = cuts.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[l, h], y| [l.min(*y), h.max(*y)]);
         let ends = [low.max(center.y - half.y), high.min(center.y + half.y)];
-        let n = Vec3::new(frame[0].dot(normal), frame[1].dot(normal), light.axis().dot(normal));
+        let n = light.local(normal);
         let above = n.z + n.x * peak.point.x + n.y * peak.point.y;
         sides[0] = [n.x * peak.width.x, n.y * peak.width.y, above];
         return over_pieces(simd, &ends, &sides[..1], Some((center, half)), integrand);

@@ -109,23 +109,36 @@ impl FlatShape {
     #[must_use]
     pub fn whole_outline(&self, from: Vec3) -> Option<Outline> {
         let axis = if self.height(from) > 0.0 { -self.normal } else { self.normal };
-        let outline = match self.disc {
-            Some(radius) => Outline::disc(self.bounds.center - from, radius, axis)?,
+        let mut outline = match self.disc {
+            Some(radius) => Outline::disc(self.bounds.center - from, radius, axis),
             None => {
                 let mut corners = [Vec3::ZERO; Outline::MOST];
                 corners.iter_mut().zip(self.corners()).for_each(|(to, p)| *to = *p - from);
-                Outline::new(&corners[..self.count], axis)?
+                Outline::new(&corners[..self.count], axis)
             }
         };
-        Some(outline.with_roundness(self.roundness))
+        if let Some(outline) = &mut outline {
+            outline.roundness = Some(self.roundness);
+        }
+        outline
     }
 
     /// The light that a receiver sees of it.
     #[must_use]
     pub fn seen_from(&self, from: Vec3, is_two_sided: bool, radiance: Vec3) -> SeenLight {
-        let is_seen = self.height(from) > 0.0 || is_two_sided;
-        let outline = if is_seen { self.outline(from) } else { None };
-        SeenLight::of_outline(outline, self.bounds.center - from, radiance)
+        SeenLight::of_outline(self.bright(from, is_two_sided), self.bounds.center - from, radiance)
+    }
+
+    /// The outline that a receiver sees of a light on one side, or on both.
+    fn bright(&self, from: Vec3, is_two_sided: bool) -> Option<Outline> {
+        if is_two_sided || self.height(from) > 0.0 { self.outline(from) } else { None }
+    }
+
+    /// The part of it above a receiver's horizon.
+    pub(crate) fn bright_above(&self, from: Vec3, normal: Vec3, is_two_sided: bool) -> Option<Outline> {
+        let mut bright = self.bright(from, is_two_sided);
+        Outline::keep_above(&mut bright, normal);
+        bright
     }
 
     /// The corners that make its outline: places in the world, and what is added to them as a receiver before the front or behind it sees them.

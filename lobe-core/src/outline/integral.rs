@@ -1,6 +1,7 @@
 use super::cubature::{Peak, Value, cubature};
 use super::lambert::irradiance;
-use super::{LightImage, Outline, nearest_of};
+use super::on_plane::OnPlane;
+use super::{LightImage, Outline};
 use crate::microfacets::seen_from;
 use crate::special::{atan2, exp, ln_of};
 use crate::{BrdfLobe, BrushedAt, Cone, Facets, Lobe, Microfacets, Receiver, Schlick, cap_integral, is_lambert};
@@ -54,8 +55,8 @@ pub fn image_integral(at: &Receiver, lobe: impl Into<BrdfLobe>, light: &Outline,
     light.above(at.normal).map_or(Vec3::ZERO, |above| light_image_integral(at, &lobe.into(), &above, image))
 }
 
-/// Over what is above the horizon.
-fn integral(at: &Receiver, lobe: &BrdfLobe, light: &Outline) -> f32 {
+/// [`outline_integral`] of a light that is above the horizon.
+pub(crate) fn integral(at: &Receiver, lobe: &BrdfLobe, light: &Outline) -> f32 {
     let [.., value] = over(at, lobe, light, None);
     if value > 0.0 && value.is_finite() { value } else { 0.0 }
 }
@@ -92,13 +93,12 @@ fn lambert(normal: Vec3, light: &Outline, image: Option<&LightImage>) -> [f32; 4
     if image.is_none() && (!is_cut_disc || angle_around(light) > WIDE) {
         return [0.0, 0.0, 0.0, irradiance(normal, light)];
     }
-    let frame = light.frame(normal);
-    let local = |v: Vec3| Vec3::new(frame[0].dot(v), frame[1].dot(v), light.axis().dot(v));
-    let lobe = Cosine { normal: local(normal) };
-    let peak = nearest_of(light.on_plane(frame), Vec2::ZERO);
+    let light = OnPlane::new(light, light.frame(normal));
+    let lobe = Cosine { normal: light.local(normal) };
+    let peak = light.nearest(Vec2::ZERO);
     let width = Vec2::splat((1.0 + peak.length_squared()).sqrt());
     let peak = Peak { point: peak, width, is_beside: false };
-    cubature(normal, light, frame, peak, lobe, image)
+    cubature(normal, &light, peak, lobe, image)
 }
 
 /// The angles that the sides are seen under, together.
@@ -116,12 +116,11 @@ fn power(normal: Vec3, lobe: &Lobe, light: &Outline, image: Option<&LightImage>)
         Some(Some(light)) => light,
         Some(None) => return [0.0; 4],
     };
-    let frame = light.frame(lobe.axis);
-    let local = |v: Vec3| Vec3::new(frame[0].dot(v), frame[1].dot(v), light.axis().dot(v));
-    let axis = local(lobe.axis);
+    let light = OnPlane::new(light, light.frame(lobe.axis));
+    let axis = light.local(lobe.axis);
     let e = lobe.exponent.min(1e8);
     let place = axis.truncate().normalize_or_zero() * largest_at(axis, e);
-    let point = nearest_of(light.on_plane(frame), place);
+    let point = light.nearest(place);
     let stretch = 1.0 + point.length_squared();
     // How it falls from there: by its own width, or with the slope that it has beside its axis.
     let along = axis.truncate().dot(point) + axis.z;
@@ -136,9 +135,9 @@ fn power(normal: Vec3, lobe: &Lobe, light: &Outline, image: Option<&LightImage>)
     let width = Vec2::new(narrow(stretch * sigma, slope.x), narrow(stretch.sqrt() * sigma, slope.y));
     let is_beside = point.distance(place) > 2.0 * sigma * stretch;
     let peak = Peak { point, width, is_beside };
-    let f = Power { axis, half_exponent: 0.5 * e, normal: local(normal), has_cosine: lobe.has_cosine };
+    let f = Power { axis, half_exponent: 0.5 * e, normal: light.local(normal), has_cosine: lobe.has_cosine };
     let norm = (e + 1.0) / TAU;
-    cubature(normal, light, frame, peak, f, image).map(|value| norm * value)
+    cubature(normal, &light, peak, f, image).map(|value| norm * value)
 }
 
 /// How far from the foot of the receiver's perpendicular on the plane at distance 1, toward a lobe's axis, the lobe times the light's
@@ -162,27 +161,25 @@ fn microfacets(normal: Vec3, facets: &Microfacets, light: &Outline, image: Optio
     });
     let toward = light.axis().dot(mirror);
     let across = if toward > 1e-3 { turn - mirror * (light.axis().dot(turn) / toward) } else { mirror };
-    let frame = light.frame(across);
-    let local = |v: Vec3| Vec3::new(frame[0].dot(v), frame[1].dot(v), light.axis().dot(v));
-    let axis = local(mirror);
+    let light = OnPlane::new(light, light.frame(across));
+    let axis = light.local(mirror);
     let place = if axis.z > 1e-3 { axis.truncate() / axis.z } else { axis.truncate().normalize_or_zero() * 1e3 };
-    let point = nearest_of(light.on_plane(frame), place);
+    let point = light.nearest(place);
     let stretch = 1.0 + point.length_squared();
     // Their tails are powers of the distance.
     let beside = 0.5 * place.distance(point);
     let width = Vec2::new((widths[0] * stretch).max(beside), (widths[1] * stretch.sqrt()).max(beside));
-    let here = Microfacets { view: local(facets.view), ..*facets };
+    let here = Microfacets { view: light.local(facets.view), ..*facets };
     // Next to the receiver the light's own `1/r³` may matter more.
-    let foot = nearest_of(light.on_plane(frame), Vec2::ZERO);
-    let point = if width.min_element() > (1.0 + foot.length_squared()).sqrt() { foot } else { point };
+    let least = width.min_element();
+    let foot = (least > 1.0).then(|| light.nearest(Vec2::ZERO));
+    let point = foot.filter(|foot| least > (1.0 + foot.length_squared()).sqrt()).unwrap_or(point);
     let width = width.min(Vec2::splat((1.0 + point.length_squared()).sqrt()));
     let peak = Peak { point, width, is_beside: beside > 2.0 * alpha * stretch };
-    let (part, of_surface) = (facets.part, local(normal));
+    let (part, of_surface) = (facets.part, light.local(normal));
     match facets.grain {
-        None => cubature(normal, light, frame, peak, Part(here.at(of_surface), part), image),
-        Some(grain) => {
-            cubature(normal, light, frame, peak, Part(BrushedAt::new(&here, grain, of_surface), part), image)
-        }
+        None => cubature(normal, &light, peak, Part(here.at(of_surface), part), image),
+        Some(grain) => cubature(normal, &light, peak, Part(BrushedAt::new(&here, grain, of_surface), part), image),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Irradiance of polygons of light.
 
-use super::{FlatShape, Outline};
+use super::{FlatShape, Outline, sides};
 use crate::lanes::{Columns, Lane, Level, WIDTH, row, update};
 use crate::special::atan2;
 use glam::Vec3;
@@ -28,8 +28,12 @@ const WELL_BEFORE: f32 = 1e-3;
 pub(super) fn irradiance(normal: Vec3, light: &Outline) -> f32 {
     let plane = Plane::new(normal, light.axis, light.height);
     let around = |corners: &[Vec3]| {
-        let at = |i: usize| plane.place(corners[i % corners.len()]);
-        plane.total((0..corners.len()).fold([0.0; SUMS], |sums, i| plane.add(sums, [at(0), at(i), at(i + 1)])), at(0))
+        let first = plane.place(corners[0]);
+        let mut sums = [0.0; SUMS];
+        sides::each(&OneSide { plane, first }, corners, |[own, area, _]| {
+            sums = [sums[0] + own, sums[1] + area, 0.0];
+        });
+        plane.total(sums, first)
     };
     match light.radius {
         Some(_) if light.is_clipped => {
@@ -107,6 +111,20 @@ impl Plane {
     fn total(&self, [sum, area, _]: [f32; SUMS], first: Vec3) -> f32 {
         let square = self.height * self.height + first.length_squared();
         (area * self.cos / square + sum) * (0.5 * core::f32::consts::FRAC_1_PI)
+    }
+}
+
+/// One side of an outline.
+struct OneSide {
+    plane: Plane,
+    first: Vec3,
+}
+
+impl Lane<3, 3, SUMS> for OneSide {
+    #[inline(always)]
+    fn value(&self, p: [f32; 3], q: [f32; 3]) -> [f32; SUMS] {
+        let place = |corner| self.plane.place(Vec3::from_array(corner));
+        self.plane.add([0.0; SUMS], [self.first, place(p), place(q)])
     }
 }
 

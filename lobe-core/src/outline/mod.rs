@@ -6,15 +6,19 @@ mod image;
 mod integral;
 mod lambert;
 mod near_part;
+mod on_plane;
+mod sides;
 #[cfg(test)]
 mod tests;
 pub(crate) mod wgsl;
 
 pub use self::flat_shape::FlatShape;
 pub use self::image::{LightImage, fingerprint};
+pub(crate) use self::integral::integral;
 pub use self::integral::{image_integral, light_image_integral, light_integral, outline_integral};
 pub(crate) use self::lambert::of_block;
 
+use crate::lanes::Lane;
 use crate::{Cone, Lobe, Sphere, orthonormal_basis};
 use glam::{Vec2, Vec3};
 
@@ -103,15 +107,25 @@ impl Outline {
         if !(3..=Self::MOST).contains(&count) {
             return None;
         }
-        let height = corners.iter().map(|p| axis.dot(*p)).sum::<f32>() / count as f32;
-        let size = corners.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
+        let (mut heights, mut size, mut area) = (0.0, 0.0_f32, 0.0);
+        sides::each(&Extent { axis, first: corners[0] }, corners, |[height, reach, twice_area]| {
+            heights += height;
+            size = size.max(reach);
+            area += twice_area;
+        });
+        let height = heights / count as f32;
         // Seen at a flatter angle it is a line, and its plane coordinates leave f32.
         if !(height > 1e-5 * size && size.is_finite()) {
             return None;
         }
         let center = corners.iter().sum::<Vec3>() / count as f32;
-        let mut out = Self {
-            corners: [Vec3::ZERO; Self::ROOM],
+        let mut own = [Vec3::ZERO; Self::ROOM];
+        own[..count].copy_from_slice(corners);
+        if area < 0.0 {
+            own[..count].reverse();
+        }
+        Some(Self {
+            corners: own,
             count,
             center,
             axis,
@@ -120,26 +134,31 @@ impl Outline {
             sides: [Vec3::ZERO; 2],
             is_clipped: false,
             roundness: None,
-        };
-        out.corners[..count].copy_from_slice(corners);
-        if out.twice_area() < 0.0 {
-            out.corners[..count].reverse();
-        }
-        Some(out)
+        })
     }
 
     /// A disc relative to the receiver; as [`new`](Self::new).
     #[must_use]
     pub fn disc(center: Vec3, radius: f32, axis: Vec3) -> Option<Self> {
-        let polygon = Self::new(&Self::around_disc(radius, axis).map(|offset| center + offset), axis)?;
-        Some(Self { center, radius: Some(radius), ..polygon })
+        let mut corners = Self::around_disc(radius, axis);
+        corners.iter_mut().for_each(|p| *p += center);
+        let mut disc = Self::new(&corners, axis);
+        if let Some(disc) = &mut disc {
+            disc.center = center;
+            disc.radius = Some(radius);
+        }
+        disc
     }
 
     /// From a disc's middle to the corners of the polygon around it.
     fn around_disc(radius: f32, axis: Vec3) -> [Vec3; Self::MOST] {
         let (u, v) = orthonormal_basis(axis);
         let reach = radius * AROUND;
-        TURNS.map(|[cos, sin]| (u * cos + v * sin) * reach)
+        let mut corners = [Vec3::ZERO; Self::MOST];
+        for (corner, [cos, sin]) in corners.iter_mut().zip(TURNS) {
+            *corner = (u * cos + v * sin) * reach;
+        }
+        corners
     }
 
     /// The same light with places on it: from its middle along two half sides at right angles, for a [`LightImage`]. Windows on it are
@@ -204,6 +223,15 @@ impl Outline {
     #[must_use]
     pub const fn height(&self) -> f32 {
         self.height
+    }
+
+    /// Leaves of a light what is above the plane through the receiver with this normal. One that is cut already ends at the horizon, but for
+    /// rounding. Returns whether anything has changed.
+    pub(crate) fn keep_above(light: &mut Option<Self>, normal: Vec3) -> bool {
+        let is_above = |light: &Self| light.is_clipped || light.corners().iter().all(|p| normal.dot(*p) >= 0.0);
+        let Some(whole) = light.as_ref().filter(|light| !is_above(light)) else { return false };
+        *light = whole.above(normal);
+        true
     }
 
     /// The part of it above the plane through the receiver with this normal; none where there is none. Of a disc only the corners are cut.
@@ -291,6 +319,12 @@ impl Outline {
         self.corners().iter().map(move |p| Vec2::new(right.dot(*p), up.dot(*p)) * scale)
     }
 
+    /// The point of it next to a place of that plane, in a [frame](Self::frame); of a disc that of the polygon around it.
+    #[must_use]
+    pub fn nearest(&self, frame: [Vec3; 2], place: Vec2) -> Vec2 {
+        on_plane::OnPlane::new(self, frame).nearest(place)
+    }
+
     /// A sphere around all of it and as far beside it as blockers count, relative to the receiver.
     #[must_use]
     pub fn sphere(&self) -> Sphere {
@@ -316,10 +350,10 @@ impl Outline {
     pub fn cone(&self) -> Cone {
         let toward = self.center.normalize();
         let (mut fall, mut depth) = (0.0_f32, 0.0_f32);
-        for p in self.corners() {
-            fall = fall.max(0.5 * (p.normalize() - toward).length_squared());
-            depth = depth.max(p.dot(toward));
-        }
+        sides::each(&Toward { toward }, self.corners(), |[of_corner, along]| {
+            fall = fall.max(of_corner);
+            depth = depth.max(along);
+        });
         if fall > WIDEST {
             return Cone { axis: self.axis, one_minus_cos: 1.0, distance: f32::INFINITY };
         }
@@ -379,6 +413,36 @@ impl Outline {
     }
 }
 
+/// How far a corner is along the axis, and at most in a coordinate; twice the area of the triangle from the first corner to a side.
+struct Extent {
+    axis: Vec3,
+    first: Vec3,
+}
+
+impl Lane<3, 3, 3> for Extent {
+    #[inline(always)]
+    fn value(&self, p: [f32; 3], q: [f32; 3]) -> [f32; 3] {
+        let (p, q) = (Vec3::from_array(p), Vec3::from_array(q));
+        let larger = |a: f32, b: f32| if a > b { a } else { b };
+        let reach = larger(larger(p.x.abs(), p.y.abs()), p.z.abs());
+        [self.axis.dot(p), reach, self.axis.dot((p - self.first).cross(q - self.first))]
+    }
+}
+
+/// One minus the cosine between a corner and a direction, and how far the corner is along that.
+struct Toward {
+    toward: Vec3,
+}
+
+impl Lane<3, 3, 2> for Toward {
+    #[inline(always)]
+    fn value(&self, corner: [f32; 3], _: [f32; 3]) -> [f32; 2] {
+        let p = Vec3::from_array(corner);
+        let direction = p * (1.0 / p.length());
+        [0.5 * (direction - self.toward).length_squared(), p.dot(self.toward)]
+    }
+}
+
 /// Places on a light ([`Outline::places`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Places {
@@ -401,26 +465,4 @@ impl Places {
     pub fn area(&self, area: f32) -> f32 {
         (self.x.perp_dot(self.y) * area).abs()
     }
-}
-
-/// The point of a convex polygon next to `p`.
-#[must_use]
-pub fn nearest_of(corners: impl Iterator<Item = Vec2> + Clone, p: Vec2) -> Vec2 {
-    let (mut best, mut least, mut is_inside) = (p, f32::INFINITY, true);
-    let mut previous = corners.clone().last().unwrap_or(p);
-    for corner in corners {
-        let (edge, to) = (corner - previous, p - previous);
-        if edge.perp_dot(to) < 0.0 {
-            is_inside = false;
-        }
-        let square = edge.length_squared();
-        let t = if square > 0.0 { (edge.dot(to) / square).clamp(0.0, 1.0) } else { 0.0 };
-        let here = previous + edge * t;
-        let distance = here.distance_squared(p);
-        if distance < least {
-            (best, least) = (here, distance);
-        }
-        previous = corner;
-    }
-    if is_inside { p } else { best }
 }
