@@ -211,7 +211,7 @@ impl FlatLight {
     /// The outline that a receiver sees, none behind a light of one side.
     #[must_use]
     pub fn outline(&self, at: &Receiver) -> Option<Outline> {
-        if self.shape.height(at.position) <= 0.0 && !self.two_sided {
+        if !self.shape.is_before(at.position, self.two_sided) {
             return None;
         }
         if self.image.is_none() {

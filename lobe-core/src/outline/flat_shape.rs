@@ -3,6 +3,9 @@ use super::near_part::{FAR, Place, near_part};
 use crate::{SeenLight, Sphere};
 use glam::{Mat4, Vec3};
 
+/// How far rounding takes places off a plane, at most, as a part of their coordinates.
+const IN_PLANE: f32 = 4.0 * f32::EPSILON;
+
 /// A convex polygon or a disc in the world, which receivers see as an [`Outline`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlatShape {
@@ -129,9 +132,19 @@ impl FlatShape {
         SeenLight::of_outline(self.bright(from, is_two_sided), self.bounds.center - from, radiance)
     }
 
+    /// Whether a receiver is before a light on one side, or beside one on both: not in its plane but for the rounding of places, where the light's
+    /// own surface would see all of it.
+    #[must_use]
+    pub fn is_before(&self, from: Vec3, is_two_sided: bool) -> bool {
+        let height = self.height(from);
+        let center = self.bounds.center;
+        let size = from.abs().max(center.abs()).max((from - center).abs()).max_element();
+        if is_two_sided { height.abs() > IN_PLANE * size } else { height > 0.0 }
+    }
+
     /// The outline that a receiver sees of a light on one side, or on both.
     fn bright(&self, from: Vec3, is_two_sided: bool) -> Option<Outline> {
-        if is_two_sided || self.height(from) > 0.0 { self.outline(from) } else { None }
+        if self.is_before(from, is_two_sided) { self.outline(from) } else { None }
     }
 
     /// The part of it above a receiver's horizon.

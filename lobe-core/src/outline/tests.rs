@@ -1,6 +1,6 @@
-use super::{LightImage, Outline, image_integral, outline_integral};
+use super::{FlatShape, LightImage, Outline, image_integral, outline_integral};
 use crate::oracle::{CapMicrofacets, Random};
-use crate::{Lobe, Microfacets, Receiver};
+use crate::{Lobe, Microfacets, Receiver, Sphere};
 use core::f64::consts::{PI, TAU};
 use glam::{DVec3, UVec2, Vec2, Vec3};
 
@@ -266,5 +266,28 @@ fn a_horizon_through_a_corner_takes_nothing_else() {
         let once = outline_integral(&at, lobe, &light);
         let twice = light.above(normal).map_or(0.0, |light| outline_integral(&at, lobe, &light));
         assert!((once - twice).abs() < 1e-3, "{k}: {once} {twice}, {normal}");
+    }
+}
+
+/// Places on a light, as rounding leaves them before its plane or behind it, see nothing of the light.
+#[test]
+fn a_light_on_both_sides_does_not_light_itself() {
+    let mut random = Random::new(5);
+    for _ in 0..300 {
+        let (center, u) =
+            (random.axis() * random.log_uniform(0.1, 1e3), random.axis() * random.log_uniform(0.1, 100.0));
+        let v = u.cross(random.axis());
+        let corners = [center - u - v, center + u - v, center + u + v, center - u + v].map(DVec3::as_vec3);
+        let normal = u.cross(v).normalize();
+        let radius = (u.length() + v.length()) as f32;
+        let light = FlatShape::polygon(&corners, normal.as_vec3(), Sphere { center: center.as_vec3(), radius }, 0.5);
+        for _ in 0..20 {
+            let place = center + u * random.between(-1.0, 1.0) + v * random.between(-1.0, 1.0);
+            assert!(light.seen_from(place.as_vec3(), true, Vec3::ONE).outline.is_none(), "{corners:?} {place}");
+            for side in [-1e-3, 1e-3] {
+                let before = (place + normal * (side * (center.length() + u.length() + v.length()))).as_vec3();
+                assert!(light.seen_from(before, true, Vec3::ONE).outline.is_some(), "{corners:?} {before}");
+            }
+        }
     }
 }
