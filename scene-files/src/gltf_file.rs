@@ -142,7 +142,7 @@ fn document(
     let images = Images::new(&context.files, path, root);
     let mut reader = Reader::new(root, buffers, skeleton, extensions, images, &shown);
     let index = context.skeletons.len();
-    let mut read = Read::default();
+    let (mut read, mut notes) = (Read::default(), Vec::new());
     for &(n, is_visible) in &shown {
         if let Some(which) = root.nodes[n].camera {
             match read_camera(root, which.value(), &reader.worlds[n])? {
@@ -153,7 +153,7 @@ fn document(
         if !is_visible {
             continue;
         }
-        if let Some(light) = read_light(root, n)? {
+        if let Some(light) = read_light(root, n, &mut notes)? {
             let mover = reader.moving[n].then_some((index, n));
             read.lights.push(PlacedLight { light, world: reader.worlds[n], mover });
         }
@@ -162,6 +162,7 @@ fn document(
     if read.parts.is_empty() && shown.iter().any(|&(n, is_visible)| !is_visible && root.nodes[n].mesh.is_some()) {
         return Err("no triangles: its meshes are in nodes that are not visible".to_owned());
     }
+    notes.into_iter().for_each(|note| reader.note(note));
     reader.tell(path, context);
     keep_document(path, root, json, reader.buffers, context);
     if read.moves() {

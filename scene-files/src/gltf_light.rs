@@ -1,5 +1,6 @@
 //! The lights of a glTF file (KHR_lights_punctual).
 
+use core::f32::consts::FRAC_PI_2;
 use glam::{Mat4, Vec3};
 use gltf::json::Root;
 use gltf::json::extensions::scene::khr_lights_punctual::{Light as Punctual, Type};
@@ -30,8 +31,8 @@ pub(crate) struct PlacedLight {
     pub(crate) mover: Option<(usize, usize)>,
 }
 
-/// The light of a node, if it has one.
-pub(crate) fn read_light(root: &Root, node: usize) -> Result<Option<NodeLight>, String> {
+/// The light of a node, if it has one. Appends a note for each of its numbers that is replaced.
+pub(crate) fn read_light(root: &Root, node: usize, notes: &mut Vec<String>) -> Result<Option<NodeLight>, String> {
     let Some(named) = root.nodes[node].extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref()) else {
         return Ok(None);
     };
@@ -39,10 +40,11 @@ pub(crate) fn read_light(root: &Root, node: usize) -> Result<Option<NodeLight>, 
     let all = root.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
     let light =
         all.and_then(|all| all.lights.get(index)).ok_or_else(|| format!("node {node}: there is no light {index}"))?;
-    parse(light).map(Some).map_err(|fault| format!("light {index}: {fault}"))
+    let mut note = |note: String| notes.push(format!("light {index}: {note}"));
+    parse(light, &mut note).map(Some).map_err(|fault| format!("light {index}: {fault}"))
 }
 
-fn parse(light: &Punctual) -> Result<NodeLight, String> {
+fn parse(light: &Punctual, note: &mut impl FnMut(String)) -> Result<NodeLight, String> {
     let (color, intensity) = (Vec3::from_array(light.color), light.intensity);
     if !(color.is_finite() && color.min_element() >= 0.0) {
         return Err(format!("found color {color}: expected finite numbers that are not negative"));
@@ -68,15 +70,27 @@ fn parse(light: &Punctual) -> Result<NodeLight, String> {
         Checked::Valid(Type::Directional) => Ok(NodeLight::Sun(value)),
         Checked::Valid(Type::Spot) => {
             let spot = light.spot.as_ref().ok_or("a spot without its angles")?;
-            let (inner, outer) = (spot.inner_cone_angle, spot.outer_cone_angle);
-            if !(inner >= 0.0 && inner < outer && outer <= core::f32::consts::FRAC_PI_2 + 1e-6) {
-                return Err(format!(
-                    "found innerConeAngle {inner} and outerConeAngle {outer}: expected 0 ≤ inner < outer ≤ π/2"
-                ));
-            }
-            Ok(NodeLight::Spot(value, [inner.cos(), outer.cos()], range))
+            let angles = cone([spot.inner_cone_angle, spot.outer_cone_angle], note)?;
+            Ok(NodeLight::Spot(value, angles.map(f32::cos), range))
         }
     }
+}
+
+/// The angles of a spot. Equal ones, which some exporters write, are a cone with a hard edge.
+fn cone([inner, outer]: [f32; 2], note: &mut impl FnMut(String)) -> Result<[f32; 2], String> {
+    if !(inner >= 0.0 && outer > 0.0 && inner.is_finite() && outer.is_finite()) {
+        return Err(format!(
+            "found innerConeAngle {inner} and outerConeAngle {outer}: expected 0 ≤ inner < outer ≤ π/2"
+        ));
+    }
+    if outer > FRAC_PI_2 + 1e-6 {
+        note(format!("outerConeAngle {outer} is beyond π/2: it is taken as π/2"));
+    }
+    if inner > outer {
+        note(format!("innerConeAngle {inner} is beyond outerConeAngle {outer}: the cone's edge is hard"));
+    }
+    let outer = outer.min(FRAC_PI_2);
+    Ok([inner.min(outer), outer])
 }
 
 impl NodeLight {

@@ -124,6 +124,11 @@ impl Reader<'_> {
         self.extensions.tell(path, context);
     }
 
+    /// Adds a warning that appears once.
+    pub(crate) fn note(&mut self, note: String) {
+        self.images.note(note);
+    }
+
     /// The first camera is that of the picture.
     pub(crate) fn see(&self, camera: Camera, node: usize, skeleton: usize, read: &mut Read) {
         if read.camera.is_none() {

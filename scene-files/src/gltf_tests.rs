@@ -260,7 +260,7 @@ fn textures_of_the_coat_are_its_factors() {
 /// A triangle under a spot, a sun and a point, one of them turned.
 #[test]
 fn punctual_lights_are_read() {
-    let lit = |lights: &str| {
+    let told = |lights: &str| {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("lit.gltf");
         let positions = "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
@@ -275,8 +275,9 @@ fn punctual_lights_are_read() {
                 {{"rotation": [-0.70710678, 0, 0, 0.70710678], "extensions": {{"KHR_lights_punctual": {{"light": 1}}}}}}]}}"#
         );
         std::fs::write(&path, text).unwrap();
-        crate::load(&path).map(|scene| scene.lights).map_err(|e| e.to_string())
+        crate::load_with_warnings(&path).map(|(s, w)| (s.lights, w)).map_err(|e| e.to_string())
     };
+    let lit = |lights: &str| told(lights).map(|(lights, _)| lights);
     let lights = lit(r#"{"type": "point", "intensity": 5, "color": [1, 0.5, 0]},
         {"type": "spot", "intensity": 3, "spot": {"innerConeAngle": 0.2, "outerConeAngle": 0.5}}"#)
     .unwrap();
@@ -292,11 +293,24 @@ fn punctual_lights_are_read() {
     let lights = lit(r#"{"type": "point", "range": 8}, {"type": "spot", "range": 3, "spot": {}}"#).unwrap();
     let [lighting::Light::Spot(point), lighting::Light::Spot(spot)] = lights[..] else { panic!("{lights:?}") };
     assert_eq!((point.range, point.cos, spot.range), (8.0, [-1.0; 2], 3.0));
+    for (inner, outer, want, warning) in [
+        (0.5, 0.5, [0.5, 0.5], ""),
+        (0.9, 0.5, [0.5, 0.5], "light 0: innerConeAngle 0.9 is beyond outerConeAngle 0.5: the cone's edge is hard"),
+        (0.5, 2.0, [0.5, 1.570_796_4], "light 0: outerConeAngle 2 is beyond π/2: it is taken as π/2"),
+    ] {
+        let angles = format!(r#"{{"innerConeAngle": {inner}, "outerConeAngle": {outer}}}"#);
+        let (lights, warnings) =
+            told(&format!(r#"{{"type": "spot", "spot": {angles}}}, {{"type": "point"}}"#)).unwrap();
+        let lighting::Light::Spot(spot) = lights[0] else { panic!("{lights:?}") };
+        assert_eq!(spot.cos, want.map(f32::cos));
+        assert!(warnings.iter().all(|w| w.ends_with(warning)), "{warnings:?}");
+        assert_eq!(warnings.is_empty(), warning.is_empty());
+    }
     for (wrong, words) in [
         (r#"{"type": "point", "intensity": -5}, {"type": "point"}"#, "-5"),
         (r#"{"type": "laser"}, {"type": "point"}"#, "\"spot\""),
         (r#"{"type": "point", "range": 0}, {"type": "point"}"#, "range"),
-        (r#"{"type": "spot", "spot": {"innerConeAngle": 1.2, "outerConeAngle": 0.3}}, {"type": "point"}"#, "1.2"),
+        (r#"{"type": "spot", "spot": {"innerConeAngle": -1.2, "outerConeAngle": 0.3}}, {"type": "point"}"#, "-1.2"),
         (r#"{"type": "point"}"#, "no light 1"),
     ] {
         let message = lit(wrong).unwrap_err();
