@@ -257,6 +257,30 @@ fn textures_of_the_coat_are_its_factors() {
     assert!(warnings.iter().any(|w| w.contains("image 0 is not there")), "{warnings:?}");
 }
 
+#[test]
+fn textures_by_coordinates_that_the_mesh_lacks_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    image::RgbaImage::from_pixel(2, 2, image::Rgba([128; 4])).save(folder.path().join("s.png")).unwrap();
+    let path = folder.path().join("m.gltf");
+    let images = r#", "textures": [{"source": 0}], "images": [{"uri": "s.png"}]"#;
+    let text = with_floats(&triangle(r#"[{"mesh": 0, "name": "leaf"}]"#, images), &[(&[0.0; 6], "VEC2")]);
+    let text = text.replace("\"POSITION\": 0", "\"POSITION\": 0, \"TEXCOORD_0\": 1");
+    for (material, of) in [
+        (r#""pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1}}"#, "color"),
+        (r#""normalTexture": {"index": 0, "texCoord": 1}"#, "normal"),
+        (r#""normalTexture": {"index": 0, "texCoord": 0}"#, ""),
+        // It shines not.
+        (r#""emissiveTexture": {"index": 0, "texCoord": 1}"#, ""),
+    ] {
+        let own = r#""pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.4, 0.2, 1], "metallicFactor": 0}"#;
+        std::fs::write(&path, text.replace(own, material)).unwrap();
+        let (_, warnings) = crate::load_with_warnings(&path).unwrap();
+        let told = format!("\"leaf\" has no texture coordinates 1, by which its {of} texture lies");
+        assert_eq!(warnings.iter().filter(|w| w.contains(&told)).count(), usize::from(!of.is_empty()), "{warnings:?}");
+        assert_eq!(warnings.len(), usize::from(!of.is_empty()), "{warnings:?}");
+    }
+}
+
 /// A triangle under a spot, a sun and a point, one of them turned.
 #[test]
 fn punctual_lights_are_read() {
@@ -340,7 +364,8 @@ fn with_floats(document: &str, lists: &[(&[f32], &str)]) -> String {
         let four = |c: &[u8]| [18, 12, 6, 0].map(|shift| char::from(DIGITS[of(c) >> shift & 63]));
         assert!(bytes.len().is_multiple_of(3));
         let base64: String = bytes.chunks_exact(3).flat_map(four).collect();
-        let (n, rows) = (bytes.len(), list.len() / if *kind == "VEC3" { 3 } else { 4 });
+        let width = ["SCALAR", "VEC2", "VEC3", "VEC4"].iter().position(|of| of == kind).unwrap() + 1;
+        let (n, rows) = (bytes.len(), list.len() / width);
         append("bufferViews", format!("{{\"byteLength\": {n}, \"uri\": \"data:x;base64,{base64}\"}}"));
         append("accessors", format!("{{\"buffer\": {}, \"byteLength\": {n}}}", k + 1));
         let view = format!("{{\"bufferView\": {}, \"componentType\": 5126, ", k + 1);

@@ -281,11 +281,26 @@ fn load_in(
         }
     }
     known_errors::lines(&scene).into_iter().for_each(|line| context.warn(path, line));
-    let wants_uvs = |o: &&Object| scene.surface(o.material).is_some_and(Surface::has_textures);
-    let has_none = |o: &&Object| o.shape.vertices().is_some_and(|mesh| mesh.uv_sets.is_empty());
-    for object in scene.objects.iter().filter(wants_uvs).filter(has_none) {
-        let name = &object.name;
-        context.warn(path, format!("object \"{name}\" has no texture coordinates: it shows a corner of its textures"));
-    }
+    tell_missing_uvs(path, &scene, context);
     Ok((scene, animation, std::mem::take(&mut context.warnings)))
+}
+
+/// Warns of objects that lack the texture coordinates of their textures.
+fn tell_missing_uvs(path: &Path, scene: &Scene, context: &mut Context) {
+    for object in &scene.objects {
+        let Some(surface) = scene.surface(object.material).filter(|surface| surface.has_textures()) else { continue };
+        let Some(mesh) = object.shape.vertices() else { continue };
+        let (name, sets) = (&object.name, mesh.uv_sets.len());
+        let shown = |of: &str| of != "emission" || surface.emits();
+        if sets == 0 {
+            context
+                .warn(path, format!("object \"{name}\" has no texture coordinates: it shows a corner of its textures"));
+        } else if let Some((of, map)) = surface.maps().find(|(of, map)| shown(of) && map.uv_set >= sets) {
+            let set = map.uv_set;
+            context.warn(
+                path,
+                format!("object \"{name}\" has no texture coordinates {set}, by which its {of} texture lies: it shows a corner of that"),
+            );
+        }
+    }
 }

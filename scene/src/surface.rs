@@ -135,6 +135,11 @@ impl Surface {
 
     /// Its textures, each with the name of the field that it stands in.
     pub fn textures(&self) -> impl Iterator<Item = (&'static str, &Texture)> {
+        self.maps().map(|(name, map)| (name, &map.texture))
+    }
+
+    /// The same with their places on the surface.
+    pub fn maps(&self) -> impl Iterator<Item = (&'static str, &TextureMap)> {
         let maps = [
             ("color", &self.color),
             ("specular", &self.specular),
@@ -149,10 +154,10 @@ impl Surface {
             ("clearcoat", &self.clearcoat),
             ("clearcoat roughness", &self.clearcoat_roughness),
         ];
-        let maps = maps.into_iter().filter_map(|(name, map)| Some((name, &map.as_ref()?.texture)));
-        let channels = channels.into_iter().filter_map(|(name, c)| Some((name, &c.as_ref()?.map.texture)));
+        let maps = maps.into_iter().filter_map(|(name, map)| Some((name, map.as_ref()?)));
+        let channels = channels.into_iter().filter_map(|(name, c)| Some((name, &c.as_ref()?.map)));
         let normals = [("normal", &self.normal), ("clearcoat normal", &self.clearcoat_normal)];
-        let normals = normals.into_iter().filter_map(|(name, map)| Some((name, &map.as_ref()?.0.texture)));
+        let normals = normals.into_iter().filter_map(|(name, map)| Some((name, &map.as_ref()?.0)));
         maps.chain(channels).chain(normals)
     }
 
