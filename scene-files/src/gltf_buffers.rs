@@ -250,7 +250,7 @@ fn number(bytes: &[u8], component: ComponentType) -> f64 {
     }
 }
 
-/// A data URI, or a file beside the document: nothing else is ever opened.
+/// A data URI, or a file by its path relative to the document's folder, as OBJ names them: nothing else is ever opened.
 pub(crate) fn read_uri(files: &Source, path: &Path, uri: &str) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         let encoded = data.split_once(";base64,").ok_or("data URI is not base64")?.1;
@@ -262,8 +262,8 @@ pub(crate) fn read_uri(files: &Source, path: &Path, uri: &str) -> Result<Vec<u8>
     let name = percent_decoded(uri).ok_or_else(|| format!("cannot read uri \"{uri}\""))?;
     let name = if Path::new(&name).is_absolute() { name } else { name.replace('\\', "/") };
     let relative = Path::new(&name);
-    if !relative.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir)) {
-        return Err(format!("\"{name}\" lies outside the file's folder"));
+    if relative.components().any(|c| matches!(c, Component::RootDir | Component::Prefix(_))) {
+        return Err(format!("\"{name}\" is an absolute path: only relative ones are read"));
     }
     let file = files.beside(path, &name).unwrap_or_else(|| path.with_file_name("").join(relative));
     files.read(&file).map_err(|e| e.to_string())

@@ -281,6 +281,35 @@ fn textures_by_coordinates_that_the_mesh_lacks_are_told() {
     }
 }
 
+/// Buffers and images by paths that lead out of the document's folder, as MTL's do.
+#[test]
+fn files_are_found_by_relative_paths_only() {
+    let mut image = std::io::Cursor::new(Vec::new());
+    image::RgbaImage::from_pixel(2, 2, image::Rgba([128; 4])).write_to(&mut image, image::ImageFormat::Png).unwrap();
+    let positions = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_le_bytes);
+    let read = |folder: &str| {
+        let images = format!(r#", "textures": [{{"source": 0}}], "images": [{{"uri": "{folder}x/s.png"}}]"#);
+        let text = triangle(r#"[{"mesh": 0}]"#, &images)
+            .replace("\"metallicFactor\": 0", r#""baseColorTexture": {"index": 0}"#)
+            .replace("data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA", "T");
+        let text = text.replace("\"T\"", &format!("\"{folder}x/t.bin\""));
+        let files: std::collections::BTreeMap<std::path::PathBuf, Vec<u8>> = [
+            ("a/m.gltf".into(), text.into_bytes()),
+            ("x/t.bin".into(), positions.concat()),
+            ("x/s.png".into(), image.get_ref().clone()),
+        ]
+        .into();
+        crate::load_from(std::sync::Arc::new(files), "a/m.gltf", None).map_err(|e| e.to_string())
+    };
+    let (scene, _, warnings) = read("../").unwrap();
+    assert_eq!(scene.surfaces.iter().filter(|surface| surface.color.is_some()).count(), 1, "{warnings:?}");
+    for (folder, words) in [("/", "is an absolute path"), ("http://a/", "only files and data URIs"), ("./", "x/t.bin")]
+    {
+        let message = read(folder).err().unwrap();
+        assert!(message.contains("buffer 0") && message.contains(words), "{message}");
+    }
+}
+
 /// A triangle under a spot, a sun and a point, one of them turned.
 #[test]
 fn punctual_lights_are_read() {
