@@ -31,8 +31,18 @@ fn read_map(value: Value<'_>, around: &Around<'_>) -> Result<EnvironmentMap, Sce
     let (size, mut texels) = read_linear(value, around)?;
     let name = value.string().unwrap_or("");
     let notes = tame(&mut texels);
-    around.notes.borrow_mut().extend(notes.into_iter().map(|note| format!("image \"{name}\": {note}")));
+    let notes = stretched(size).into_iter().chain(notes);
+    around.notes.borrow_mut().extend(notes.map(|note| format!("image \"{name}\": {note}")));
     EnvironmentMap::new(size, texels).map_err(|e| value.error(format!("image \"{name}\": {e}")))
+}
+
+/// A line about a picture that cannot be one of latitude and longitude: such are twice as wide as high. Gradients of few texels may have
+/// any shape.
+fn stretched(size: UVec2) -> Option<String> {
+    const FEW: u32 = 4;
+    let UVec2 { x, y } = size;
+    let is_usual = y <= FEW || (1.9..=2.1).contains(&(f64::from(x) / f64::from(y)));
+    (!is_usual).then(|| format!("is {x}x{y}, and a sky is twice as wide as high: it is stretched over the sphere"))
 }
 
 /// Replaces numbers that are no radiance; a line for each kind of them.
@@ -78,6 +88,15 @@ pub(crate) fn read_linear(value: Value<'_>, around: &Around<'_>) -> Result<(UVec
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pictures_of_another_shape_are_told() {
+        for (x, y, is_told) in
+            [(64, 32, false), (63, 32, false), (1, 4, false), (24, 32, true), (192, 32, true), (5, 5, true)]
+        {
+            assert_eq!(stretched(UVec2::new(x, y)).is_some(), is_told, "{x} {y}");
+        }
+    }
 
     #[test]
     fn numbers_that_are_no_radiance_are_told() {
