@@ -36,13 +36,7 @@ impl<'b> ExrChannels<'b> {
     /// # Errors
     /// Why the file is no picture, in one line.
     pub(crate) fn find(bytes: &'b [u8]) -> Result<Option<Self>, String> {
-        if !bytes.starts_with(&MAGIC) {
-            return Ok(None);
-        }
-        let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| match e {
-            Error::NotSupported(_) => subsampled(),
-            e => format!("not a readable OpenEXR file: {e}"),
-        })?;
+        let Some(meta) = read_meta(bytes)? else { return Ok(None) };
         let flat: Vec<&Header> = meta.headers.iter().filter(|header| !header.deep).collect();
         let names: Vec<Vec<String>> = flat.iter().map(|header| names(header)).collect();
         if flat.is_empty() {
@@ -101,6 +95,21 @@ impl<'b> ExrChannels<'b> {
         };
         read.map_err(|e| format!("not a readable OpenEXR file: {e}"))
     }
+}
+
+/// The headers of a file; `None` for other formats.
+///
+/// # Errors
+/// Why they cannot be read, in one line.
+pub(crate) fn read_meta(bytes: &[u8]) -> Result<Option<MetaData>, String> {
+    if !bytes.starts_with(&MAGIC) {
+        return Ok(None);
+    }
+    let fault = |e| match e {
+        Error::NotSupported(_) => subsampled(),
+        e => format!("not a readable OpenEXR file: {e}"),
+    };
+    MetaData::read_from_buffered(Cursor::new(bytes), false).map(Some).map_err(fault)
 }
 
 fn subsampled() -> String {

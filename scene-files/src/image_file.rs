@@ -2,6 +2,7 @@
 
 use crate::budget::Budget;
 use crate::exr_channels::ExrChannels;
+use crate::exr_colors::ExrColors;
 use crate::hdr_header::HdrHeader;
 use crate::height::Texel;
 use glam::{UVec2, Vec3};
@@ -50,9 +51,25 @@ fn colors(image: DynamicImage) -> Vec<Texel> {
     texels.to_vec()
 }
 
-/// Decodes the same, Radiance HDR and OpenEXR to linear colours, the top row first: numbers as they are of the last two, sRGB of the
-/// others. Appends a note for each word of a header that means something and is not read.
+/// Decodes the same, Radiance HDR and OpenEXR to linear colours, the top row first: numbers of HDR as they are, those of EXR in the
+/// colours that their header names, sRGB of the others. Appends a note for each word of a header that means something and is not read.
 pub(crate) fn decode_linear(
+    name: &str,
+    ending: &str,
+    bytes: &[u8],
+    notes: &mut Vec<String>,
+    budget: &Budget,
+) -> Result<(UVec2, Vec<Vec3>), String> {
+    let colors = ExrColors::read(bytes).map_err(|e| format!("image \"{name}\": {}", one_line(&e)))?;
+    let (size, mut texels) = decode_numbers(name, ending, bytes, notes, budget)?;
+    if let Some(colors) = colors {
+        notes.extend(colors.note.iter().map(|note| format!("image \"{name}\": {note}")));
+        colors.convert(&mut texels);
+    }
+    Ok((size, texels))
+}
+
+fn decode_numbers(
     name: &str,
     ending: &str,
     bytes: &[u8],

@@ -62,6 +62,7 @@ mod decimal;
 mod defaults;
 mod emission;
 mod exr_channels;
+mod exr_colors;
 mod files;
 mod gltf_animation;
 mod gltf_buffers;
