@@ -83,13 +83,13 @@ impl Context {
         }
     }
 
-    /// Warns of large faces that cross themselves.
+    /// Warns of faces that cross themselves.
     pub(crate) fn tell_tangled(&mut self, path: &Path, count: usize) {
+        let covered = "parts may be covered twice, or not at all";
         match count {
             0 => {}
-            1 => self.warn(path, "a face crosses itself: it becomes triangles from its first corner"),
-            _ => self
-                .warn(path, format!("{count} faces cross themselves: they become triangles from their first corner")),
+            1 => self.warn(path, format!("a face crosses itself: {covered}")),
+            _ => self.warn(path, format!("{count} faces cross themselves: {covered}")),
         }
     }
 

@@ -252,7 +252,7 @@ struct Groups {
     material: usize,
     smoothing: u32,
     libraries: Libraries,
-    /// Large faces that cross themselves.
+    /// Faces that cross themselves.
     tangled: usize,
 }
 

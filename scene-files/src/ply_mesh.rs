@@ -35,7 +35,7 @@ pub(crate) struct PlyMesh {
     uvs: Vec<[Vec2; 3]>,
     colors: Vec<Vec3>,
     owners: Vec<i64>,
-    /// Large faces that cross themselves.
+    /// Faces that cross themselves.
     tangled: usize,
 }
 

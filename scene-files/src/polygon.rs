@@ -6,13 +6,20 @@ use glam::{DVec2, DVec3};
 
 /// Larger polygons are cut by `earcut`, whose cost is n log n for most; smaller ones by the search below, which is as quick there.
 const MOST_CORNERS: usize = 32;
-/// Larger polygons that cross themselves are fans: the time of `earcut` goes with the square of their corners.
+/// Larger polygons that cross themselves are fans: the time of `earcut` goes with the square of their corners then.
 const MOST_TANGLED: usize = 512;
 
-/// Newell's normal, and the corners in its plane, relative to the first.
+/// Newell's normal, and the corners in its plane, relative to the first. Where parts on both sides cancel, as in a bow tie, the normal is that
+/// of the largest part.
 fn flattened(corners: &[DVec3]) -> (DVec3, Vec<DVec2>) {
     let (n, p) = (corners.len(), |i: usize| corners[i] - corners[0]);
-    let normal: DVec3 = (0..n).map(|i| p(i).cross(corners[(i + 1) % n] - corners[0])).sum();
+    let parts = || (0..n).map(|i| p(i).cross(p((i + 1) % n)));
+    let (sum, all) = parts().fold((DVec3::ZERO, 0.0), |(sum, all), part| (sum + part, all + part.length()));
+    let normal = if sum.length() > 1e-9 * all {
+        sum
+    } else {
+        parts().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(sum)
+    };
     let normal = normal.normalize_or(DVec3::Z);
     let (u, v) = normal.any_orthonormal_pair();
     (normal, (0..n).map(p).map(|d| DVec2::new(u.dot(d), v.dot(d))).collect())
@@ -21,9 +28,9 @@ fn flattened(corners: &[DVec3]) -> (DVec3, Vec<DVec2>) {
 /// Whether a polygon became triangles that keep its area.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Cut {
-    /// They do, but for small polygons that cross themselves.
+    /// They do.
     Whole,
-    /// A large polygon that crosses itself, as triangles from its first corner.
+    /// The polygon crosses itself: they cover it somehow.
     Tangled,
 }
 
@@ -46,7 +53,7 @@ fn fan(n: usize, out: &mut impl FnMut([usize; 3])) {
 }
 
 /// Cuts a polygon of three corners or more into triangles of corner numbers, in the plane of its normal, so that concave ones keep their
-/// area. A polygon that crosses itself is covered somehow.
+/// area. A polygon that crosses itself is covered somehow; a large one becomes triangles from its first corner.
 ///
 /// # Cost
 /// About a microsecond a corner; up to 17 where a small polygon crosses itself. Long sides close together cost the square of their number: a comb
@@ -57,18 +64,23 @@ pub(crate) fn ears(corners: &[DVec3], out: &mut impl FnMut([usize; 3])) -> Cut {
         return Cut::Whole;
     }
     let (_, flat) = flattened(corners);
-    if corners.len() > MOST_TANGLED && is_tangled(&flat) {
+    let cut = if is_convex_quad(&flat) || !is_tangled(&flat) { Cut::Whole } else { Cut::Tangled };
+    if corners.len() > MOST_TANGLED && cut == Cut::Tangled {
         fan(corners.len(), out);
-        return Cut::Tangled;
-    }
-    if corners.len() > MOST_CORNERS {
+    } else if corners.len() > MOST_CORNERS {
         let mut triangles: Vec<u32> = Vec::new();
         Earcut::new().earcut(flat.iter().map(|p| p.to_array()), &[], &mut triangles);
         triangles.as_chunks::<3>().0.iter().for_each(|t| out(t.map(|i| i as usize)));
     } else {
         search(&flat, out);
     }
-    Cut::Whole
+    cut
+}
+
+/// Whether a polygon is what most are: four turns to one side are one turn around.
+fn is_convex_quad(flat: &[DVec2]) -> bool {
+    let turn = |i: usize| (flat[(i + 1) % 4] - flat[i]).perp_dot(flat[(i + 2) % 4] - flat[(i + 1) % 4]);
+    flat.len() == 4 && (0..4).all(|i| turn(i) > 0.0)
 }
 
 /// Ears one after the other, by a search through all corners.
@@ -131,6 +143,23 @@ mod tests {
                 assert_eq!(cut, Cut::Whole);
                 assert!((area / want - 1.0).abs() < 1e-9, "{n}: {area} {want}");
                 assert!(count <= n - 2, "{n}: {count}");
+            }
+        }
+    }
+
+    #[test]
+    fn small_polygons_that_cross_themselves_are_known() {
+        let around = |k: usize| DVec2::from_angle(core::f64::consts::TAU * k as f64 / 5.0);
+        let bow_tie = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]].map(DVec2::from_array);
+        let dart = [[0.0, 0.0], [1.0, 1.0], [0.2, 0.0], [1.0, -1.0]].map(DVec2::from_array);
+        let (pentagram, pentagon) = ([0, 2, 4, 1, 3].map(around), [0, 1, 2, 3, 4].map(around));
+        let shapes: [(&[DVec2], Cut); 4] =
+            [(&bow_tie, Cut::Tangled), (&pentagram, Cut::Tangled), (&dart, Cut::Whole), (&pentagon, Cut::Whole)];
+        for (shape, want) in shapes {
+            for (u, v) in [(DVec3::X, DVec3::Y), (DVec3::X, DVec3::Z), (DVec3::Z, DVec3::X), (DVec3::ONE, DVec3::Y)] {
+                let corners: Vec<DVec3> = shape.iter().map(|p| u * p.x + v * p.y + DVec3::splat(7.0)).collect();
+                let cuts = [ears(&corners, &mut |_| ()), fan_or_ears(&corners, &mut |_| ())];
+                assert_eq!(cuts, [want; 2], "{shape:?} {u} {v}");
             }
         }
     }
