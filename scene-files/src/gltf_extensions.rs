@@ -65,6 +65,8 @@ pub(crate) struct Extensions {
     instances: Vec<Option<Value>>,
     /// For each material that has some: its extensions.
     materials: Vec<Option<Value>>,
+    /// Attributes of morph targets that are not read.
+    morphed: BTreeSet<String>,
 }
 
 impl Extensions {
@@ -73,20 +75,20 @@ impl Extensions {
         let (n, m) = (root.nodes.len(), root.materials.len());
         let listed = root.extensions_used.iter().chain(&root.extensions_required).cloned();
         let (names, hidden) = (listed.collect(), vec![false; n]);
-        let mut own = Self { names, hidden, instances: vec![None; n], materials: vec![None; m] };
-        if !has(json, b"\"extensions\"") {
+        let (instances, materials, morphed) = (vec![None; n], vec![None; m], BTreeSet::new());
+        let mut own = Self { names, hidden, instances, materials, morphed };
+        if !has(json, b"\"extensions\"") && !has(json, b"\"targets\"") {
             return own;
         }
         let Ok(value) = gltf::json::deserialize::from_slice::<Value>(json) else { return own };
         own.gather(&value);
-        let nodes = value.get("nodes").and_then(Value::as_array);
-        for (i, node) in nodes.into_iter().flatten().enumerate().take(n) {
+        own.morphed = unread_targets(&value);
+        for (i, node) in list(&value, "nodes").enumerate().take(n) {
             let visible = node.pointer("/extensions/KHR_node_visibility/visible").and_then(Value::as_bool);
             own.hidden[i] = visible == Some(false);
             own.instances[i] = node.pointer("/extensions/EXT_mesh_gpu_instancing/attributes").cloned();
         }
-        let materials = value.get("materials").and_then(Value::as_array);
-        for (own, material) in own.materials.iter_mut().zip(materials.into_iter().flatten()) {
+        for (own, material) in own.materials.iter_mut().zip(list(&value, "materials")) {
             *own = material.get("extensions").cloned();
         }
         own
@@ -120,6 +122,9 @@ impl Extensions {
             let without = if is_of_surfaces(name) { "surfaces are" } else { "the picture is" };
             context.warn(path, format!("the extension {name} is not read: {without} as without it"));
         }
+        for name in &self.morphed {
+            context.warn(path, format!("morph targets of {name} are not read"));
+        }
     }
 
     /// Whether a node and all below it are not shown; cameras are not affected.
@@ -136,6 +141,17 @@ impl Extensions {
     pub(crate) fn of_material(&self, material: usize) -> Option<&Value> {
         self.materials.get(material)?.as_ref()
     }
+}
+
+/// The attributes that morph targets of a document move and that stay as they are.
+fn unread_targets(value: &Value) -> BTreeSet<String> {
+    let targets = list(value, "meshes").flat_map(|mesh| list(mesh, "primitives")).flat_map(|p| list(p, "targets"));
+    let names = targets.filter_map(Value::as_object).flat_map(|target| target.keys());
+    names.filter(|name| name.starts_with("COLOR_") || name.starts_with("TEXCOORD_")).cloned().collect()
+}
+
+fn list<'v>(value: &'v Value, name: &str) -> impl Iterator<Item = &'v Value> + use<'v> {
+    value.get(name).and_then(Value::as_array).into_iter().flatten()
 }
 
 fn is_of_surfaces(name: &str) -> bool {

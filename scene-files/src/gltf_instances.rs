@@ -41,6 +41,12 @@ pub(crate) fn read_instances(buffers: &Buffers<'_>, attributes: &Value) -> Resul
     Ok((0..count).map(matrix).collect())
 }
 
+/// The attributes of instances that mean something and are not read.
+pub(crate) fn unread_attributes(attributes: &Value) -> Vec<&str> {
+    let is_read = |name: &str| ["TRANSLATION", "ROTATION", "SCALE"].contains(&name) || name.starts_with('_');
+    attributes.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).filter(|name| !is_read(name)).collect()
+}
+
 /// The shapes at the place of each instance, as one.
 pub(crate) fn expanded(shapes: &Shapes, instances: &[Mat4]) -> Shapes {
     let empty = || vec![Vec::new(); shapes.morphs.positions.len()];

@@ -101,6 +101,14 @@ fn one_each<T>(name: &str, values: Vec<T>, vertices: usize) -> Result<Vec<T>, St
     }
 }
 
+/// The number of corners behind the last whole triangle of a list, if there are some.
+pub(crate) fn spare_indices(root: &Root, primitive: &Primitive) -> Option<u64> {
+    let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions)).copied();
+    let corners = root.accessors.get(primitive.indices.or(positions)?.value())?.count.0;
+    let is_list = primitive.mode == Checked::Valid(Mode::Triangles);
+    Some(corners % 3).filter(|spare| is_list && *spare > 0)
+}
+
 /// The triangles of a list, a strip or a fan.
 fn triangles_of(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     match mode {

@@ -6,9 +6,9 @@ use crate::gltf_buffers::Buffers;
 use crate::gltf_document::GltfPart;
 use crate::gltf_extensions::Extensions;
 use crate::gltf_file::Read;
-use crate::gltf_instances::{expanded, read_instances};
+use crate::gltf_instances::{expanded, read_instances, unread_attributes};
 use crate::gltf_material::read_material;
-use crate::gltf_mesh::{Influences, Shapes, read_influences, read_primitive, read_skin};
+use crate::gltf_mesh::{Influences, Shapes, read_influences, read_primitive, read_skin, spare_indices};
 use crate::gltf_shared::{SharedMeshes, Shown};
 use crate::gltf_texture::Images;
 use crate::part::Part;
@@ -154,6 +154,9 @@ impl Reader<'_> {
         let attributes = self.extensions.instances(n);
         let instances = attributes.map(|attributes| read_instances(&self.buffers, attributes)).transpose();
         let instances = instances.map_err(|e| format!("node {n}: {e}"))?;
+        for name in attributes.into_iter().flat_map(unread_attributes) {
+            self.images.note(format!("{name} of instances is not read"));
+        }
         if skin.is_some() && instances.is_some() {
             self.images.note("instances of a mesh with a skin are one: the skin places it".to_owned());
         }
@@ -171,6 +174,9 @@ impl Reader<'_> {
         let &PlacedMesh { node, mesh: m, .. } = of;
         let fault = |e: String| format!("mesh {m}, primitive {p}: {e}");
         let primitives = &self.root.meshes[m].primitives;
+        if let Some(spare) = spare_indices(self.root, &primitives[p]) {
+            self.images.note(format!("mesh {m}, primitive {p}: {spare} of its indices are no triangle: left out"));
+        }
         let material = self.material(&primitives[p]).map_err(fault)?;
         let name = if primitives.len() == 1 { of.name.clone() } else { format!("{} {p}", of.name) };
         let cut_out = material.as_ref().and_then(|(_, appearance)| appearance.cut_out.as_ref());

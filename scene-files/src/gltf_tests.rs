@@ -429,8 +429,24 @@ fn instances_stand_where_nodes_would() {
     }
     let other = text.replace("\"TRANSLATION\": 1", "\"TRANSLATION\": 7");
     assert!(parse(&other).err().unwrap().contains("node 1: instances: TRANSLATION: there is no accessor 7"));
+    let (_, warnings) = parts_of(&text.replace("_ID", "COLOR_0"));
+    assert!(warnings.len() == 1 && warnings[0].contains("COLOR_0 of instances is not read"), "{warnings:?}");
     let uneven = text.replace("\"count\": 3, \"type\": \"VEC4\"", "\"count\": 2, \"type\": \"VEC4\"");
     assert!(parse(&uneven).err().unwrap().contains("different counts"));
+}
+
+#[test]
+fn morphs_of_colours_and_spare_indices_are_told() {
+    let text = with_floats(&triangle(r#"[{"mesh": 0}]"#, ""), &[(&[0.0; 15], "VEC3")]);
+    let morphed =
+        text.replace("\"material\": 0", "\"targets\": [{\"POSITION\": 0, \"COLOR_0\": 0, \"TEXCOORD_1\": 0}]");
+    let warnings = parts_of(&morphed).1;
+    for name in ["COLOR_0", "TEXCOORD_1"] {
+        assert_eq!(warnings.iter().filter(|w| w.contains(&format!("targets of {name} are not read"))).count(), 1);
+    }
+    let (parts, warnings) = parts_of(&text.replace("\"POSITION\": 0", "\"POSITION\": 1"));
+    assert_eq!((parts[0].mesh.triangles.len(), warnings.len()), (1, 1), "{warnings:?}");
+    assert!(warnings[0].contains("mesh 0, primitive 0: 2 of its indices are no triangle"), "{warnings:?}");
 }
 
 #[test]

@@ -225,6 +225,38 @@ fn colours_of_obj_vertices_may_be_bytes() {
 }
 
 #[test]
+fn elements_and_colours_that_are_left_out_are_told() {
+    let warnings = |text: &str| {
+        let mut context = Context::default();
+        obj::parse(Path::new("m.obj"), text, &mut context).unwrap();
+        context.warnings
+    };
+    let told = warnings(&format!("{CUBE}l 1 2\nl 1 2 3\np 1\ncurv 0 1 1 2\nsurf 0 1 0 1 1 2 3 4\n"));
+    let words = ["1 point", "2 lines", "1 curve", "1 surface"];
+    assert!(told.len() == 1 && words.iter().all(|word| told[0].contains(word)), "{told:?}");
+    for colors in [["", " 1 0 0", ""], [" 1 0 0", "", ""]] {
+        let [a, b, c] = colors;
+        let told = warnings(&format!("v 0 0 0{a}\nv 1 0 0{b}\nv 0 1 0{c}\nf 1 2 3\n"));
+        assert!(told.len() == 1 && told[0].contains("1 of 3 vertices have colours"), "{told:?}");
+    }
+    let (_, told) = with_library("a", b"newmtl a\nmap_Kd -t 0.5 0 0 a.png\nmap_Ks -t 0 0 0 a.png\n");
+    assert_eq!(told.iter().filter(|line| line.contains("not read: -t")).count(), 1, "{told:?}");
+}
+
+#[test]
+fn parts_of_ply_files_that_are_left_out_are_told() {
+    let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+        element face 1\nproperty list uchar int vertex_indices\nproperty int material_index\nelement tristrips 1\n\
+        property list int int vertex_indices\nend_header\n";
+    let mut context = Context::default();
+    let body = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 5\n3 0 1 2\n";
+    ply::parse(Path::new("m.ply"), format!("{header}{body}").as_bytes(), &mut context).unwrap();
+    for words in ["tristrips", "material_index"] {
+        assert_eq!(context.warnings.iter().filter(|line| line.contains(words)).count(), 1, "{:?}", context.warnings);
+    }
+}
+
+#[test]
 fn ply_files_that_are_not_read_say_why() {
     let vertices = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
     let faces = "element face 1\nproperty list uchar int vertex_indices\n";

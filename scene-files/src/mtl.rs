@@ -303,6 +303,7 @@ impl Reader<'_> {
                 "-bm" => bump = value(1, 1.0),
                 "-clamp" if taken.get(1) == Some(&"on") => options.wrap = Wrap::Clamp,
                 "-mm" if (value(1, 0.0), value(2, 1.0)) != (0.0, 1.0) => self.tell_unread("-mm"),
+                "-t" if (1..=3).any(|k| value(k, 0.0) != 0.0) => self.tell_unread("-t"),
                 "-imfchan" => options.source = source(taken.get(1).copied().unwrap_or(""))?,
                 _ => {}
             }

@@ -1,10 +1,10 @@
-//! Wavefront OBJ: positions, normals, smoothing groups, texture coordinates, colours, polygons by material. Lines and curves are ignored.
+//! Wavefront OBJ: positions, normals, smoothing groups, texture coordinates, colours, polygons by material. Points, lines, curves and surfaces are left out.
 
 use crate::appearance::Appearance;
 use crate::context::{Context, counted};
 use crate::mtl::without_comment;
 use crate::obj_libraries::Libraries;
-use crate::obj_lines::{self, Run};
+use crate::obj_lines::{self, Run, UNREAD};
 use crate::obj_normals::{self, smoothing_group};
 use crate::part::Part;
 use crate::polygon::{self, Cut};
@@ -33,6 +33,10 @@ struct Lists {
     uvs: Vec<Vec2>,
     /// Of positions; shorter than those where some have none.
     colors: Vec<Vec3>,
+    /// Positions with a colour.
+    colored: usize,
+    /// Elements of each kind that is not read.
+    unread: [usize; UNREAD.len()],
 }
 
 /// The text of an OBJ file. Names and comments may be in any encoding: bytes that are not UTF-8 are replaced.
@@ -68,6 +72,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
         counted(short, "face", "fewer than three corners"),
         counted(infinite, "face", "corners that are NaN, infinite or beyond single precision (3.4e38)"),
     ];
+    left_out.extend(UNREAD.iter().zip(lists.unread).map(|((_, name), count)| counted(count, name, "being no face")));
     left_out.retain(|what| !what.is_empty());
     context.left_out(path, groups.iter().all(Vec::is_empty), &left_out.join(", "))?;
     let is_bare = groups.iter().flatten().all(|face| face.corners.iter().all(|c| c.1.is_none()));
@@ -76,10 +81,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
         context.warn(path, format!("{broken} corners have normals without a direction: they get those of their faces"));
     }
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    let has_colors = lists.colors.len() == lists.positions.len();
-    if let Some(one) = vertex_colors::decode(&mut lists.colors) {
-        context.warn(path, vertex_colors::note(one));
-    }
+    let has_colors = lists.decode_colors(path, context);
     // Names that no library has mean nothing: their faces stay together.
     let mut unnamed: Vec<Face> = Vec::new();
     let mut parts: Vec<Part> = Vec::new();
@@ -304,6 +306,21 @@ impl Groups {
 }
 
 impl Lists {
+    /// Makes colours linear. Returns whether all positions have one: else they are left out, with a warning.
+    fn decode_colors(&mut self, path: &Path, context: &mut Context) -> bool {
+        let (some, all) = (self.colored, self.positions.len());
+        if some < all {
+            if some > 0 {
+                context.warn(path, format!("{some} of {all} vertices have colours: these are left out"));
+            }
+            return false;
+        }
+        if let Some(one) = vertex_colors::decode(&mut self.colors) {
+            context.warn(path, vertex_colors::note(one));
+        }
+        true
+    }
+
     /// Positions, texture coordinates and normals.
     fn counts(&self) -> [usize; 3] {
         [self.positions.len(), self.uvs.len(), self.normals.len()]
@@ -313,6 +330,8 @@ impl Lists {
         if self.colors.len() == self.positions.len() {
             self.colors.extend_from_slice(&run.colors);
         }
+        self.colored += run.colored;
+        self.unread.iter_mut().zip(run.unread).for_each(|(sum, count)| *sum += count);
         self.positions.extend_from_slice(&run.positions);
         self.normals.extend_from_slice(&run.normals);
         self.uvs.extend_from_slice(&run.uvs);

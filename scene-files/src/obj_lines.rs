@@ -10,6 +10,9 @@ const RUN: usize = 1 << 18;
 /// No number is written there.
 pub(crate) const ABSENT: i32 = i32::MIN;
 
+/// Elements that are not read, and their names.
+pub(crate) const UNREAD: [(&str, &str); 4] = [("p", "point"), ("l", "line"), ("curv", "curve"), ("surf", "surface")];
+
 /// Some lines of a file.
 #[derive(Default)]
 pub(crate) struct Run<'t> {
@@ -21,6 +24,10 @@ pub(crate) struct Run<'t> {
     /// Of all faces: the numbers of position, texture coordinates and normal as written.
     pub(crate) corners: Vec<[i32; 3]>,
     pub(crate) faces: Vec<FaceLine>,
+    /// Positions with a colour.
+    pub(crate) colored: usize,
+    /// Elements of each kind that is not read.
+    pub(crate) unread: [usize; UNREAD.len()],
     pub(crate) others: Vec<Statement<'t>>,
     /// Lines, which are counted in the file.
     pub(crate) lines: usize,
@@ -128,7 +135,11 @@ impl<'t> Run<'t> {
                 self.end_face(number);
             }
             "usemtl" | "s" | "mtllib" => self.others.push(Statement { faces: self.faces.len(), text: line }),
-            _ => {}
+            _ => {
+                if let Some(kind) = UNREAD.iter().position(|(unread, _)| *unread == word) {
+                    self.unread[kind] += 1;
+                }
+            }
         }
         Ok(())
     }
@@ -178,6 +189,7 @@ impl<'t> Run<'t> {
         match word {
             "v" => {
                 let (position, color) = vertex(words, origin)?;
+                self.colored += usize::from(color.is_some());
                 self.colors.extend(color.filter(|_| self.colors.len() == self.positions.len()));
                 self.positions.push(position);
             }

@@ -189,10 +189,17 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], context: &mut Context) -> Result<
             })?;
         }
     }
+    let has_strips = elements.iter().any(|e| e.name == "tristrips" && e.count > 0);
     if mesh.mesh.triangles.is_empty() {
-        let has_strips = elements.iter().any(|e| e.name == "tristrips" && e.count > 0);
         let why = if has_strips { "no triangles: strips (element tristrips) are not read" } else { "no triangles" };
         return Err(SceneError::file(path, why));
+    }
+    if has_strips {
+        context.warn(path, "strips (element tristrips) are not read: only its faces are");
+    }
+    let mut properties = elements.iter().filter(|e| e.count > 0).flat_map(|e| &e.properties);
+    if properties.any(|property| property.name == "material_index") {
+        context.warn(path, "material_index is not read: its faces have one material");
     }
     mesh.parts(path, context).map_err(|message| SceneError::file(path, message))
 }
