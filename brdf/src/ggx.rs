@@ -116,6 +116,7 @@ fn half_vectors<T>(
     mut visit: impl FnMut(&T, f64, f64, [f64; 3]),
 ) {
     let a2 = alpha * alpha;
+    let turns: Vec<(f64, f64)> = (0..sectors).map(|j| (PI * (j as f64 + 0.5) / sectors as f64).sin_cos()).collect();
     for i in 0..rings {
         // Denser toward the ends: t = u²(3 − 2u).
         let u = (i as f64 + 0.5) / rings as f64;
@@ -128,8 +129,7 @@ fn half_vectors<T>(
             s * c2 * alpha / ((1.0 - t) * (1.0 - t)) * 6.0 * u * (1.0 - u) / rings as f64 * (2.0 * PI / sectors as f64);
         let d = a2 / (PI * (c2 * (a2 - 1.0) + 1.0).powi(2));
         let of_ring = ring(c2);
-        for j in 0..sectors {
-            let (sp, cp) = (PI * (j as f64 + 0.5) / sectors as f64).sin_cos();
+        for &(sp, cp) in &turns {
             // x away from the viewer, y across, z the normal.
             let (hx, hy, hz) = (s * cp, s * sp, c);
             let vh = hz * cos - hx * sin;

@@ -84,10 +84,11 @@ fn is_flat(mesh: &Mesh) -> bool {
 /// Advice for an object of a scene. `set` is the quality of its sphere set, where known: a bad one speaks
 /// against spheres, a good one does not speak for them.
 ///
-/// `taken`: the strategy that pictures take at the scene's moment.
+/// `taken`: the strategy that pictures take at the scene's moment. `boxes` are around all objects.
 pub(crate) fn advise(
     scene: &Scene,
     animation: &Animation,
+    boxes: &[Bounds],
     number: usize,
     taken: Strategy,
     set: Option<&SetQuality>,
@@ -105,7 +106,7 @@ pub(crate) fn advise(
         let reason = "a backdrop: lights and all that is seen are in front of it";
         return advice(Strategy::None, reason.to_owned());
     }
-    if is_backdrop(scene, animation, number, mesh) {
+    if is_backdrop(scene, animation, boxes, number, mesh) {
         let reason = "a backdrop: lights, camera and all that casts shadows are in front of it";
         return advice(Strategy::None, reason.to_owned());
     }
@@ -165,36 +166,36 @@ fn casts_nothing(object: &Object) -> bool {
 ///
 /// For an object that casts nothing already, only the boxes of casting objects count: a floor that reaches behind a wall
 /// need not receive the wall's shadow there.
-fn is_backdrop(scene: &Scene, animation: &Animation, number: usize, mesh: &Mesh) -> bool {
+fn is_backdrop(scene: &Scene, animation: &Animation, boxes: &[Bounds], number: usize, mesh: &Mesh) -> bool {
     let silent = casts_nothing(&scene.objects[number]);
     if animation.rig(number).is_some() || !(silent || animation.is_still()) {
         return false;
     }
     let counts = |(n, o): &(usize, &Object)| *n != number && !(silent && casts_nothing(o));
-    let boxes = scene.objects.iter().enumerate().filter(counts).map(|(_, o)| o.shape.bounds());
+    let others = || scene.objects.iter().enumerate().filter(counts).map(|(n, _)| boxes[n]);
     let size = |bounds: &Bounds| f64::from((bounds.max - bounds.min).length());
-    let own = size(&mesh.bounds());
+    let own = size(&boxes[number]);
     // A part of 1e-4 of the box or of the mesh, of the smaller one, may be behind: what stands on a floor touches it.
     let slack = |other: f64| 1e-4 * own.min(other);
-    let corners = boxes.flat_map(|b| {
+    let corners = |b: Bounds| {
         let may_be_behind = slack(size(&b));
         let pick = move |k: usize| {
             let high = Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2 & 1) as f32);
             ((b.min + (b.max - b.min) * high).as_dvec3(), -may_be_behind)
         };
         (0..8).map(pick)
-    });
-    // How far they must be before each triangle.
-    let mut points: Vec<(DVec3, f64)> = corners.collect();
-    points.extend(scene.lights.iter().map(|light| light.bounds()).map(|sphere| {
+    };
+    // How far points must be before each triangle.
+    let of_lights = scene.lights.iter().map(|light| light.bounds()).map(|sphere| {
         let radius = f64::from(sphere.radius);
         (sphere.center.as_dvec3(), radius - slack(2.0 * radius))
-    }));
+    });
+    let mut points: Vec<(DVec3, f64)> = of_lights.collect();
     let (eye, [.., forward]) = (scene.camera.eye.as_dvec3(), scene.camera.axes());
     let are_parallel = matches!(scene.camera.projection, Projection::Orthographic { .. });
     let toward_eye = |a: DVec3| if are_parallel { -forward.as_dvec3() } else { eye - a };
     // Few large triangles look at all of the mesh; many small ones are no backdrop.
-    if mesh.triangles.len() * (points.len() + mesh.positions.len()) > 10_000_000 {
+    if mesh.triangles.len() * (8 * boxes.len() + points.len() + mesh.positions.len()) > 10_000_000 {
         return false;
     }
     points.extend(mesh.positions.iter().map(|p| (p.as_dvec3(), -slack(own))));
@@ -202,6 +203,7 @@ fn is_backdrop(scene: &Scene, animation: &Animation, number: usize, mesh: &Mesh)
         let [a, b, c] = t.map(|i| mesh.positions[i as usize].as_dvec3());
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { return true };
         let normal = if normal.dot(toward_eye(a)) < 0.0 { -normal } else { normal };
-        points.iter().all(|(p, before)| normal.dot(*p - a) >= *before)
+        let is_before = |(p, before): (DVec3, f64)| normal.dot(p - a) >= before;
+        points.iter().copied().all(is_before) && others().flat_map(corners).all(is_before)
     })
 }

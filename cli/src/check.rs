@@ -9,9 +9,10 @@ use cosine_lobes::brdf::{Material, residual, residual_of_cosine_lobes};
 use cosine_lobes::lobe_core::Receiver;
 use cosine_lobes::render_cpu::{BlockersError, SphereSource, read_set};
 use cosine_lobes::renderer::{BAND_RAYS, Plan, known_set};
-use cosine_lobes::scene::{Animation, Object, Proxy, SCHEMA_EXAMPLE, Scene, Shape, Strategy, Surface, Texture};
+use cosine_lobes::scene::{Animation, Bounds, Object, Proxy, SCHEMA_EXAMPLE, Scene, Shape, Strategy, Surface, Texture};
 use cosine_lobes::sphere_sets::SetQuality;
 use glam::Vec3;
+use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::collections::HashMap;
 
@@ -40,7 +41,8 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
     }
     let (scene, animation) = input::load(args.file.as_deref(), &args.model.options(args.clip.as_deref()), false)?;
     let plan = Plan::new(None, &scene);
-    let requirement = |number| requirement(&scene, &animation, &plan, number);
+    let boxes: Vec<Bounds> = scene.objects.iter().map(|object| object.shape.bounds()).collect();
+    let requirement = |number| requirement(&scene, &animation, &plan, &boxes, number);
     let objects = (0..scene.objects.len()).map(requirement).collect::<Result<Vec<_>, Failure>>()?;
     let prices = || {
         note("lobes: note: --prices: fits spheres to meshes and makes small pictures; this may take a minute");
@@ -82,14 +84,20 @@ fn schema() -> String {
     )
 }
 
-fn requirement(scene: &Scene, animation: &Animation, plan: &Plan, number: usize) -> Result<Requirement, Failure> {
+fn requirement(
+    scene: &Scene,
+    animation: &Animation,
+    plan: &Plan,
+    boxes: &[Bounds],
+    number: usize,
+) -> Result<Requirement, Failure> {
     let object = &scene.objects[number];
     let (count, quality) = spheres(object)?;
     let spheres = match plan.spheres(scene, number) {
         SphereSource::Nothing => 0,
         _ => count,
     };
-    let advice = advise(scene, animation, number, plan.of(number), quality.as_ref());
+    let advice = advise(scene, animation, boxes, number, plan.of(number), quality.as_ref());
     Ok(Requirement { strategy: plan.of(number), spheres, advice, quality })
 }
 
@@ -124,7 +132,7 @@ fn memory(scene: &Scene) -> u64 {
 }
 
 fn requirements(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requirement]) -> Value {
-    let materials = scene.materials.iter().enumerate().map(|(i, m)| {
+    let materials = scene.materials.par_iter().enumerate().map(|(i, m)| {
         let textures = scene.surface(i).into_iter().flat_map(Surface::textures);
         let texture = |(name, texture): (_, &Texture)| json!({"field": name, "size": texture.size()});
         json!({
@@ -160,7 +168,7 @@ fn requirements(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Re
         "spheres": objects.iter().map(|o| o.spheres).sum::<usize>(),
         "memory_bytes": memory(scene),
         "map_bytes_at_most": plan.most_map_bytes(scene),
-        "materials": materials.collect::<Vec<_>>(),
+        "materials": materials.collect::<Vec<Value>>(),
         "objects": objects_json.collect::<Vec<_>>(),
         "animation": (!animation.is_still()).then(|| json!({
             "duration": animation.duration(),
@@ -184,8 +192,9 @@ fn print(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requireme
     for clip in animation.clips() {
         say(format_args!("clip       {clip}"));
     }
-    for (i, m) in scene.materials.iter().enumerate() {
-        say(format_args!("material   {i}: {}", describe_material(m, scene.surface(i))));
+    let materials = scene.materials.par_iter().enumerate().map(|(i, m)| describe_material(m, scene.surface(i)));
+    for (i, text) in materials.collect::<Vec<_>>().iter().enumerate() {
+        say(format_args!("material   {i}: {text}"));
     }
     // Objects with the same text share their lines, at the first one's place.
     let mut told: Vec<(String, Vec<&str>)> = Vec::new();
@@ -232,6 +241,10 @@ fn describe_material(material: &Material, surface: Option<&Surface>) -> String {
 /// The residual of a material's lobes; empty where the lobes are the material.
 fn residuals(material: &Material) -> String {
     const EXACT: f64 = 1e-3;
+    // Its lobes are the material: one of many in a file, of which each would take a millisecond.
+    if matches!(material, Material::MetallicRoughness(_)) {
+        return String::new();
+    }
     let percent = |residual: f64| format!("{:.1} %", 100.0 * residual);
     // Those of the methods `paper` and `lobes` are in the JSON alone: few take them.
     let own = residual(material);

@@ -26,6 +26,10 @@ pub(crate) fn load(file: Option<&Path>, options: &LoadOptions, quiet: bool) -> R
 
 /// A line about a material that reflects more than it receives, seen and lit from straight above.
 fn too_bright(number: usize, material: &Material) -> Option<String> {
+    // It never does, and its cosine lobes would take milliseconds.
+    if matches!(material, Material::MetallicRoughness(_)) {
+        return None;
+    }
     let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z).on_object(0);
     let mut lobes = Vec::new();
     material.cosine_lobes(&at, &mut lobes);

@@ -245,6 +245,22 @@ fn residuals_of_materials_are_told() {
     assert!(of("metallic-roughness", "residual_of_directions") > 0.02 && of("neumann", "residual") > 0.02);
 }
 
+/// Neither their tables nor their residuals are computed, which take milliseconds each.
+#[test]
+fn many_materials_are_checked_soon() {
+    let folder = folder();
+    let folder = folder.path();
+    let material = |k: usize| {
+        let roughness = k as f32 / 2000.0;
+        format!("[materials.m{k}]\nmodel = \"metallic-roughness\"\nbase = 0.5\nroughness = {roughness}\n\n")
+    };
+    let all: String = (0..2000).map(material).collect();
+    fs::write(folder.join("many.toml"), SCENE.replace("[[lights]]", &format!("{all}[[lights]]"))).unwrap();
+    let begin = std::time::Instant::now();
+    succeed(folder, &["check", "many.toml"]);
+    assert!(begin.elapsed().as_secs_f64() < 4.0, "{:?}", begin.elapsed());
+}
+
 /// Each strategy has a price or a reason against it; the exact ones have next to no error.
 #[test]
 fn checking_prices_strategies() {
