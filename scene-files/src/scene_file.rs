@@ -284,12 +284,13 @@ fn read_projection<'s>(t: &mut Table<'s>, camera: Value<'s>) -> Result<Projectio
     let projection = match name {
         "perspective" => {
             none(height)?;
-            let degrees = fov.map_or(Ok(DEFAULT_FOV), |v| v.number())?;
+            let (place, degrees) = (fov.unwrap_or(camera), fov.map_or(Ok(DEFAULT_FOV), |v| v.number())?);
             if !(degrees > 0.0 && degrees < 180.0) {
-                let place = fov.unwrap_or(camera);
                 return Err(place.error(format!("{degrees} must lie between 0 and 180 degrees")));
             }
-            return Ok(Projection::perspective(degrees.to_radians()));
+            let projection = Projection::perspective(degrees.to_radians());
+            projection.validate().map_err(|e| place.error(e))?;
+            projection
         }
         "orthographic" => {
             none(fov)?;

@@ -119,6 +119,7 @@ fn bad_input_is_refused_in_one_line_with_its_place() {
     refused(&camera("fov = 0"), 6, &["between 0 and 180"]);
     refused(&camera("fov = 180"), 6, &["between 0 and 180"]);
     refused(&camera("fov = nan"), 6, &["finite"]);
+    refused(&camera("fov = 0.0005\nup = [0, 1, 0]"), 6, &["field of view", "0.001"]);
     for (height, line, message) in [
         ("0", 7, "more than 0"),
         ("-1", 7, "more than 0"),
