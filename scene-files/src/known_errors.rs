@@ -2,6 +2,7 @@
 
 use brdf::Material;
 use core::cell::OnceCell;
+use glam::Vec3;
 use lighting::Light;
 use lobe_core::Sphere;
 use scene::{Bounds, Scene};
@@ -67,15 +68,17 @@ fn metal(number: usize, material: &Material) -> Option<String> {
 
 /// Lights in one place.
 fn twice(lights: &[Light]) -> Vec<String> {
-    let lights = &lights[..lights.len().min(MOST)];
+    // Black ones add nothing.
+    let shines = |light: &&Light| light.full_radiance() != Vec3::ZERO;
+    let lights: Vec<&Light> = lights.iter().take(MOST).filter(shines).collect();
     let sphere = |light: &Light| match light {
         Light::Sphere(light) => Some(light.sphere),
         Light::Enclosed(light) => light.light.sphere(),
         _ => None,
     };
-    let spheres: Vec<Option<Sphere>> = lights.iter().map(sphere).collect();
+    let spheres: Vec<Option<Sphere>> = lights.iter().map(|light| sphere(light)).collect();
     let (mut equal, mut overlapping) = (0, 0);
-    for (i, light) in lights.iter().enumerate() {
+    for (i, &light) in lights.iter().enumerate() {
         let (mut is_equal, mut overlaps) = (false, false);
         for j in 0..i {
             match (spheres[i], spheres[j]) {
@@ -85,7 +88,7 @@ fn twice(lights: &[Light]) -> Vec<String> {
                     let apart = a.center.as_dvec3().distance(b.center.as_dvec3());
                     overlaps |= apart < 0.999 * (f64::from(a.radius) + f64::from(b.radius));
                 }
-                (None, None) if !matches!(light, Light::Sky(_) | Light::Ambient(_)) => is_equal |= *light == lights[j],
+                (None, None) if !matches!(light, Light::Sky(_) | Light::Ambient(_)) => is_equal |= light == lights[j],
                 _ => {}
             }
         }
@@ -109,7 +112,6 @@ fn twice(lights: &[Light]) -> Vec<String> {
 mod tests {
     use super::*;
     use brdf::Neumann;
-    use glam::Vec3;
     use lighting::SphereLight;
 
     #[test]
@@ -138,7 +140,9 @@ mod tests {
         };
         let sun: Light =
             lighting::SunLight::new(Vec3::Y, 0.3, Vec3::ONE, Sphere { center: Vec3::ZERO, radius: 1.0 }).into();
+        let black: Light = SphereLight::new(Sphere { center: Vec3::ZERO, radius: 1.0 }, Vec3::ZERO).into();
         for (lights, words) in [
+            (vec![at(0.0, 1.0), black.clone(), at(1.5, 0.4), black], &[][..]),
             (vec![at(0.0, 1.0), at(2.0, 1.0)], &[][..]),
             (vec![at(0.0, 1.0), at(1.5, 1.0)], &["1 light sphere overlaps"]),
             (vec![at(0.0, 1.0), at(0.0, 1.0)], &["1 light is in the place"]),
