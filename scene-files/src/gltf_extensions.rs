@@ -20,9 +20,12 @@ const READ: [&str; 11] = [
     "KHR_texture_transform",
 ];
 
-/// Extensions without which a picture is the same: metadata, sound, physics, choices of which the document's own is shown, and compressed
-/// copies of data that a document which does not require them has plain as well.
-const HARMLESS: [&str; 30] = [
+/// Compressed copies of data that a document which does not require them has plain as well.
+const COMPRESSED: [&str; 3] = ["EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_meshopt_compression"];
+
+/// Extensions without which a picture is the same, required or not: metadata, sound, physics, and choices of which the document's own is
+/// shown.
+const HARMLESS: [&str; 27] = [
     "AGI_articulations",
     "AGI_stk_metadata",
     "ALCM_blend_shape_names",
@@ -30,15 +33,12 @@ const HARMLESS: [&str; 30] = [
     "EXT_instance_features",
     "EXT_mesh_features",
     "EXT_mesh_manifold",
-    "EXT_meshopt_compression",
     "EXT_structural_metadata",
     "FB_geometry_metadata",
     "GODOT_single_root",
     "KHR_audio_emitter",
-    "KHR_draco_mesh_compression",
     "KHR_interactivity",
     "KHR_materials_variants",
-    "KHR_meshopt_compression",
     "KHR_node_hoverability",
     "KHR_node_selectability",
     "KHR_physics_rigid_bodies",
@@ -110,14 +110,15 @@ impl Extensions {
         }
     }
 
-    /// A required extension that is not read, if there is one.
+    /// A required extension that is not read and is needed, if there is one.
     pub(crate) fn missing(root: &Root) -> Option<&str> {
-        root.extensions_required.iter().map(String::as_str).find(|name| !READ.contains(name))
+        let is_needed = |name: &&str| !READ.contains(name) && !HARMLESS.contains(name);
+        root.extensions_required.iter().map(String::as_str).find(is_needed)
     }
 
     /// Warns of each extension that may change the picture and is not read.
     pub(crate) fn tell(&self, path: &Path, context: &mut Context) {
-        let unread = |name: &&str| !READ.contains(name) && !HARMLESS.contains(name);
+        let unread = |name: &&str| ![&READ[..], &HARMLESS, &COMPRESSED].iter().any(|known| known.contains(name));
         for name in self.names.iter().map(String::as_str).filter(unread) {
             let without = if is_of_surfaces(name) { "surfaces are" } else { "the picture is" };
             context.warn(path, format!("the extension {name} is not read: {without} as without it"));

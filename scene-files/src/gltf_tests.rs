@@ -95,6 +95,7 @@ fn faults_are_named() {
         (r#"[{"mesh": 0, "skin": 0}]"#, "", "no skin 0"),
         (r#"[{"mesh": 0}]"#, r#", "scene": 4"#, "no scene 4"),
         (r#"[{"mesh": 0}]"#, r#", "extensionsRequired": ["KHR_draco_mesh_compression"]"#, "KHR_draco_mesh_compression"),
+        (r#"[{"mesh": 0}]"#, r#", "extensionsRequired": ["KHR_materials_sheen"]"#, "KHR_materials_sheen"),
     ] {
         let message = with(nodes, more);
         assert!(message.starts_with("m.gltf: ") && message.contains(words), "{message}");
@@ -463,6 +464,13 @@ fn nodes_that_are_not_visible_show_nothing_below_them() {
     assert!(camera.is_some());
     let none = parse(&triangle(&format!(r#"[{{"mesh": 0, {hidden}}}]"#), "")).err().unwrap();
     assert!(none.contains("not visible"), "{none}");
+}
+
+#[test]
+fn required_extensions_that_change_no_picture_are_fine() {
+    let required = r#", "extensionsRequired": ["KHR_materials_variants", "KHR_xmp_json_ld"]"#;
+    let (parts, warnings) = parts_of(&triangle(r#"[{"mesh": 0}]"#, required));
+    assert_eq!((parts.len(), warnings.len()), (1, 0), "{warnings:?}");
 }
 
 #[test]
