@@ -24,10 +24,10 @@ fn bake_file(args: &BakeArgs) -> Result<(), Failure> {
     files::distinct(&frames.iter().map(|frame| path(*frame)).collect::<Vec<_>>(), [&args.file])?;
     sweep_unfinished(&args.output);
     console::set_threads(args.console.threads)?;
+    let options = args.model.options(args.clip.as_deref())?;
     // Opened before the long work, so that a path that cannot be written is refused at once.
     let mut opened = Some(files::create_glb(&path(frames[0]))?);
     let start = Instant::now();
-    let options = args.model.options(args.clip.as_deref());
     let mut baker = Baker::open(&args.file, &options, args.settings(), args.render_settings())?;
     if !args.console.quiet {
         baker.notes().iter().for_each(|line| note(format_args!("lobes: warning: {line}")));

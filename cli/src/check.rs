@@ -39,7 +39,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
         say(schema());
         return Ok(());
     }
-    let (scene, animation) = input::load(args.file.as_deref(), &args.model.options(args.clip.as_deref()), false)?;
+    let (scene, animation) = input::load(args.file.as_deref(), &args.model.options(args.clip.as_deref())?, false)?;
     let plan = Plan::new(None, &scene);
     let boxes: Vec<Bounds> = scene.objects.iter().map(|object| object.shape.bounds()).collect();
     let requirement = |number| requirement(&scene, &animation, &plan, &boxes, number);
@@ -210,8 +210,8 @@ fn print(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requireme
     for (text, names) in told {
         say(format_args!("object     {}: {text}", listed(&names)));
     }
-    if scene.lights.is_empty() {
-        say("note       no light: the picture is black");
+    if let Some(lack) = input::darkness(scene) {
+        say(format_args!("note       {lack}: the picture is black"));
     } else if objects.iter().all(|o| o.strategy == Strategy::None) {
         say("note       nothing blocks light: a point costs one integral a lobe");
     }

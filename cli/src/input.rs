@@ -46,14 +46,22 @@ fn too_bright(number: usize, material: &Material) -> Option<String> {
 pub(crate) fn view(args: &ViewArgs) -> Result<(Scene, Animation), Failure> {
     console::set_threads(args.console.threads)?;
     let (mut scene, animation) =
-        load(args.file.as_deref(), &args.model.options(args.clip.as_deref()), args.console.quiet)?;
+        load(args.file.as_deref(), &args.model.options(args.clip.as_deref())?, args.console.quiet)?;
     if let Some((width, height)) = args.size {
         (scene.width, scene.height) = (width, height);
     }
-    if scene.lights.is_empty() && !args.console.quiet {
-        console::note("lobes: warning: the scene has no light: its picture is black (a table `[[lights]]` adds one)");
+    if let Some(lack) = darkness(&scene).filter(|_| !args.console.quiet) {
+        console::note(format_args!(
+            "lobes: warning: the scene has {lack}: its picture is black (a table `[[lights]]` adds one)"
+        ));
     }
     Ok((scene, animation))
+}
+
+/// The words for a scene that is not lit; `None` for others.
+pub(crate) fn darkness(scene: &Scene) -> Option<&'static str> {
+    let lack = if scene.environment.is_some() { "no light but a black sky" } else { "no light" };
+    scene.lights.is_empty().then_some(lack)
 }
 
 /// Refuses more visible points than `most`.

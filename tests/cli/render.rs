@@ -297,13 +297,29 @@ fn a_scene_without_lights_says_so() {
     let folder = folder();
     let folder = folder.path();
     let floor = "[[objects]]\nplane = { point = [0, 0, 0], normal = [0, 1, 0], size = 4 }\n";
-    fs::write(folder.join("dark.toml"), floor).unwrap();
-    let told = |further: &[&str]| {
+    let told = |light: &str, further: &[&str]| {
+        fs::write(folder.join("dark.toml"), format!("{floor}{light}")).unwrap();
         let out = lobes(folder, &[&["render", "dark.toml", "--size", "16x8", "-o", "dark.png"], further].concat());
         assert!(out.status.success());
-        String::from_utf8_lossy(&out.stderr).contains("has no light")
+        String::from_utf8_lossy(&out.stderr).into_owned()
     };
-    assert!(told(&[]) && !told(&["--quiet"]));
+    assert!(told("", &[]).contains("has no light:") && !told("", &["--quiet"]).contains("has no light"));
+    let sky = "[[lights]]\nkind = \"environment\"\nradiance = 0\n";
+    assert!(told(sky, &[]).contains("has no light but a black sky:"));
+}
+
+/// As in a scene file.
+#[test]
+fn a_crease_angle_is_for_smooth_normals() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("m.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    for normals in ["file", "face"] {
+        let args = ["check", "m.obj", "--crease", "30", "--normals", normals];
+        refuse(folder, &args, "--crease is for --normals smooth");
+    }
+    refuse(folder, &["check", "m.obj", "--crease", "30"], "--crease is for --normals smooth");
+    succeed(folder, &["check", "m.obj", "--crease", "30", "--normals", "smooth"]);
 }
 
 /// Visibility as lobes gives the picture of visible fractions, within the accuracy of masks.

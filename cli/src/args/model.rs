@@ -1,4 +1,5 @@
 use super::values::crease;
+use crate::failure::Failure;
 use clap::{Args, ValueEnum};
 use cosine_lobes::scene::{self, LoadOptions};
 
@@ -9,9 +10,9 @@ pub(crate) struct ModelArgs {
     #[arg(long, value_enum, default_value_t = Normals::File)]
     normals: Normals,
 
-    /// Degrees between two faces beyond which --normals smooth leaves their edge sharp
-    #[arg(long, value_name = "DEGREES", default_value_t = 180.0, value_parser = crease)]
-    crease: f32,
+    /// Degrees between two faces beyond which --normals smooth leaves their edge sharp; when left out, none stays sharp
+    #[arg(long, value_name = "DEGREES", value_parser = crease)]
+    crease: Option<f32>,
 
     /// Where light ends on smooth meshes; on those of a scene file where it does not say it
     #[arg(long, value_enum, default_value_t = Terminator::Exact)]
@@ -66,11 +67,13 @@ enum Studio {
 
 impl ModelArgs {
     /// How a file is loaded, with the clip that is requested.
-    pub(crate) fn options(&self, clip: Option<&str>) -> LoadOptions {
-        let normals = match self.normals {
-            Normals::File => scene::Normals::File,
-            Normals::Face => scene::Normals::Face,
-            Normals::Smooth => scene::Normals::Smooth { crease: self.crease },
+    pub(crate) fn options(&self, clip: Option<&str>) -> Result<LoadOptions, Failure> {
+        let normals = match (self.normals, self.crease) {
+            (Normals::Smooth, None) => scene::Normals::SMOOTH,
+            (Normals::Smooth, Some(crease)) => scene::Normals::Smooth { crease },
+            (_, Some(_)) => return Err(Failure::new("--crease is for --normals smooth")),
+            (Normals::File, None) => scene::Normals::File,
+            (Normals::Face, None) => scene::Normals::Face,
         };
         let terminator = match self.terminator {
             Terminator::Exact => scene::Terminator::Exact,
@@ -84,11 +87,7 @@ impl ModelArgs {
             Studio::Soft => scene::Studio::Soft,
             Studio::Key => scene::Studio::Key,
         });
-        LoadOptions::new()
-            .with_clip(clip)
-            .with_normals(normals)
-            .with_terminator(terminator)
-            .with_emission(emission)
-            .with_studio(studio)
+        let options = LoadOptions::new().with_clip(clip).with_normals(normals).with_terminator(terminator);
+        Ok(options.with_emission(emission).with_studio(studio))
     }
 }
