@@ -9,6 +9,8 @@ use glam::{DMat3, DVec3, Mat3, Vec3};
 const REC_709: [[f64; 2]; 4] = [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06], [0.3127, 0.329]];
 /// Chromaticities that differ by less are the same.
 const SAME: f64 = 1e-3;
+/// Colours that are cut by more than this part are worth a line.
+const WORTH: f32 = 0.01;
 /// Cone responses of XYZ by which Bradford's method scales whites: rows as printed.
 const BRADFORD: [[f64; 3]; 3] = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
 
@@ -17,7 +19,7 @@ pub(crate) struct ExrColors {
     /// `None` where they are the same.
     matrix: Option<Mat3>,
     /// A line about an attribute that means nothing.
-    pub(crate) note: Option<String>,
+    note: Option<String>,
 }
 
 impl ExrColors {
@@ -46,12 +48,18 @@ impl ExrColors {
         Self { matrix, note }
     }
 
-    /// Converts colours. Those that Rec. 709 has not are cut at its border; numbers that are infinite or negative stay as they are.
-    pub(crate) fn convert(&self, texels: &mut [Vec3]) {
-        let Some(matrix) = self.matrix else { return };
+    /// Converts colours. Those that Rec. 709 has not are cut at its border; numbers that are infinite or negative stay as they are. Returns a
+    /// line about what is not as the file says.
+    pub(crate) fn convert(self, texels: &mut [Vec3]) -> Option<String> {
+        let Some(matrix) = self.matrix else { return self.note };
+        let mut beyond = 0;
         for texel in texels.iter_mut().filter(|texel| texel.is_finite() && texel.min_element() >= 0.0) {
-            *texel = (matrix * *texel).max(Vec3::ZERO);
+            let color = matrix * *texel;
+            beyond += usize::from(color.min_element() < -WORTH * color.max_element());
+            *texel = color.max(Vec3::ZERO);
         }
+        (beyond > 0)
+            .then(|| format!("{beyond} of {} pixels have colours that sRGB lacks: the nearest are taken", texels.len()))
     }
 }
 
@@ -140,10 +148,11 @@ mod tests {
 
     #[test]
     fn colours_beyond_rec_709_are_cut_and_wrong_numbers_stay() {
-        let of = |color| read(&file(color, Some(AP0), None)).0;
-        assert_eq!(of(Vec3::Y).x, 0.0);
+        let of = |color| read(&file(color, Some(AP0), None));
+        let (green, notes) = of(Vec3::Y);
+        assert!(green.x == 0.0 && notes.len() == 1 && notes[0].contains("1 of 1 pixels"), "{green} {notes:?}");
         for wrong in [Vec3::new(f32::INFINITY, 1.0, 1.0), Vec3::new(1.0, -1.0, 1.0)] {
-            assert_eq!(of(wrong), wrong);
+            assert_eq!(of(wrong), (wrong, Vec::new()));
         }
     }
 

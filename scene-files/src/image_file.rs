@@ -63,8 +63,7 @@ pub(crate) fn decode_linear(
     let colors = ExrColors::read(bytes).map_err(|e| format!("image \"{name}\": {}", one_line(&e)))?;
     let (size, mut texels) = decode_numbers(name, ending, bytes, notes, budget)?;
     if let Some(colors) = colors {
-        notes.extend(colors.note.iter().map(|note| format!("image \"{name}\": {note}")));
-        colors.convert(&mut texels);
+        notes.extend(colors.convert(&mut texels).map(|note| format!("image \"{name}\": {note}")));
     }
     Ok((size, texels))
 }
