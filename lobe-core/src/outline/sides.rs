@@ -1,4 +1,4 @@
-//! What is taken of all sides of a polygon.
+//! Sums and choices over all sides of a polygon.
 
 use crate::lanes::{Lane, Level, WIDTH, map, row, set_row};
 
