@@ -137,9 +137,8 @@ impl FlatShape {
     #[must_use]
     pub fn is_before(&self, from: Vec3, is_two_sided: bool) -> bool {
         let height = self.height(from);
-        let center = self.bounds.center;
-        let size = from.abs().max(center.abs()).max((from - center).abs()).max_element();
-        if is_two_sided { height.abs() > IN_PLANE * size } else { height > 0.0 }
+        let rounding = || IN_PLANE * self.normal.abs().dot(from.abs() + self.bounds.center.abs());
+        if is_two_sided { height.abs() > rounding() } else { height > 0.0 }
     }
 
     /// The outline that a receiver sees of a light on one side, or on both.
