@@ -128,10 +128,11 @@ fn tube_plane(a: vec3f, b: vec3f, toward: vec3f, height: f32, radius: f32) -> ve
     let view = (toward * height + away * place) / distance;
     let side = (away * height - toward * place) / distance;
     let beside = dot(body, side);
-    let whole = beside + 2.0 * radius;
+    let whole = beside + TUBE_END * radius;
     let slope = dot(body, view) * beside / (whole * whole);
     let length = sqrt(1.0 + slope * slope);
-    return vec4f((view - side * slope) / length, (distance - tube_inward(radius, distance)) / length);
+    let depth = distance - tube_inward(radius, distance) + radius * slope;
+    return vec4f((view - side * slope) / length, depth / length);
 }
 
 fn tube_inward(radius: f32, distance: f32) -> f32 { return radius * (1.0 - TUBE_DEPTH * (1.0 - radius / distance)); }

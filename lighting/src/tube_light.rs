@@ -1,4 +1,4 @@
-use crate::gpu::{PLANE_OUTSIDE, PLANE_TUBE, PLANES, TUBE_BESIDE, TUBE_DEPTH, TUBE_STEPS, shape_of};
+use crate::gpu::{PLANE_OUTSIDE, PLANE_TUBE, PLANES, TUBE_BESIDE, TUBE_DEPTH, TUBE_END, TUBE_STEPS, shape_of};
 use crate::{Area, AreaShape, Light, LightError, LightKind};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec2, Vec3};
@@ -14,7 +14,7 @@ const AROUND: f32 = 1.531;
 /// Seen from a receiver it is flat: two straight lines, and arcs of the outlines of the spheres at its ends. A blocker behind the
 /// plane of this outline does not shade it. That plane is where the tube's surface is in the mean: along the tube if it is seen from beside it; across the
 /// view, at the nearer end, if the tube is seen along its middle line; and between these two, in proportion to how much of the tube's length is
-/// seen. A receiver within a radius of the middle line, beyond the ends, sees the sphere at the nearer end. One that is nearer to its side than a tenth of
+/// seen; it meets the nearer end at its outermost point. A receiver within a radius of the middle line, beyond the ends, sees the sphere at the nearer end. One that is nearer to its side than a tenth of
 /// the radius sees it as from there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TubeLight {
@@ -101,12 +101,14 @@ impl TubeLight {
         let distance = height.hypot(place);
         let view = (toward * height + away * place) / distance;
         let side = (away * height - toward * place) / distance;
-        // How long the tube looks beside its nearer end, and how much farther it goes; the end looks as wide as it is.
+        // How long the tube looks beside its nearer end, and how much farther it goes. The end is no part of the slope.
         let (beside, deeper) = (body.dot(side), body.dot(view));
-        let whole = beside + 2.0 * self.radius;
+        let whole = beside + TUBE_END * self.radius;
         let slope = deeper * beside / (whole * whole);
         let length = (1.0 + slope * slope).sqrt();
-        ((view - side * slope) / length, (distance - inward(distance)) / length)
+        // Through the outermost point of the end: a plate before the end hides all of it.
+        let depth = distance - inward(distance) + self.radius * slope;
+        ((view - side * slope) / length, depth / length)
     }
 }
 
