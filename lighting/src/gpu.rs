@@ -24,9 +24,10 @@ pub(crate) const PLANE_SKY: f32 = 3.0;
 pub(crate) const TUBE_BESIDE: f32 = 1.1;
 /// How much less than a radius a tube's surface is before its middle line in the mean, from far away, in radii.
 pub(crate) const TUBE_DEPTH: f32 = 1.0 - core::f32::consts::FRAC_PI_4;
-/// How long a tube's nearer end looks beside its body, in radii, for the plane in which both are: by the least error of own radiance in rooms where plates,
-/// caps, boards and tables stand before, around and across tubes.
+/// How long a tube's nearer end looks beside its body for the plane in which both are, and how far out the plane meets that end, in radii: by the least
+/// errors of own radiance in rooms where plates, caps, boards, tables and spheres stand before, around and across tubes.
 pub(crate) const TUBE_END: f32 = 1.25;
+pub(crate) const TUBE_OUT: f32 = 0.6;
 /// Sides of the arcs of both ends.
 pub(crate) const TUBE_STEPS: usize = 12;
 /// The number of the object that the light is inside of, where there is none.
@@ -44,6 +45,7 @@ static PLANES_WGSL: Piece = Piece::new(include_str!("plane_lights.wgsl"))
         TUBE_BESIDE = TUBE_BESIDE,
         TUBE_DEPTH = TUBE_DEPTH,
         TUBE_END = TUBE_END,
+        TUBE_OUT = TUBE_OUT,
         TUBE_STEPS = TUBE_STEPS,
         PLANE_OUTSIDE = PLANE_OUTSIDE,
     ])

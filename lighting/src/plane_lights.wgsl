@@ -131,7 +131,7 @@ fn tube_plane(a: vec3f, b: vec3f, toward: vec3f, height: f32, radius: f32) -> ve
     let whole = beside + TUBE_END * radius;
     let slope = dot(body, view) * beside / (whole * whole);
     let length = sqrt(1.0 + slope * slope);
-    let depth = distance - tube_inward(radius, distance) + radius * slope;
+    let depth = distance - tube_inward(radius, distance) + TUBE_OUT * radius * slope;
     return vec4f((view - side * slope) / length, depth / length);
 }
 

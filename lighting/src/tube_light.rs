@@ -1,4 +1,6 @@
-use crate::gpu::{PLANE_OUTSIDE, PLANE_TUBE, PLANES, TUBE_BESIDE, TUBE_DEPTH, TUBE_END, TUBE_STEPS, shape_of};
+use crate::gpu::{
+    PLANE_OUTSIDE, PLANE_TUBE, PLANES, TUBE_BESIDE, TUBE_DEPTH, TUBE_END, TUBE_OUT, TUBE_STEPS, shape_of,
+};
 use crate::{Area, AreaShape, Light, LightError, LightKind};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec2, Vec3};
@@ -14,7 +16,7 @@ const AROUND: f32 = 1.531;
 /// Seen from a receiver it is flat: two straight lines, and arcs of the outlines of the spheres at its ends. A blocker behind the
 /// plane of this outline does not shade it. That plane is where the tube's surface is in the mean: along the tube if it is seen from beside it; across the
 /// view, at the nearer end, if the tube is seen along its middle line; and between these two, in proportion to how much of the tube's length is
-/// seen; it meets the nearer end at its outermost point. A receiver within a radius of the middle line, beyond the ends, sees the sphere at the nearer end. One that is nearer to its side than a tenth of
+/// seen; it meets the nearer end in its outer half. A receiver within a radius of the middle line, beyond the ends, sees the sphere at the nearer end. One that is nearer to its side than a tenth of
 /// the radius sees it as from there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TubeLight {
@@ -106,8 +108,8 @@ impl TubeLight {
         let whole = beside + TUBE_END * self.radius;
         let slope = deeper * beside / (whole * whole);
         let length = (1.0 + slope * slope).sqrt();
-        // Through the outermost point of the end: a plate before the end hides all of it.
-        let depth = distance - inward(distance) + self.radius * slope;
+        // Not through the end's middle: a plate before the end is to hide its outer part, too.
+        let depth = distance - inward(distance) + TUBE_OUT * self.radius * slope;
         ((view - side * slope) / length, depth / length)
     }
 }

@@ -276,11 +276,11 @@ fn a_tube_s_plane_is_where_its_surface_is() {
         let toward = Vec3::X - x;
         let view = toward.normalize();
         assert!(axis.dot(view) > least, "{axis}");
-        // Through the outermost point of the end.
+        // Through a point of the end's outer half.
         let (distance, body) = (toward.length(), Vec3::NEG_X);
         let outward = (view * body.dot(view) - body).normalize();
-        let outermost = view * (distance - inward(distance)) + outward * tube.radius;
-        let off = axis.dot(outermost) - height;
+        let met = view * (distance - inward(distance)) + outward * (0.6 * tube.radius);
+        let off = axis.dot(met) - height;
         assert!(off.abs() < 0.01 * tube.radius, "{off} for {distance}");
         // The end covers most of what is seen, and the outline is little too large.
         let facing = Receiver::on_surface(x, axis, axis);
