@@ -99,6 +99,28 @@ fn tubes_come_out_of_panels() {
     check("tube through a panel", &scene, [0.03, 0.2]);
 }
 
+/// A plate 25 mm below an upright tube: in line with the tube a receiver sees its end alone, beside that both in one plane. None of them is lit.
+#[test]
+fn plates_hide_the_ends_of_tubes() {
+    let ends = [1.0, 1.9].map(|height| Vec3::Y * height);
+    let tube = TubeLight { ends, radius: 0.02, radiance: Vec3::splat(200.0) };
+    let mut scene = below_leaves(1, 0.1, vec![tube.into()]);
+    scene.objects[1] =
+        Object::mesh("plate", Mesh::quad(Vec3::Y * 0.955, Vec3::X * 0.12, Vec3::Z * 0.12), 0, Proxy::None);
+    scene.camera.target = Vec3::ZERO;
+    let truth = truth(&scene);
+    let white = truth.iter().fold(0.0_f32, |most, (value, _)| most.max(*value));
+    for strategy in [Strategy::Silhouettes, Strategy::Rays] {
+        let settings = Settings { strategy: Some(strategy), samples: PixelSamples::Uniform(1), ..Settings::default() };
+        let mut renderer = Renderer::new(scene.clone(), Animation::default(), settings).expect("a scene");
+        let image = renderer.render().expect("a picture").radiance;
+        let dark: Vec<f32> = truth.iter().zip(&image).filter(|((v, _), _)| *v == 0.0).map(|(_, got)| got.x).collect();
+        let most = dark.iter().fold(0.0_f32, |most, value| most.max(*value));
+        println!("{strategy:?}: {} dark pixels, at most {:.4} of white", dark.len(), most / white);
+        assert!(dark.len() > 8 && most < 2e-3 * white, "{strategy:?}: {most} of {white}");
+    }
+}
+
 /// Few leaves and many, of which several lie in one sample of a sky.
 #[test]
 fn leaves_hide_what_they_cover() {

@@ -28,7 +28,7 @@ pub(crate) struct NearLights {
 pub(crate) struct NearLight {
     light: Sphere,
     extent: LightExtent,
-    triangles: Vec<Triangle>,
+    pub(crate) triangles: Vec<Triangle>,
     /// Whether triangles reach into the light's sphere, and those that its surface cuts.
     pub(crate) is_clipped: bool,
     pub(crate) cutting: Vec<Triangle>,

@@ -136,14 +136,16 @@ impl SilhouetteScratch {
         let Self { origin, silhouettes, outside, arcs, near, light, .. } = self;
         // If triangles reach into the light, surfaces count as far as its front side; else as far as its plane.
         let is_flat = query.outline.is_some();
-        let sphere = (self.is_clipped && !is_flat).then(|| LightSphere::new(*light, *origin));
+        let end = end_of(query, *light);
+        let sphere = (self.is_clipped && !is_flat).then(|| LightSphere::new(end.unwrap_or(*light), *origin));
         if let Some(sphere) = &sphere
             && !self.is_outside_known
         {
             // The same for all windows of the receiver.
             arcs.clear();
             let front = Front { axis: query.cone.axis, distance: view.far };
-            for corners in near.current().map_or(&[][..], |near| &near.cutting) {
+            let near = near.current().map(|near| if end.is_some() { &near.triangles } else { &near.cutting });
+            for corners in near.into_iter().flatten() {
                 sphere.clip(&front, corners.map(|p| p - *origin), || side(*corners, *origin), arcs);
             }
             sphere.outside(silhouettes, outside);
@@ -160,6 +162,14 @@ impl SilhouetteScratch {
     pub(super) fn is_cut(&self, is_flat: bool) -> bool {
         if is_flat { !self.arcs.is_empty() } else { self.is_clipped }
     }
+}
+
+/// The part of a light that a receiver sees as a cone while others see an outline of all of it: the end of a tube.
+fn end_of(query: &VisibilityQuery<'_>, light: Sphere) -> Option<Sphere> {
+    let cone = query.cone;
+    let radius = cone.distance * cone.sin_sq().sqrt();
+    let center = query.at.position + cone.axis * cone.distance;
+    (cone.one_minus_cos < 1.0 && radius < 0.99 * light.radius).then_some(Sphere { center, radius })
 }
 
 /// Receivers of a shaft on one face of an object, and their common coverage, if they have one.
