@@ -41,7 +41,7 @@ impl Studio {
 }
 
 /// Lights that look from everywhere less bright than this part of a disc as large as the model, of radiance 1, are no lighting of it.
-const FAINT: f32 = 0.01;
+const FAINT: f32 = 1e-3;
 
 /// Whether lights in a model are too faint to be all its lighting.
 pub(crate) fn is_faint(lights: &[Light], bounds: &Bounds) -> bool {
