@@ -16,7 +16,8 @@ const AROUND: f32 = 1.531;
 /// Seen from a receiver it is flat: two straight lines, and arcs of the outlines of the spheres at its ends. A blocker behind the
 /// plane of this outline does not shade it. That plane is where the tube's surface is in the mean: along the tube if it is seen from beside it; across the
 /// view, at the nearer end, if the tube is seen along its middle line; and between these two, in proportion to how much of the tube's length is
-/// seen; it meets the nearer end in its outer half. A receiver within a radius of the middle line, beyond the ends, sees the sphere at the nearer end. One that is nearer to its side than a tenth of
+/// seen; it meets the nearer end in its outer half. A receiver within a radius of the middle line, beyond the ends, sees the sphere at the
+/// nearer end. One that is nearer to its side than a tenth of
 /// the radius sees it as from there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TubeLight {

@@ -8,7 +8,7 @@ const SORTED: usize = 256;
 const BINS: usize = 32;
 /// Parts with more edges than this are halved on all threads.
 const PARALLEL: usize = 1 << 14;
-/// Parts that are halves of so many others are halved in the middle: the best cuts through edges that meet in one point take a leaf at a time.
+/// Parts below this number of others are halved in the middle: the best cuts through edges that meet in one point take a leaf at a time.
 const DEEPEST: u32 = 48;
 
 /// The halves of a part of the edges.

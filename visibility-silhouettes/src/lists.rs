@@ -76,8 +76,11 @@ impl<'m> Meshes<'m> {
         let levels: Vec<&Levels> = levels.into_iter().filter_map(SilhouetteMesh::levels).collect();
         let placed = self.instances.filter(|all| all.have_levels());
         let (instances, fineness, has_forms) = (self.instances, self.fineness, placed.is_some());
-        let rest = Self { instances, fineness, has_forms, ..Self::new(rest) };
-        (!levels.is_empty() || has_forms).then_some(SkyMeshes { levels, placed, rest })
+        // Without forms all meshes are as they were, and so is the hierarchy over them.
+        (!levels.is_empty() || has_forms).then(|| {
+            let rest = Self { instances, fineness, has_forms, ..Self::new(rest) };
+            SkyMeshes { levels, placed, rest }
+        })
     }
 
     /// [`SilhouetteMesh::pack`] of all but instances.
@@ -166,7 +169,8 @@ fn met(hull: &Hull, (tree, order): &(Tree, Vec<u32>), memory: &mut Memory) -> Ve
     let mut met = core::mem::take(&mut memory.met);
     let Memory { stack, places, .. } = memory;
     places.clear();
-    dispatch!(Level::new(), simd => hull.leaves(simd, tree, None, stack, &mut usize::MAX.clone(), places));
+    let mut all = usize::MAX;
+    dispatch!(Level::new(), simd => hull.leaves(simd, tree, None, stack, &mut all, places));
     met.clear();
     let range = |leaf: &Leaf| leaf.first as usize..leaf.first as usize + usize::from(leaf.count);
     met.extend(places.iter().flat_map(|leaf| &order[range(leaf)]));

@@ -1,6 +1,7 @@
 //! The integrals of lobes of microfacets with a grain over a light's cone: the chords of another ellipse.
 
-use super::microfacets::{Ellipse, Moments, chords_of, moments};
+use super::ellipse::{Moments, chords_of, moments};
+use super::microfacets::Ellipse;
 use super::pair::Pair;
 use crate::PackedLobe;
 use crate::grain::Grain;

@@ -55,7 +55,7 @@ struct EllipseMoments {
     second: vec3f,
 }
 
-// `moments` of microfacets.rs, in slopes.
+// `moments` of ellipse.rs, in slopes.
 fn ellipse_moments(view: vec3f, light: vec3f, omc: f32) -> EllipseMoments {
     let near = max(view.z + light.z, 1e-3);
     let s = (view.xy + light.xy) / near;
@@ -79,7 +79,7 @@ fn ellipse_longer_axis(second: vec3f) -> vec3f {
     return vec3f(root_of(0.5 * (1.0 + double)), select(up, -up, twice < 0.0), root);
 }
 
-// `chords_of` of microfacets.rs: the direction of chords, and the gap.
+// `chords_of` of ellipse.rs: the direction of chords, and the gap.
 fn ellipse_chords(ellipse: EllipseMoments, is_cut: bool) -> vec3f {
     let m = ellipse.middle;
     let inside = vec3f(ellipse_longer_axis(ellipse.second + vec3f(m * m, m.x * m.y)).xy, 0.0);

@@ -5,6 +5,7 @@ mod blocks;
 mod brushed;
 mod brushed_facets;
 mod chord;
+mod ellipse;
 mod form;
 mod lambert;
 mod microfacets;

@@ -1,6 +1,6 @@
 //! The WGSL of integrals over cones.
 
-use super::{albedo, chord, form, lambert, microfacets, slab};
+use super::{albedo, chord, ellipse, form, lambert, microfacets, slab};
 use crate::wgsl::{LOBE, MICROFACETS, MICROFACETS_GRAIN, Piece};
 use crate::wgsl_numbers;
 
@@ -52,7 +52,7 @@ static BRUSHED_FACETS: Piece = Piece::new(include_str!("brushed_facets.wgsl"))
 static ELLIPSE_CHORDS: Piece = Piece::new(include_str!("microfacets.wgsl"))
     .numbers(wgsl_numbers![
         ELLIPSE_FAR = microfacets::FAR,
-        ELLIPSE_STEPS = microfacets::STEPS as u32,
+        ELLIPSE_STEPS = ellipse::STEPS as u32,
         NODES_WHOLE = microfacets::TEN,
         NODES_CUT = microfacets::THIRTY_TWO,
     ])

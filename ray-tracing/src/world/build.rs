@@ -10,7 +10,7 @@ use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::ploc::PlocBuilder;
 use obvhs::{Boundable, BvhBuildParams};
 
-/// From so many primitives on, boxes that each fill this part of all space in the mean are crowded: none is nearer to one than to the others, so
+/// From this number of primitives on, boxes that each fill this part of all space in the mean are crowded: none is nearer to one than to the others, so
 /// that each pass over all of them joins a few, and none has a better place elsewhere.
 const MANY: usize = 8192;
 const CROWDED: f32 = 1.0 / 32.0;
