@@ -78,6 +78,8 @@ mod gltf_material;
 mod gltf_mesh;
 mod gltf_morphs;
 mod gltf_nodes;
+#[cfg(test)]
+mod gltf_notes_tests;
 mod gltf_reader;
 mod gltf_shared;
 #[cfg(test)]

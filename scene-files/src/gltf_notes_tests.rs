@@ -1,0 +1,77 @@
+//! The parts of glTF files that are left out: each gives a line, and none without effect does.
+
+use crate::gltf_tests::{parts_of, triangle, with_floats};
+
+#[test]
+fn textures_by_coordinates_that_the_mesh_lacks_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    image::RgbaImage::from_pixel(2, 2, image::Rgba([128; 4])).save(folder.path().join("s.png")).unwrap();
+    let path = folder.path().join("m.gltf");
+    let images = r#", "textures": [{"source": 0}], "images": [{"uri": "s.png"}]"#;
+    let text = with_floats(&triangle(r#"[{"mesh": 0, "name": "leaf"}]"#, images), &[(&[0.0; 6], "VEC2")]);
+    let text = text.replace("\"POSITION\": 0", "\"POSITION\": 0, \"TEXCOORD_0\": 1");
+    for (material, of) in [
+        (r#""pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1}}"#, "color"),
+        (r#""normalTexture": {"index": 0, "texCoord": 1}"#, "normal"),
+        (r#""normalTexture": {"index": 0, "texCoord": 0}"#, ""),
+        // It shines not.
+        (r#""emissiveTexture": {"index": 0, "texCoord": 1}"#, ""),
+    ] {
+        let own = r#""pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.4, 0.2, 1], "metallicFactor": 0}"#;
+        std::fs::write(&path, text.replace(own, material)).unwrap();
+        let (_, warnings) = crate::load_with_warnings(&path).unwrap();
+        let told = format!("\"leaf\" has no texture coordinates 1, by which its {of} texture lies");
+        assert_eq!(warnings.iter().filter(|w| w.contains(&told)).count(), usize::from(!of.is_empty()), "{warnings:?}");
+        assert_eq!(warnings.len(), usize::from(!of.is_empty()), "{warnings:?}");
+    }
+}
+
+/// Buffers and images by paths that lead out of the document's folder, as MTL's do.
+#[test]
+fn files_are_found_by_relative_paths_only() {
+    let mut image = std::io::Cursor::new(Vec::new());
+    image::RgbaImage::from_pixel(2, 2, image::Rgba([128; 4])).write_to(&mut image, image::ImageFormat::Png).unwrap();
+    let positions = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_le_bytes);
+    let read = |folder: &str| {
+        let images = format!(r#", "textures": [{{"source": 0}}], "images": [{{"uri": "{folder}x/s.png"}}]"#);
+        let text = triangle(r#"[{"mesh": 0}]"#, &images)
+            .replace("\"metallicFactor\": 0", r#""baseColorTexture": {"index": 0}"#)
+            .replace("data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA", "T");
+        let text = text.replace("\"T\"", &format!("\"{folder}x/t.bin\""));
+        let files: std::collections::BTreeMap<std::path::PathBuf, Vec<u8>> = [
+            ("a/m.gltf".into(), text.into_bytes()),
+            ("x/t.bin".into(), positions.concat()),
+            ("x/s.png".into(), image.get_ref().clone()),
+        ]
+        .into();
+        crate::load_from(std::sync::Arc::new(files), "a/m.gltf", None).map_err(|e| e.to_string())
+    };
+    let (scene, _, warnings) = read("../").unwrap();
+    assert_eq!(scene.surfaces.iter().filter(|surface| surface.color.is_some()).count(), 1, "{warnings:?}");
+    for (folder, words) in [("/", "is an absolute path"), ("http://a/", "only files and data URIs"), ("./", "x/t.bin")]
+    {
+        let message = read(folder).err().unwrap();
+        assert!(message.contains("buffer 0") && message.contains(words), "{message}");
+    }
+}
+
+#[test]
+fn morphs_of_colours_and_spare_indices_are_told() {
+    let text = with_floats(&triangle(r#"[{"mesh": 0}]"#, ""), &[(&[0.0; 15], "VEC3")]);
+    let morphed =
+        text.replace("\"material\": 0", "\"targets\": [{\"POSITION\": 0, \"COLOR_0\": 0, \"TEXCOORD_1\": 0}]");
+    let warnings = parts_of(&morphed).1;
+    for name in ["COLOR_0", "TEXCOORD_1"] {
+        assert_eq!(warnings.iter().filter(|w| w.contains(&format!("targets of {name} are not read"))).count(), 1);
+    }
+    let (parts, warnings) = parts_of(&text.replace("\"POSITION\": 0", "\"POSITION\": 1"));
+    assert_eq!((parts[0].mesh.triangles.len(), warnings.len()), (1, 1), "{warnings:?}");
+    assert!(warnings[0].contains("mesh 0, primitive 0: 2 of its indices are no triangle"), "{warnings:?}");
+}
+
+#[test]
+fn required_extensions_that_change_no_picture_are_fine() {
+    let required = r#", "extensionsRequired": ["KHR_materials_variants", "KHR_xmp_json_ld"]"#;
+    let (parts, warnings) = parts_of(&triangle(r#"[{"mesh": 0}]"#, required));
+    assert_eq!((parts.len(), warnings.len()), (1, 0), "{warnings:?}");
+}
