@@ -106,7 +106,7 @@ pub struct BrushedAt {
     /// The eye's direction; above the horizon.
     view: Vec3,
     /// `t/α_t` and `b/α_b`; `α_t t` and `α_b b`.
-    fine: [Vec3; 2],
+    pub(crate) fine: [Vec3; 2],
     rough: [Vec3; 2],
     /// `1/(π α_t α_b)`.
     scale: f32,

@@ -75,10 +75,7 @@ impl Microfacets {
     /// Ready to be evaluated at a receiver of this normal, as if there were no grain ([`BrushedAt`] has it).
     #[must_use]
     pub fn at(&self, normal: Vec3) -> MicrofacetsAt {
-        let (cos, sin, forward) = seen_from(normal, self.view);
-        let alpha_sq = alpha_sq(self.exponent);
-        let shadowing = (cos * cos * (1.0 - alpha_sq) + alpha_sq).sqrt();
-        MicrofacetsAt { normal, view: normal * cos + forward * sin, alpha_sq, shadowing, part: self.part }
+        MicrofacetsAt::new(normal, self.view, self.exponent, self.part)
     }
 
     /// The cosine lobe that stands for it where only these are taken: about the mirrored view, a quarter of the exponent, as directions
@@ -99,13 +96,13 @@ impl Microfacets {
 /// [`Microfacets`] at a receiver, ready to be evaluated in many directions.
 #[derive(Clone, Copy, Debug)]
 pub struct MicrofacetsAt {
-    normal: Vec3,
+    pub(crate) normal: Vec3,
     /// The eye's direction; above the horizon.
-    view: Vec3,
-    alpha_sq: f32,
+    pub(crate) view: Vec3,
+    pub(crate) alpha_sq: f32,
     /// `√((n·ω_o)²(1 − α²) + α²)`.
-    shadowing: f32,
-    part: Schlick,
+    pub(crate) shadowing: f32,
+    pub(crate) part: Schlick,
 }
 
 impl Facets for MicrofacetsAt {
@@ -142,6 +139,15 @@ impl Facets for MicrofacetsAt {
 }
 
 impl MicrofacetsAt {
+    /// Seen from a direction to the eye, of this exponent.
+    #[inline(always)]
+    pub(crate) fn new(normal: Vec3, view: Vec3, exponent: f32, part: Schlick) -> Self {
+        let (cos, sin, forward) = seen_from(normal, view);
+        let alpha_sq = alpha_sq(exponent);
+        let shadowing = (cos * cos * (1.0 - alpha_sq) + alpha_sq).sqrt();
+        Self { normal, view: normal * cos + forward * sin, alpha_sq, shadowing, part }
+    }
+
     /// The one of them that belongs to the part.
     #[inline(always)]
     #[must_use]

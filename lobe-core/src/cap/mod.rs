@@ -21,10 +21,9 @@ use self::brushed_facets::BrushedFacets;
 use self::chord::Chord;
 use self::microfacets::Ellipse;
 use self::pair::Pair;
-use crate::lanes::{Kept, WIDTH, row};
+use crate::lanes::{WIDTH, row};
 use crate::seen::Seen;
-use crate::tile::Flat;
-use crate::{BrdfLobe, Cone, PackedLobe, Receiver, TileLight, TileLobes, is_lambert, outline};
+use crate::{BrdfLobe, Cone, PackedLobe, Receiver, TileLight, TileLobes, outline};
 use core::cell::RefCell;
 use core::f32::consts::FRAC_1_PI;
 use fearless_simd::{Level, dispatch};
@@ -128,7 +127,7 @@ pub(crate) fn integrals_at(level: Level, light: &TileLight, lobes: &TileLobes, o
     }
     out.resize(lobes.blocks() * WIDTH, 0.0);
     if let Some((flat, at)) = light.as_flat() {
-        of_flat(level, (flat, at), lobes, out);
+        outline::of_flat(level, (flat, at), lobes, out);
         return;
     }
     if !light.outlines().is_empty() {
@@ -142,36 +141,6 @@ pub(crate) fn integrals_at(level: Level, light: &TileLight, lobes: &TileLobes, o
         }
         blocks.finish(level, out);
     });
-}
-
-/// Lambert lobes side by side, others one by one.
-fn of_flat(level: Level, (flat, at): (&Flat, &[Kept<9>]), lobes: &TileLobes, out: &mut [f32]) {
-    out.fill(0.0);
-    for (block, at) in at.iter().enumerate() {
-        let mut lambert = None;
-        for j in 0..WIDTH {
-            let i = block * WIDTH + j;
-            let [x, y, z, u, v, w, _, _, _] = row(&at.0, j);
-            let (from, normal) = (Vec3::new(x, y, z), Vec3::new(u, v, w));
-            let at_normal = Receiver::on_surface(Vec3::ZERO, normal, normal);
-            let (mut bright, mut is_made) = (None, false);
-            for (number, lobe) in lobes.of(i) {
-                if matches!(lobe, BrdfLobe::Cosine(lobe) if is_lambert(&at_normal, &lobe)) {
-                    let of_block = || outline::of_block(level, &flat.shape, flat.is_two_sided, &at.0);
-                    let value = lambert.get_or_insert_with(of_block)[j];
-                    if !value.is_nan() {
-                        out[number] = value.max(0.0);
-                        continue;
-                    }
-                }
-                if !is_made {
-                    bright = flat.shape.bright_above(from, normal, flat.is_two_sided);
-                    is_made = true;
-                }
-                out[number] = bright.as_ref().map_or(0.0, |bright| outline::integral(&at_normal, &lobe, bright));
-            }
-        }
-    }
 }
 
 fn of_outlines(light: &TileLight, lobes: &TileLobes, out: &mut [f32]) {

@@ -29,16 +29,26 @@ pub(super) const SMALL_LIGHT: f32 = 0.6;
 /// Pieces of this part of all rows are taken together.
 pub(super) const SMALL: f32 = 0.04;
 
-/// Gauss–Legendre rules on [−1, 1] of 2, 4, 8 and 16 nodes: node and weight, the other half mirrored.
-const TWO: [(f32, f32); 1] = [(0.577_350_26, 1.0)];
-const FOUR: [(f32, f32); 2] = [(0.339_981_05, 0.652_145_15), (0.861_136_3, 0.347_854_85)];
-const EIGHT: [(f32, f32); 4] = [
+/// Gauss–Legendre rules on [−1, 1] of 2, 4, 6, 8, 12 and 16 nodes: node and weight, the other half mirrored.
+pub(super) const TWO: [(f32, f32); 1] = [(0.577_350_26, 1.0)];
+pub(super) const FOUR: [(f32, f32); 2] = [(0.339_981_05, 0.652_145_15), (0.861_136_3, 0.347_854_85)];
+pub(super) const SIX: [(f32, f32); 3] =
+    [(0.238_619_2, 0.467_913_93), (0.661_209_4, 0.360_761_57), (0.932_469_5, 0.171_324_49)];
+pub(super) const EIGHT: [(f32, f32); 4] = [
     (0.183_434_64, 0.362_683_78),
     (0.525_532_4, 0.313_706_65),
     (0.796_666_5, 0.222_381_03),
     (0.960_289_84, 0.101_228_54),
 ];
-const SIXTEEN: [(f32, f32); 8] = [
+pub(super) const TWELVE: [(f32, f32); 6] = [
+    (0.125_233_41, 0.249_147_05),
+    (0.367_831_5, 0.233_492_54),
+    (0.587_317_95, 0.203_167_43),
+    (0.769_902_67, 0.160_078_33),
+    (0.904_117_3, 0.106_939_33),
+    (0.981_560_63, 0.047_175_336),
+];
+pub(super) const SIXTEEN: [(f32, f32); 8] = [
     (0.095_012_51, 0.189_450_6),
     (0.281_603_55, 0.182_603_4),
     (0.458_016_78, 0.169_156_52),
@@ -383,6 +393,6 @@ fn turned_rule(length: f32) -> &'static [(f32, f32)] {
     if length < 0.5 { &TURNED_EIGHT } else { &TURNED_SIXTEEN }
 }
 
-fn both_halves(rule: &[(f32, f32)]) -> impl Iterator<Item = (f32, f32)> {
+pub(super) fn both_halves(rule: &[(f32, f32)]) -> impl Iterator<Item = (f32, f32)> {
     rule.iter().rev().map(|(node, weight)| (-node, *weight)).chain(rule.iter().copied())
 }

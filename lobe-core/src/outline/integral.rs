@@ -1,6 +1,7 @@
 use super::cubature::{Peak, Value, cubature};
 use super::lambert::irradiance;
 use super::on_plane::OnPlane;
+use super::parts::in_parts;
 use super::{LightImage, Outline};
 use crate::microfacets::seen_from;
 use crate::special::{atan2, exp, ln_of};
@@ -57,8 +58,17 @@ pub fn image_integral(at: &Receiver, lobe: impl Into<BrdfLobe>, light: &Outline,
 
 /// [`outline_integral`] of a light that is above the horizon.
 pub(crate) fn integral(at: &Receiver, lobe: &BrdfLobe, light: &Outline) -> f32 {
-    let [.., value] = over(at, lobe, light, None);
+    let value = if has_parts(lobe, light) { in_parts(at.normal, lobe, light) } else { over(at, lobe, light, None)[3] };
     if value > 0.0 && value.is_finite() { value } else { 0.0 }
+}
+
+/// Whether the light is a polygon, and the lobe smooth all over it.
+fn has_parts(lobe: &BrdfLobe, light: &Outline) -> bool {
+    let is_smooth = match lobe {
+        BrdfLobe::Cosine(lobe) => lobe.exponent >= STEEP,
+        BrdfLobe::Microfacets(_) => true,
+    };
+    is_smooth && light.radius.is_none()
 }
 
 /// [`image_integral`] over an outline that is above the horizon.
@@ -125,7 +135,10 @@ fn power(normal: Vec3, lobe: &Lobe, light: &Outline, image: Option<&LightImage>)
     // How it falls from there: by its own width, or with the slope that it has beside its axis.
     let along = axis.truncate().dot(point) + axis.z;
     let sin_sq = axis.cross(point.extend(1.0)).length_squared() / stretch;
-    if along.is_nan() || along <= 0.0 || 0.5 * e * ln_of(along * along / stretch, -sin_sq) < NOTHING.ln() {
+    // Of a light that ends at the lobe's horizon the point may be there.
+    if cut.is_none()
+        && (along.is_nan() || along <= 0.0 || 0.5 * e * ln_of(along * along / stretch, -sin_sq) < NOTHING.ln())
+    {
         return [0.0; 4];
     }
     let slope = axis.truncate() * (e / along.max(1e-3 / (1.0 + e))) - point * ((e + 3.0) / stretch);
@@ -196,11 +209,11 @@ impl Value for Cosine {
 }
 
 #[derive(Clone, Copy)]
-struct Power {
-    axis: Vec3,
-    half_exponent: f32,
-    normal: Vec3,
-    has_cosine: bool,
+pub(super) struct Power {
+    pub(super) axis: Vec3,
+    pub(super) half_exponent: f32,
+    pub(super) normal: Vec3,
+    pub(super) has_cosine: bool,
 }
 
 impl Value for Power {

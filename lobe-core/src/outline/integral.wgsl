@@ -157,12 +157,14 @@ fn outline_power(right: vec3f, normal: vec3f, lobe: Lobe) -> OutlineTerm {
     let along = dot(axis.xy, point) + axis.z;
     let aside = cross(axis, vec3f(point, 1.0));
     let sin_sq = dot(aside, aside) / stretch;
-    if (!(along > 0.0) || exp_f32(0.5 * e * ln_of(along * along / stretch, -sin_sq)) < OUTLINE_NOTHING) {
+    // Of a light that ends at the lobe's horizon the point may be there.
+    let is_steep = lobe.exponent >= OUTLINE_STEEP;
+    if (is_steep && (!(along > 0.0) || exp_f32(0.5 * e * ln_of(along * along / stretch, -sin_sq)) < OUTLINE_NOTHING)) {
         return OutlineTerm();
     }
     // How it falls from there: by its own width, or with the slope that it has beside its axis.
     var slope = axis.xy * (e / max(along, 1e-3 / (1.0 + e))) - point * ((e + 3.0) / stretch);
-    if (lobe.exponent < OUTLINE_STEEP) {
+    if (!is_steep) {
         slope = vec2f(0.0);
     }
     let sigma = 1.0 / sqrt(e + 3.0);

@@ -2,11 +2,14 @@
 
 mod cubature;
 mod flat_shape;
+mod grid;
 mod image;
 mod integral;
 mod lambert;
 mod near_part;
+mod of_tile;
 mod on_plane;
+mod parts;
 mod sides;
 #[cfg(test)]
 mod tests;
@@ -16,7 +19,7 @@ pub use self::flat_shape::FlatShape;
 pub use self::image::{LightImage, fingerprint};
 pub(crate) use self::integral::integral;
 pub use self::integral::{image_integral, light_image_integral, light_integral, outline_integral};
-pub(crate) use self::lambert::of_block;
+pub(crate) use self::of_tile::of_flat;
 
 use crate::lanes::Lane;
 use crate::{Cone, Lobe, Sphere, orthonormal_basis};

@@ -8,13 +8,13 @@ use glam::{DVec3, UVec2, Vec2, Vec3};
 const WORST: f64 = 0.02;
 
 /// A rectangle with a receiver at the origin, its normal up.
-struct Case {
-    corners: [DVec3; 4],
-    axis: DVec3,
+pub(super) struct Case {
+    pub(super) corners: [DVec3; 4],
+    pub(super) axis: DVec3,
 }
 
 impl Case {
-    fn random(random: &mut Random, size: f64, aspect: f64, crosses: bool) -> Option<Self> {
+    pub(super) fn random(random: &mut Random, size: f64, aspect: f64, crosses: bool) -> Option<Self> {
         let toward = random.axis();
         let normal = random.axis();
         let u = normal.any_orthonormal_vector();
@@ -28,12 +28,12 @@ impl Case {
         (height > 0.1 && high > 0.05 && (low < 0.0) == crosses).then_some(Self { corners, axis })
     }
 
-    fn outline(&self) -> Outline {
+    pub(super) fn outline(&self) -> Outline {
         Outline::new(&self.corners.map(DVec3::as_vec3), self.axis.as_vec3()).expect("before its plane")
     }
 
     /// By Gauss's rule of three by three points, dividing what its quarters say otherwise of.
-    fn integral(&self, f: &dyn Fn(DVec3) -> f64, finest: f64) -> f64 {
+    pub(super) fn integral(&self, f: &dyn Fn(DVec3) -> f64, finest: f64) -> f64 {
         let [a, b, _, d] = self.corners;
         self.divided(f, [a, b - a, d - a], finest, 0)
     }
@@ -176,13 +176,13 @@ fn microfacets_are_those_of_quadrature() {
 }
 
 /// The oracle's microfacets look from the x–z plane.
-struct Turned(CapMicrofacets);
+pub(super) struct Turned(CapMicrofacets);
 
 impl Turned {
-    fn new(view: DVec3, alpha: f64) -> Self {
+    pub(super) fn new(view: DVec3, alpha: f64) -> Self {
         Self(CapMicrofacets { view, alpha })
     }
-    fn value(&self, v: DVec3) -> [f64; 2] {
+    pub(super) fn value(&self, v: DVec3) -> [f64; 2] {
         self.0.value(v)
     }
 }

@@ -1,0 +1,388 @@
+//! Lobes over quadrilaterals of light: how many nodes they need, what a node adds, and parts for which few are enough.
+
+use super::Outline;
+use super::cubature::{EIGHT, FOUR, Value};
+use super::grid::{DEVIATIONS, Node, POLES, poles};
+use super::integral::{Power, STEEP};
+use crate::lanes::{Lane, Level, WIDTH, map, row, set_row};
+use crate::microfacets::{MicrofacetsAt, alpha_sq};
+use crate::{BrdfLobe, BrushedAt, Facets, Lobe, PackedLobe, Schlick, orthonormal_basis};
+use core::f32::consts::TAU;
+use fearless_simd::dispatch;
+use glam::Vec3;
+
+/// A receiver and the plane of a light before it: the receiver's normal, that of the plane away from it, and how far the plane is.
+#[derive(Clone, Copy)]
+pub(super) struct Before {
+    pub(super) normal: Vec3,
+    pub(super) axis: Vec3,
+    pub(super) height: f32,
+}
+
+/// A corner before a receiver.
+#[derive(Clone, Copy)]
+struct Corner {
+    from_receiver: Vec3,
+    distance: f32,
+    /// Its place on the light's plane, in the receiver's distance from that.
+    place: Vec3,
+    /// Its place in the widths of a lobe: the slope of its half vector in α, or its chord to the axis in standard deviations.
+    slope: Vec3,
+    /// How far it is along the lobe's axis.
+    along: f32,
+}
+
+/// A lobe of a receiver before a light's plane.
+#[derive(Clone, Copy)]
+pub(super) struct Shape {
+    before: Before,
+    axis: Vec3,
+    is_facets: bool,
+    is_steep: bool,
+    /// Of microfacets two directions of the surface over the `α` along them.
+    fine: [Vec3; 2],
+    /// Of a power one over its standard deviation.
+    narrowness: f32,
+}
+
+impl Shape {
+    #[inline(always)]
+    pub(super) fn new(before: Before, lobe: &PackedLobe) -> Self {
+        let (u, v) = orthonormal_basis(before.normal);
+        let fine = 1.0 / alpha_sq(lobe.exponent).sqrt();
+        Self {
+            before,
+            axis: lobe.axis,
+            is_facets: lobe.kind >= PackedLobe::MICROFACETS_F0,
+            is_steep: lobe.exponent >= STEEP,
+            fine: [u * fine, v * fine],
+            narrowness: (lobe.exponent + 1.0).sqrt(),
+        }
+    }
+
+    #[inline(always)]
+    fn slope(&self, direction: Vec3) -> Vec3 {
+        let h = direction + self.axis;
+        let flat = 1.0 / larger(self.before.normal.dot(h), 1e-4);
+        let along = self.axis.dot(direction);
+        let chord = (direction - self.axis * along) * (self.narrowness / larger(0.5 + 0.5 * along, 1e-4).sqrt());
+        let slope = Vec3::new(self.fine[0].dot(h) * flat, self.fine[1].dot(h) * flat, 0.0);
+        if self.is_facets { slope } else { chord }
+    }
+
+    #[inline(always)]
+    fn corner(&self, p: Vec3) -> Corner {
+        let distance = p.length();
+        let Before { axis, height, .. } = self.before;
+        let place = (p - axis * axis.dot(p)) * (1.0 / larger(height, 1e-30));
+        let slope = self.slope(p * (1.0 / distance));
+        Corner { from_receiver: p, distance, place, slope, along: self.axis.dot(p) }
+    }
+
+    /// The rule along two opposite sides.
+    #[inline(always)]
+    fn rule(&self, [a, b]: [&Corner; 2], [c, d]: [&Corner; 2], bend: f32) -> f32 {
+        let of_plane = poles([a.place, b.place], [c.place, d.place], 0.0);
+        let of_facets = poles([a.slope, b.slope], [c.slope, d.slope], bend);
+        let root = smaller(root(a.along, b.along), root(c.along, d.along));
+        let of_power = if self.is_steep { 1e30 } else { root };
+        let half = larger(half(a, b), half(c, d));
+        let of_lobe = if self.is_facets { of_facets } else { of_power };
+        rule(smaller(of_plane, of_lobe), if self.is_facets { 0.0 } else { half })
+    }
+}
+
+#[inline(always)]
+fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// Where a line between two heights is at zero: from its middle, in halves of its length.
+#[inline(always)]
+fn root(from: f32, to: f32) -> f32 {
+    (from + to).abs() / larger((to - from).abs(), 1e-30)
+}
+
+/// Half the length of a side in standard deviations, if all of it were as fine as where the lobe is largest: a step of a line turns most where that is near.
+#[inline(always)]
+fn half(a: &Corner, b: &Corner) -> f32 {
+    let turned = b.slope - a.slope;
+    let square = turned.length_squared();
+    let part = -a.slope.dot(turned) / larger(square, 1e-30);
+    let part = smaller(larger(part, 0.0), 1.0);
+    let part = part * a.distance / (part * a.distance + (1.0 - part) * b.distance);
+    let peak = a.from_receiver + (b.from_receiver - a.from_receiver) * part;
+    0.5 * square.sqrt() * a.distance * b.distance / peak.length_squared()
+}
+
+/// The numbers of the rules along both sides of a quadrilateral before a receiver, [`NONE`] where none is enough. Lobes of an exponent below [`STEEP`] are above
+/// their horizon there.
+#[inline(always)]
+pub(super) fn rules([a, b, c, d]: [Vec3; 4], shape: &Shape) -> [f32; 2] {
+    let middle = 0.25 * (a + b + c + d);
+    let middle = shape.slope(middle * (1.0 / middle.length()));
+    let (a, b, c, d) = (shape.corner(a), shape.corner(b), shape.corner(c), shape.corner(d));
+    let bend = 2.0 * (middle - 0.25 * (a.slope + b.slope + c.slope + d.slope)).length();
+    // Beyond seven deviations a power is nothing.
+    let reach = |corner: &Corner| (corner.slope - middle).length_squared();
+    let reach = larger(larger(reach(&a), reach(&b)), larger(reach(&c), reach(&d))).sqrt();
+    let is_nothing = !shape.is_facets & shape.is_steep & (middle.length() - 1.5 * reach > 7.0);
+    let (u, v) = (shape.rule([&a, &b], [&d, &c], bend), shape.rule([&a, &d], [&b, &c], bend));
+    [if is_nothing { 0.0 } else { u }, if is_nothing { 0.0 } else { v }]
+}
+
+/// The first rule that is enough.
+#[inline(always)]
+fn rule(pole: f32, deviations: f32) -> f32 {
+    let more = |k: usize| if (pole >= POLES[k]) & (deviations <= DEVIATIONS[k]) { 0.0 } else { 1.0 };
+    more(0) + more(1) + more(2) + more(3) + more(4) + more(5)
+}
+
+/// A lobe at a point of the plane that is seen: of microfacets both parts.
+pub(super) trait Both: Copy {
+    fn both(&self, p: Vec3, inverse: f32) -> [f32; 2];
+}
+
+impl Both for Power {
+    #[inline(always)]
+    fn both(&self, p: Vec3, inverse: f32) -> [f32; 2] {
+        [self.at(p, inverse), 0.0]
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Of<F>(F);
+
+impl<F: Facets> Both for Of<F> {
+    #[inline(always)]
+    fn both(&self, p: Vec3, inverse: f32) -> [f32; 2] {
+        self.0.both(p * inverse.sqrt())
+    }
+}
+
+/// What an area about a point relative to the receiver adds.
+#[inline(always)]
+fn added(lobe: &impl Both, p: Vec3, area: f32) -> [f32; 2] {
+    let inverse = 1.0 / p.length_squared();
+    let weight = area * (inverse * inverse.sqrt());
+    lobe.both(p, inverse).map(|value| weight * value)
+}
+
+/// A receiver and its lobe, ready for nodes. Twelve numbers, so that many lie in columns.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(super) struct AtNode {
+    /// What is added to nodes.
+    toward: Vec3,
+    normal: Vec3,
+    /// The lobe's axis, or the direction to the eye above the horizon.
+    axis: Vec3,
+    /// Half the exponent, or `α²`.
+    shape: f32,
+    /// The lobe's kind, or the eye's part of shadowing.
+    more: f32,
+    /// The factor of all nodes.
+    scale: f32,
+}
+
+impl AtNode {
+    #[inline(always)]
+    pub(super) fn new<const IS_FACETS: bool>(toward: Vec3, before: &Before, lobe: &PackedLobe) -> Self {
+        let Before { normal, height, .. } = *before;
+        let PackedLobe { axis, exponent, kind, .. } = *lobe;
+        if IS_FACETS {
+            let at = MicrofacetsAt::new(normal, axis, exponent, Schlick::F0);
+            return Self { toward, normal, axis: at.view, shape: at.alpha_sq, more: at.shadowing, scale: height };
+        }
+        let scale = height * ((exponent + 1.0) / TAU);
+        Self { toward, normal, axis, shape: 0.5 * exponent, more: kind, scale }
+    }
+
+    /// What a node adds.
+    #[inline(always)]
+    pub(super) fn value<const IS_FACETS: bool>(&self, node: &Node) -> [f32; 2] {
+        let (p, area, normal) = (self.toward + node.offset, node.area * self.scale, self.normal);
+        if IS_FACETS {
+            let (view, alpha_sq, shadowing) = (self.axis, self.shape, self.more);
+            return added(&Of(MicrofacetsAt { normal, view, alpha_sq, shadowing, part: Schlick::F0 }), p, area);
+        }
+        let has_cosine = self.more == PackedLobe::COSINE;
+        added(&Power { axis: self.axis, half_exponent: self.shape, normal, has_cosine }, p, area)
+    }
+}
+
+/// Parts that wait, and parts that are looked at for one lobe, at most.
+const ROOM: usize = 128;
+const MOST: usize = 512;
+
+/// Polygons of up to this many corners have no long sides to begin with.
+const FEW: usize = 6;
+
+/// The integral of a lobe over a polygon, above the horizon and, where its exponent is below [`STEEP`], above that of the lobe: parts of it
+/// are halved until few nodes are enough for each.
+pub(super) fn in_parts(normal: Vec3, lobe: &BrdfLobe, light: &Outline) -> f32 {
+    let before = Before { normal, axis: light.axis, height: light.height };
+    let shape = Shape::new(before, &PackedLobe::from(*lobe));
+    let value = match lobe {
+        BrdfLobe::Cosine(Lobe { axis, exponent, has_cosine, .. }) => {
+            let power = Power { axis: *axis, half_exponent: 0.5 * exponent, normal, has_cosine: *has_cosine };
+            sum_of_parts(&shape, power, light)[0] * ((exponent + 1.0) / TAU)
+        }
+        BrdfLobe::Microfacets(facets) => facets.part.of(match facets.grain {
+            None => sum_of_parts(&shape, Of(facets.at(normal)), light),
+            Some(grain) => {
+                let brushed = BrushedAt::new(facets, grain, normal);
+                sum_of_parts(&Shape { fine: brushed.fine, ..shape }, Of(brushed), light)
+            }
+        }),
+    };
+    light.height * value
+}
+
+/// Of a factor that is the same all over the light all but that.
+fn sum_of_parts(shape: &Shape, lobe: impl Both, light: &Outline) -> [f32; 2] {
+    let level = Level::new();
+    let (mut waiting, mut count, mut seen) = ([[Vec3::ZERO; 4]; ROOM], 0, 0);
+    in_quadrilaterals(light.corners(), |part| {
+        waiting[count] = part;
+        count += 1;
+    });
+    let mut sums = [0.0; 2];
+    while count > 0 {
+        let (mut parts, mut wanted) = ([[0.0; WIDTH]; 12], [[0.0; WIDTH]; 2]);
+        let taken = if count < WIDTH { count } else { WIDTH };
+        count -= taken;
+        for j in 0..taken {
+            set_row(&mut parts, j, &bytemuck::cast(waiting[count + j]));
+        }
+        map(level, &Wanted(*shape), &parts, &[], &mut wanted);
+        seen += taken;
+        for j in 0..taken {
+            let part: [Vec3; 4] = bytemuck::cast(row(&parts, j));
+            let [u, v] = row(&wanted, j);
+            let is_last = seen > MOST || count + 4 > ROOM;
+            let more = if u.max(v) <= 1.0 {
+                over_nodes::<16>(level, lobe, part)
+            } else if u.max(v) <= 3.0 || is_last {
+                over_nodes::<64>(level, lobe, part)
+            } else {
+                for part in divided(part, [u > 3.0, v > 3.0]).into_iter().flatten() {
+                    waiting[count] = part;
+                    count += 1;
+                }
+                continue;
+            };
+            sums = [sums[0] + more[0], sums[1] + more[1]];
+        }
+    }
+    sums
+}
+
+/// A convex polygon as quadrilaterals: what is between its two longest sides, which are those of a tube, and what that leaves at both ends.
+fn in_quadrilaterals(corners: &[Vec3], mut take: impl FnMut([Vec3; 4])) {
+    let count = corners.len();
+    let corner = |k: usize| corners[k % count];
+    let mut fan = |first: usize, last: usize| {
+        for k in (first + 1..last).step_by(2) {
+            take([corner(first), corner(k), corner(k + 1), corner(last.min(k + 2))]);
+        }
+    };
+    if count <= FEW {
+        return fan(0, count - 1);
+    }
+    let [mut longest, mut second] = [(0, 0.0); 2];
+    for k in 0..count {
+        let square = corner(k).distance_squared(corner(k + 1));
+        if square > longest.1 {
+            (longest, second) = ((k, square), longest);
+        } else if square > second.1 {
+            second = (k, square);
+        }
+    }
+    let (from, to) = (longest.0.min(second.0), longest.0.max(second.0));
+    fan(from + 1, to);
+    fan(to + 1, from + count);
+    take([corner(from), corner(from + 1), corner(to), corner(to + 1)]);
+}
+
+/// The halves of a part along the sides that say so.
+fn divided(part: [Vec3; 4], [across, up]: [bool; 2]) -> [Option<[Vec3; 4]>; 4] {
+    let in_two = |[a, b, c, d]: [Vec3; 4]| {
+        let (low, high) = (0.5 * (a + b), 0.5 * (d + c));
+        [[a, low, high, d], [low, b, c, high]]
+    };
+    // Along the other side: as seen from the next corner.
+    let turned = |[a, b, c, d]: [Vec3; 4]| [b, c, d, a];
+    match (across, up) {
+        (true, false) => {
+            let [a, b] = in_two(part);
+            [Some(a), Some(b), None, None]
+        }
+        (false, _) => {
+            let [a, b] = in_two(turned(part));
+            [Some(a), Some(b), None, None]
+        }
+        (true, true) => {
+            let [a, b] = in_two(part);
+            let ([a, b], [c, d]) = (in_two(turned(a)), in_two(turned(b)));
+            [Some(a), Some(b), Some(c), Some(d)]
+        }
+    }
+}
+
+/// The rules of a part of a light.
+struct Wanted(Shape);
+
+impl Lane<12, 0, 2> for Wanted {
+    #[inline(always)]
+    fn value(&self, part: [f32; 12], []: [f32; 0]) -> [f32; 2] {
+        rules(bytemuck::cast(part), &self.0)
+    }
+}
+
+/// Places on a part and weights, of a rule along both of its sides: `N` nodes in columns.
+const fn places<const N: usize>(rule: &[(f32, f32)]) -> [[f32; N]; 3] {
+    let mut places = [[0.0; N]; 3];
+    let side = 2 * rule.len();
+    let mut k = 0;
+    while k < N {
+        let ([i, j], mut own) = ([k % side, k / side], [(0.0, 0.0); 2]);
+        let mut axis = 0;
+        while axis < 2 {
+            let i = [i, j][axis];
+            let (node, weight) = rule[i / 2];
+            own[axis] = (if i % 2 == 0 { node } else { -node }, weight);
+            axis += 1;
+        }
+        [places[0][k], places[1][k], places[2][k]] = [own[0].0, own[1].0, own[0].1 * own[1].1];
+        k += 1;
+    }
+    places
+}
+
+/// The sum over nodes, sixteen side by side, of four or eight along each side of a part.
+fn over_nodes<const N: usize>(level: Level, lobe: impl Both, [a, b, c, d]: [Vec3; 4]) -> [f32; 2] {
+    let [across, along, weights] = const { places::<N>(if N == 16 { &FOUR } else { &EIGHT }) };
+    let (middle, twist) = (0.25 * (a + b + c + d), 0.25 * (a + c - b - d));
+    let (right, up) = (0.25 * (b + c - a - d), 0.25 * (c + d - a - b));
+    dispatch!(level, _simd => {
+        let mut sums = [[0.0; WIDTH]; 2];
+        let [(across, _), (along, _), (weights, _)] = [&across, &along, &weights].map(|column| column.as_chunks::<WIDTH>());
+        for ((u, v), weights) in across.iter().zip(along).zip(weights) {
+            let [first_sums, second_sums] = &mut sums;
+            for (j, (base, edge)) in first_sums.iter_mut().zip(second_sums).enumerate() {
+                let (u, v, weight) = (u[j], v[j], weights[j]);
+                let area = weight * (right + twist * v).cross(up + twist * u).length();
+                let value = added(&lobe, middle + right * u + up * v + twist * (u * v), area);
+                *base += value[0];
+                *edge += value[1];
+            }
+        }
+        sums.map(|sums| sums.into_iter().fold(0.0, |sum, x| sum + x))
+    })
+}
