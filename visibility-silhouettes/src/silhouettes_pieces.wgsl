@@ -29,9 +29,8 @@ fn silhouettes_window_side(k: u32) -> vec3f {
 // Lists the part of an edge that is in front of the light, from its ends in plane coordinates: other parts change numbers of surfaces there by a constant, if
 // at all.
 fn silhouettes_list_piece(a: vec2f, b: vec2f, line: vec3f, step: i32) {
-    let view = silhouettes_view;
     var ends = array<vec2f, 2>(a, b);
-    var is_left = vec2<bool>(false);
+    var leans = vec2f(0.0);
     for (var k = 0u; k < 6u + light_side_count(); k++) {
         let side = silhouettes_window_side(k);
         let inside = vec2f(dot(side.xy, ends[0]), dot(side.xy, ends[1])) + side.z;
@@ -42,10 +41,10 @@ fn silhouettes_list_piece(a: vec2f, b: vec2f, line: vec3f, step: i32) {
         if (any(is_out)) {
             let cut = cross(line, side);
             ends[select(0u, 1u, is_out.y)] = cut.xy / cut.z;
-            is_left = is_left | (is_out & vec2<bool>(k == 0u));
+            leans = select(leans, vec2f(side.x), is_out);
         }
     }
-    let disc = light_disc(view.square);
+    let disc = light_disc(silhouettes_view.square);
     let from_middle = ends[0] - disc.xy;
     let along = ends[1] - ends[0];
     let square = dot(along, along);
@@ -58,18 +57,29 @@ fn silhouettes_list_piece(a: vec2f, b: vec2f, line: vec3f, step: i32) {
     let first = ends[0];
     if (cuts.x > 0.0) {
         ends[0] = first + cuts.x * along;
+        leans.x = disc.x - ends[0].x;
     }
     if (cuts.y < 1.0) {
         ends[1] = first + cuts.y * along;
+        leans.y = disc.x - ends[1].x;
     }
+    silhouettes_push_piece(ends, leans, step);
+}
+
+// Lists a piece between two ends in front of the light. `leans`: above 0 for an end at a side on the left of what is seen, below 0 for one on the right;
+// the view's middle may lie along a side, where rounding would decide.
+fn silhouettes_push_piece(ends: array<vec2f, 2>, leans: vec2f, step: i32) {
+    let view = silhouettes_view;
     let raster = view.raster;
     var x: vec2f;
     var height: vec2f;
+    var is_left: vec2<bool>;
     for (var k = 0u; k < 2u; k++) {
-        x[k] = (ends[k].x - raster.left) * raster.samples;
-        height[k] = (ends[k].y - raster.bottom) * raster.rows - 0.5;
+        let end = select(ends[0], ends[1], k == 1u);
+        x[k] = (end.x - raster.left) * raster.samples;
+        height[k] = (end.y - raster.bottom) * raster.rows - 0.5;
         let middle = view.middle.x + view.middle.y * clamp(height[k], -1.0, f32(SIDE));
-        is_left[k] = is_left[k] || x[k] < clamp(middle, 0.0, f32(row_width));
+        is_left[k] = select(x[k] < clamp(middle, 0.0, f32(row_width)), leans[k] > 0.0, leans[k] != 0.0);
     }
     let is_up = height.x <= height.y;
     if (!is_up) {

@@ -10,7 +10,7 @@ use lighting::{Environment, EnvironmentMap, FlatLight, Light, SphereLight};
 use lobe_core::{LightImage, Sphere};
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
 use render_gpu::Gpu;
-use scene::{Frame, Scene, Shade};
+use scene::{Camera, Frame, Mesh, Object, Projection, Proxy, Scene, Shade};
 use shading::Accuracy;
 use std::sync::Arc;
 use test_scenes::{Opening, openings, room, room_with, with_door};
@@ -32,6 +32,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("rooms_behind_many_openings", gpu, many),
         trial("glossy_walls_behind_a_window", gpu, glossy),
         trial("an_image_behind_a_window", gpu, image),
+        trial("where_an_umbra_ends", gpu, where_an_umbra_ends),
     ]
 }
 
@@ -136,4 +137,25 @@ fn image(gpu: &Gpu) {
     let (image, _) = LightImage::new(UVec2::splat(2), &texels).expect("an image");
     let light = square().showing(Arc::new(image)).expect("a rectangle");
     check(gpu, "image", &room(WINDOW, light.into()), [0.004, 0.015], 0.04);
+}
+
+/// A crate below a square: where its umbra ends little of the light is seen, on both sides of the crate and at all sides of the light.
+fn where_an_umbra_ends(gpu: &Gpu) {
+    let light = FlatLight::rectangle(Vec3::Y * 8.0, Vec3::X * 2.0, Vec3::Z * 2.0, Vec3::ONE).expect("a square");
+    let mut scene = room(WINDOW, light.into());
+    let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 30.0, Vec3::NEG_Z * 30.0);
+    let block = Mesh::cuboid(Vec3::new(-0.036_157, 0.2, 9.859_153), Vec3::new(0.15, 0.4, 0.15));
+    scene.objects = [("floor", floor), ("crate", block)]
+        .into_iter()
+        .map(|(name, mesh)| Object::mesh(name, mesh, 0, Proxy::None))
+        .collect();
+    scene.camera = Camera {
+        eye: Vec3::new(-0.036_157, 2.0, 11.5),
+        target: Vec3::new(-0.036_157, 0.0, 10.42),
+        projection: Projection::perspective(0.105),
+        ..scene.camera
+    };
+    let [with, _] = own_errors(gpu, &scene, LookAgain::Openings);
+    println!("umbra: {with:?}");
+    assert!(with[0] <= 0.005 && with[1] <= 0.03, "{with:?}");
 }
