@@ -14,12 +14,12 @@ use visibility_spheres::SphereBlockers;
 #[cfg(feature = "gpu")]
 use {
     crate::backend::GpuParts,
+    glam::Vec3,
     lighting::Light,
-    lobe_core::Sphere,
     render_gpu::ShadowCasting,
-    scene::Bounds,
-    shading::gpu::GpuLight as _,
-    visibility_silhouettes::{GpuSilhouettes, meets_plane},
+    scene::{Bounds, Scene},
+    shading::{LightExtent, LightLobes as _, gpu::GpuLight as _},
+    visibility_silhouettes::{AroundLight, GpuSilhouettes, meets_plane},
 };
 
 /// A sky before these kinds.
@@ -155,30 +155,20 @@ impl<'a> FrameBlockers<'a> {
     fn gpu_silhouettes(&self) -> Option<GpuSilhouettes> {
         let by_rays = self.rays.is_some() || self.drawn.is_some() || self.has_instances;
         let silhouettes = self.silhouettes.as_ref().filter(|_| !by_rays)?;
-        let meeting = |sphere: Sphere| {
-            let mut triangles = Vec::new();
-            silhouettes.triangles_meeting(sphere, &mut |corners| triangles.push(corners));
-            triangles
-        };
         let mut cut = Vec::new();
         for light in &self.world.scene().lights {
-            let is_flat = light.gpu_roundness().is_some();
-            let sphere = match light {
+            let mut triangles = Vec::new();
+            if light.gpu_roundness().is_some() {
                 // All blockers are in front of the sky, whose sphere may contain the scene.
-                Light::Sky(_) => None,
-                light if is_flat => Some(light.gpu_bounds()),
-                light => light.sphere(),
-            };
-            let mut triangles = sphere.filter(|sphere| sphere.radius > 0.0).map(meeting).unwrap_or_default();
-            if !is_flat && !triangles.is_empty() {
-                return None;
-            }
-            if let Light::Flat(flat) = light
-                && triangles.len() > FEW_TRIANGLES
-            {
-                let Bounds { min, max } = self.world.scene().bounds();
-                let margin = f64::from(PLANE_MARGIN * (max - min).length());
-                triangles.retain(|corners| meets_plane(corners, flat.normal(), flat.as_disc().0, margin));
+                if !matches!(light, Light::Sky(_)) {
+                    triangles = cut_by_plane(silhouettes, light, self.world.scene());
+                }
+            } else if let Some(sphere) = light.sphere().filter(|sphere| sphere.radius > 0.0) {
+                let mut is_met = false;
+                silhouettes.triangles_meeting(sphere, &mut |_| is_met = true);
+                if is_met {
+                    return None;
+                }
             }
             cut.push(triangles);
         }
@@ -318,6 +308,27 @@ pub trait ShaderTask {
     /// # Errors
     /// Those of the task.
     fn with<S: Shader>(self, shader: &mut S) -> impl Future<Output = Result<Self::Output, RenderError>>;
+}
+
+/// The triangles that the plane of a flat light or of a tube may cut: as on a CPU, which leaves out most of them for each receiver.
+#[cfg(feature = "gpu")]
+fn cut_by_plane(silhouettes: &SilhouetteBlockers<'_>, light: &Light, scene: &Scene) -> Vec<[Vec3; 3]> {
+    let bounds = light.gpu_bounds();
+    let around = AroundLight::new(bounds, &light.extent().unwrap_or(LightExtent::of_sphere(bounds.radius)));
+    let mut triangles = Vec::new();
+    silhouettes.triangles_meeting(around.sphere(), &mut |corners| {
+        if around.may_have(&corners) {
+            triangles.push(corners);
+        }
+    });
+    if let Light::Flat(flat) = light
+        && triangles.len() > FEW_TRIANGLES
+    {
+        let Bounds { min, max } = scene.bounds();
+        let margin = f64::from(PLANE_MARGIN * (max - min).length());
+        triangles.retain(|corners| meets_plane(corners, flat.normal(), flat.as_disc().0, margin));
+    }
+    triangles
 }
 
 /// Near a flat light so many triangles are not worth a search for those that its plane cuts.

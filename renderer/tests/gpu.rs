@@ -4,10 +4,10 @@ use brdf::Material;
 use core::ops::ControlFlow;
 use glam::{Mat4, UVec2, Vec3};
 use libtest_mimic::{Arguments, Trial};
-use lighting::{Environment, EnvironmentMap, Light, SphereLight};
+use lighting::{Environment, EnvironmentMap, Light, SphereLight, TubeLight};
 use lobe_core::Sphere;
 use renderer::{Cancel, Device, LayerSet, RenderError, Renderer, Settings, Window};
-use scene::{Animation, Instances, Object, Proxy, Scene, Shape, Strategy};
+use scene::{Animation, Instances, Mesh, Object, Proxy, Scene, Shape, Strategy};
 use std::sync::Arc;
 use test_scenes::{floor_and_sphere, globe};
 
@@ -26,6 +26,7 @@ fn main() {
         trial("parts_make_the_picture", parts_make_the_picture),
         trial("skies_are_summed_at_once", skies_are_summed_at_once),
         trial("instances_block_as_copies", instances_block_as_copies),
+        trial("dense_meshes_below_tubes", dense_meshes_below_tubes),
         trial("layers_of_points", layers_of_points),
         trial("requests_to_stop", requests_to_stop),
         trial("nothing_to_see", nothing_to_see),
@@ -183,6 +184,31 @@ fn instances_block_as_copies() {
     assert!(have[0] == want[0] && want[0] != want[1]);
     // Corners that are moved twice are rounded twice.
     assert!(have[1].iter().zip(&want[1]).all(|(a, b)| a.abs_diff_eq(*b, 1e-6)));
+}
+
+/// A board of many triangles below a long tube, whose plane cuts none of them: a software driver ends loops after 65 535 rounds.
+fn dense_meshes_below_tubes() {
+    let mut scene = stage();
+    (scene.width, scene.height) = (16, 9);
+    scene.objects.truncate(1);
+    let side = 185;
+    let at = |k: u32| Vec3::new((k % side) as f32 / side as f32 - 0.5, 1.0, (k / side) as f32 / side as f32 - 0.5);
+    let corners = (0..side - 1).flat_map(|row| (0..side - 1).map(move |column| row * side + column));
+    let triangles = corners.flat_map(|k| [[k, k + side, k + 1], [k + 1, k + side, k + side + 1]]).collect();
+    let board = Mesh { positions: (0..side * side).map(at).collect(), triangles, ..Mesh::default() };
+    scene.objects.push(Object { visible: false, ..Object::mesh("board", board, 0, Proxy::None) });
+    scene.materials.fill(Material::lambert(Vec3::splat(0.6)));
+    let ends = [-2.0, 2.0].map(|x| Vec3::new(x, 2.2, 0.0));
+    scene.lights = vec![TubeLight { ends, radius: 0.02, radiance: Vec3::splat(40.0) }.into()];
+    let picture = |device: Device| {
+        let settings = Settings { device, ..Settings::default() };
+        let mut renderer = Renderer::new(scene.clone(), Animation::default(), settings).expect("a renderer");
+        renderer.render().expect("a picture").radiance
+    };
+    let [want, got] = [Device::Cpu, Device::Gpu].map(picture);
+    let peak = want.iter().map(|v| v.max_element()).fold(0.0, f32::max);
+    let sum: f32 = want.iter().zip(&got).map(|(a, b)| (*a - *b).abs().max_element()).sum();
+    assert!(peak > 0.1 && sum < 1e-3 * peak * want.len() as f32, "{sum} of {peak}");
 }
 
 fn layers_of_points() {

@@ -100,8 +100,8 @@ impl GpuSilhouettes {
     }
 
     /// Sets, for each light of the frames, the triangles of these meshes that its plane may cut: for a light with an outline all
-    /// triangles that meet the sphere of [`gpu_bounds`](shading::gpu::GpuLight::gpu_bounds), for others none. Surfaces block up
-    /// to that plane.
+    /// [around it](crate::AroundLight), with the sphere of [`gpu_bounds`](shading::gpu::GpuLight::gpu_bounds), for others none. Surfaces
+    /// block up to that plane. Each receiver looks at all of them.
     #[must_use]
     pub fn with_clipped(mut self, triangles: &[Vec<[Vec3; 3]>]) -> Self {
         self.rows[1] = [self.rows.len() as u32, triangles.len() as u32, 0, 0];

@@ -87,7 +87,7 @@ pub use crate::any_hit::AnyHit;
 pub use crate::blockers::{SilhouetteBlockers, SilhouetteScratch};
 pub use crate::gpu::GpuSilhouettes;
 pub use crate::mesh::SilhouetteMesh;
-pub use crate::near_light::meets_plane;
+pub use crate::near_light::{AroundLight, meets_plane};
 pub use crate::placed::{SharedMesh, SilhouetteInstances};
 pub use crate::sky::SkySilhouetteScratch;
 pub use glam;

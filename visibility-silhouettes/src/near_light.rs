@@ -73,22 +73,45 @@ fn meets_slab(corners: &Triangle, normal: Vec3, offset: f64, margin: f64) -> boo
     heights.iter().any(|height| *height >= -margin) && heights.iter().any(|height| *height <= margin)
 }
 
-/// Three directions along and across a light, and how far it reaches along each, with what lies beside it.
-fn sides(light: Sphere, extent: &LightExtent) -> [(Vec3, f32); 3] {
-    let [u, v] = extent.sides;
-    let long = if u.length_squared() < v.length_squared() { v } else { u }.normalize_or(Vec3::X);
-    let normal = u.cross(v).normalize_or(orthonormal_basis(long).0);
-    let reach = |n: Vec3, more: f32| (n, light.radius.min(extent.support(n)) + more * light.radius);
-    [reach(long, BESIDE), reach(normal.cross(long), BESIDE), reach(normal, ABOVE)]
+/// The space about a light in which its plane may cut triangles.
+#[derive(Clone, Copy, Debug)]
+pub struct AroundLight {
+    light: Sphere,
+    /// Three directions along and across the light, and how far it reaches along each, with what lies beside it.
+    sides: [(Vec3, f32); 3],
+}
+
+impl AroundLight {
+    /// Of a light that both of these bound.
+    #[must_use]
+    pub fn new(light: Sphere, extent: &LightExtent) -> Self {
+        let [u, v] = extent.sides;
+        let long = if u.length_squared() < v.length_squared() { v } else { u }.normalize_or(Vec3::X);
+        let normal = u.cross(v).normalize_or(orthonormal_basis(long).0);
+        let reach = |n: Vec3, more: f32| (n, light.radius.min(extent.support(n)) + more * light.radius);
+        Self { light, sides: [reach(long, BESIDE), reach(normal.cross(long), BESIDE), reach(normal, ABOVE)] }
+    }
+
+    /// A sphere around it.
+    #[must_use]
+    pub fn sphere(&self) -> Sphere {
+        Sphere { radius: self.light.radius * (1.0 + BESIDE), ..self.light }
+    }
+
+    /// Whether a triangle that meets the sphere may reach into it.
+    #[must_use]
+    pub fn may_have(&self, corners: &[Vec3; 3]) -> bool {
+        self.sides.iter().all(|(n, reach)| meets_plane(corners, *n, self.light.center, f64::from(*reach)))
+    }
 }
 
 impl NearLight {
     fn new(shaft: &Shaft, visit: &mut impl FnMut(Sphere, &mut dyn FnMut(Triangle))) -> Self {
         let Shaft { light, extent, .. } = *shaft;
         let (mut triangles, mut cutting, mut is_clipped) = (Vec::new(), Vec::new(), false);
-        let sides = sides(light, &extent);
-        visit(Sphere { radius: light.radius * (1.0 + BESIDE), ..light }, &mut |corners| {
-            if sides.iter().all(|(n, reach)| meets_plane(&corners, *n, light.center, f64::from(*reach))) {
+        let around = AroundLight::new(light, &extent);
+        visit(around.sphere(), &mut |corners| {
+            if around.may_have(&corners) {
                 triangles.push(corners);
             }
         });
