@@ -63,7 +63,7 @@ pub(crate) struct Extensions {
     hidden: Vec<bool>,
     /// For each node that has them: the accessors of its instances by name.
     instances: Vec<Option<Value>>,
-    /// For each material that has some: its extensions.
+    /// The materials as they are written; none in a document without extensions.
     materials: Vec<Option<Value>>,
     /// Attributes of morph targets that are not read.
     morphed: BTreeSet<String>,
@@ -89,7 +89,7 @@ impl Extensions {
             own.instances[i] = node.pointer("/extensions/EXT_mesh_gpu_instancing/attributes").cloned();
         }
         for (own, material) in own.materials.iter_mut().zip(list(&value, "materials")) {
-            *own = material.get("extensions").cloned();
+            *own = Some(material.clone());
         }
         own
     }
@@ -138,7 +138,7 @@ impl Extensions {
         self.instances[node].as_ref()
     }
 
-    /// The extensions of a material, if it has some.
+    /// A material as it is written, with what its typed form leaves out.
     pub(crate) fn of_material(&self, material: usize) -> Option<&Value> {
         self.materials.get(material)?.as_ref()
     }

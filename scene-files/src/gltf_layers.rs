@@ -7,7 +7,6 @@ use crate::unit::unit;
 use brdf::Material;
 use gltf::json::Value;
 use gltf::json::deserialize::from_value;
-use gltf::json::material::NormalTexture;
 use gltf::json::texture::Info;
 use scene::{Channel, Encoding, Surface};
 
@@ -30,13 +29,8 @@ pub(crate) fn coated(
     let of_weight = channel("clearcoatTexture", 0).map_err(fault)?;
     let of_roughness = channel("clearcoatRoughnessTexture", 1).map_err(fault)?;
     let normal = normal_texture(clearcoat).map_err(fault)?;
-    let (scale, reference) = match &normal {
-        Some(normal) => (normal.scale, Some(Reference::new(normal.index, normal.tex_coord))),
-        None => (1.0, None),
-    };
-    if !scale.is_finite() {
-        return Err(fault(format!("normal texture has scale {scale}")));
-    }
+    let scale = normal.as_ref().map_or(1.0, |(_, scale)| *scale);
+    let reference = normal.as_ref().map(|(info, _)| info.into());
     let of_normal = images.map(buffers, reference, Encoding::Linear).map_err(fault)?;
     let Material::MetallicRoughness(metal) = appearance.material else { return Ok(appearance) };
     let metal = metal.with_clearcoat(weight, roughness).map_err(|e| fault(e.to_string()))?;
@@ -79,18 +73,25 @@ pub(crate) fn brushed(
 
 /// A number; 0 without one.
 fn number(of: &Value, name: &str) -> Result<f32, String> {
-    let Some(value) = of.get(name) else { return Ok(0.0) };
+    of.get(name).map_or(Ok(0.0), |value| finite(value, name))
+}
+
+fn finite(value: &Value, name: &str) -> Result<f32, String> {
     let number = value.as_f64().ok_or_else(|| format!("{name} is {value}: expected a number"))? as f32;
     if number.is_finite() { Ok(number) } else { Err(format!("{name} is {value}: expected a finite number")) }
 }
 
-fn texture(clearcoat: &Value, name: &str) -> Result<Option<Info>, String> {
+/// The texture that an object names, with its transform.
+pub(crate) fn texture(of: &Value, name: &str) -> Result<Option<Info>, String> {
     let read = |value: &Value| from_value(value.clone()).map_err(|e| format!("{name}: {e}"));
-    clearcoat.get(name).map(read).transpose()
+    of.get(name).map(read).transpose()
 }
 
-fn normal_texture(clearcoat: &Value) -> Result<Option<NormalTexture>, String> {
+/// The normal texture of a coat, and its scale.
+fn normal_texture(clearcoat: &Value) -> Result<Option<(Info, f32)>, String> {
     let name = "clearcoatNormalTexture";
-    let read = |value: &Value| from_value(value.clone()).map_err(|e| format!("{name}: {e}"));
-    clearcoat.get(name).map(read).transpose()
+    let Some(info) = texture(clearcoat, name)? else { return Ok(None) };
+    let scale = clearcoat.get(name).and_then(|normal| normal.get("scale"));
+    let scale = scale.map_or(Ok(1.0), |scale| finite(scale, "scale")).map_err(|e| format!("{name}: {e}"))?;
+    Ok(Some((info, scale)))
 }

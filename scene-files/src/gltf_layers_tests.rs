@@ -81,3 +81,27 @@ fn anisotropy_is_read() {
         assert!(message.contains("material 0: KHR_materials_anisotropy: ") && message.contains(words), "{message}");
     }
 }
+
+/// KHR_texture_transform of normal textures, which their typed forms leave out.
+#[test]
+fn transforms_of_normal_textures_are_read() {
+    let transform =
+        r#""extensions": {"KHR_texture_transform": {"scale": [2, 3], "offset": [0.1, 0.2], "texCoord": 1}}"#;
+    let plain = r#"{"index": 0, "scale": 0.5}"#;
+    let moved = format!(r#"{{"index": 0, "scale": 0.5, {transform}}}"#);
+    for is_moved in [false, true] {
+        let normal = if is_moved { &moved } else { plain };
+        let coat =
+            format!(r#""clearcoatFactor": 1, "clearcoatNormalTexture": {normal}}}}}, "normalTexture": {normal}"#);
+        // The braces of the extension and of all of them are closed already.
+        let coat = format!("{coat}, \"extras\": {{\"a\": {{");
+        let (_, surface, _) = read("KHR_materials_clearcoat", [51, 102, 255, 255], &coat).unwrap();
+        for (map, scale) in [surface.normal, surface.clearcoat_normal].map(Option::unwrap) {
+            let origin = map.transform.transform_point2(glam::Vec2::ZERO);
+            let unit = map.transform.transform_vector2(glam::Vec2::ONE);
+            let want = if is_moved { [[0.1, 0.2], [2.0, 3.0]] } else { [[0.0; 2], [1.0; 2]] };
+            assert_eq!([origin.to_array(), unit.to_array()], want);
+            assert_eq!((map.uv_set, scale), (usize::from(is_moved), 0.5));
+        }
+    }
+}

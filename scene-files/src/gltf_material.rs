@@ -13,17 +13,18 @@ use gltf::json::{Root, Value};
 use scene::cut_out::CutOut;
 use scene::{Channel, Encoding, Surface};
 
-/// Reads a material; numbers out of range are taken as the nearest that are not.
+/// Reads a material, `written` with what its typed form leaves out; numbers out of range are taken as the nearest that are not.
 pub(crate) fn read_material(
     root: &Root,
     index: usize,
-    extensions: Option<&Value>,
+    written: Option<&Value>,
     buffers: &Buffers<'_>,
     images: &mut Images<'_>,
 ) -> Result<Appearance, String> {
     let material = root.materials.get(index).ok_or_else(|| format!("there is no material {index}"))?;
     let mut of_material = || {
-        let appearance = appearance(material, buffers, images)?;
+        let appearance = appearance(material, written, buffers, images)?;
+        let extensions = written.and_then(|material| material.get("extensions"));
         // Not of surfaces that are not lit.
         let of = |name| extensions.filter(|_| !appearance.surface.is_unlit).and_then(|e| e.get(name));
         let (anisotropy, clearcoat) = (of("KHR_materials_anisotropy"), of("KHR_materials_clearcoat"));
@@ -34,7 +35,12 @@ pub(crate) fn read_material(
     of_material().map_err(|e: String| format!("material {index}: {e}"))
 }
 
-fn appearance(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> Result<Appearance, String> {
+fn appearance(
+    material: &Document,
+    written: Option<&Value>,
+    buffers: &Buffers<'_>,
+    images: &mut Images<'_>,
+) -> Result<Appearance, String> {
     let limit = alpha_limit(material, images)?;
     check_textures(material, images)?;
     let pbr = &material.pbr_metallic_roughness;
@@ -50,7 +56,11 @@ fn appearance(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_
     let numbers = images.map(buffers, pbr.metallic_roughness_texture.as_ref().map(Into::into), Encoding::Linear)?;
     let channel = |index| numbers.clone().map(|map| Channel { map, index });
     let normal = material.normal_texture.as_ref();
-    let normal_map = images.map(buffers, normal.map(|n| Reference::new(n.index, n.tex_coord)), Encoding::Linear)?;
+    // The typed form of a normal texture has no transform.
+    let info = normal.zip(written).map(|(_, written)| gltf_layers::texture(written, "normalTexture")).transpose()?;
+    let info = info.flatten();
+    let reference = info.as_ref().map(Reference::from).or(normal.map(|n| Reference::new(n.index, n.tex_coord)));
+    let normal_map = images.map(buffers, reference, Encoding::Linear)?;
     let scale = normal.map_or(1.0, |n| n.scale);
     if !scale.is_finite() {
         return Err(format!("normal texture has scale {scale}"));
