@@ -9,8 +9,8 @@ use crate::gltf_nodes::{fine_locals, read_camera, shown_nodes, skeleton};
 use crate::gltf_reader::Reader;
 use crate::gltf_texture::Images;
 use crate::part::Part;
-use gltf::json::Root;
 use gltf::json::validation::Checked;
+use gltf::json::{Root, Value};
 use scene::motion::{CameraMover, Skeleton};
 use scene::{Camera, SceneError};
 use std::path::Path;
@@ -43,7 +43,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], clip: Option<&str>, context: &mut
     let root = match gltf::json::deserialize::from_slice::<Root>(json) {
         Ok(root) => root,
         Err(e) => {
-            let value: Option<gltf::json::Value> = gltf::json::deserialize::from_slice(json).ok();
+            let value: Option<Value> = gltf::json::deserialize::from_slice(json).ok();
             // The fields of another version have other types.
             let version = value.as_ref().and_then(|v| v.pointer("/asset/version")).and_then(|v| v.as_str());
             if let Some(other) = version.filter(|v| !v.starts_with("2.")) {
@@ -51,7 +51,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], clip: Option<&str>, context: &mut
             }
             // In a binary file a line means nothing.
             let fault = || if is_glb { SceneError::file(path, e.to_string()) } else { json_error(path, &e) };
-            value.and_then(|value| without_aimless_channels(path, value, context)).ok_or_else(fault)?
+            value.and_then(|value| completed(path, value, context)).ok_or_else(fault)?
         }
     };
     document(path, &root, json, chunk, clip, context).map_err(|message| SceneError::file(path, message))
@@ -61,19 +61,35 @@ fn wrong_version(version: &str) -> String {
     format!("glTF {version}: only glTF 2.0 is read")
 }
 
-/// The document read again without those channels of its animations that aim at no node, which is no fault.
-fn without_aimless_channels(path: &Path, mut value: gltf::json::Value, context: &mut Context) -> Option<Root> {
-    let mut pruned = 0;
-    for animation in value.get_mut("animations")?.as_array_mut().into_iter().flatten() {
-        if let Some(channels) = animation.get_mut("channels").and_then(|c| c.as_array_mut()) {
+/// The document read again where its typed form demands more than the format: channels of animations that aim at no node are left out,
+/// and scenes that list no nodes, which programs write for empty ones, list none.
+fn completed(path: &Path, mut value: Value, context: &mut Context) -> Option<Root> {
+    let (mut pruned, mut added) = (0, 0);
+    for animation in list(&mut value, "animations") {
+        if let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) {
             let before = channels.len();
             channels.retain(|channel| channel.pointer("/target/node").is_some());
             pruned += before - channels.len();
         }
     }
+    for scene in
+        list(&mut value, "scenes").filter_map(Value::as_object_mut).filter(|scene| !scene.contains_key("nodes"))
+    {
+        scene.insert("nodes".to_owned(), Value::Array(Vec::new()));
+        added += 1;
+    }
+    if pruned + added == 0 {
+        return None;
+    }
     let root = gltf::json::deserialize::from_value(value).ok()?;
-    context.warn(path, format!("{pruned} animation channels without a node were left out"));
+    if pruned > 0 {
+        context.warn(path, format!("{pruned} animation channels without a node were left out"));
+    }
     Some(root)
+}
+
+fn list<'v>(value: &'v mut Value, name: &str) -> impl Iterator<Item = &'v mut Value> + use<'v> {
+    value.get_mut(name).and_then(Value::as_array_mut).into_iter().flatten()
 }
 
 fn json_error(path: &Path, e: &gltf::json::Error) -> SceneError {
@@ -238,7 +254,7 @@ fn spelling(json: &[u8], root: &Root, clip: usize) -> String {
     let Some(s) = samplers.iter().position(|s| matches!(s.interpolation, Checked::Invalid)) else {
         return String::new();
     };
-    let value: Option<gltf::json::Value> = gltf::json::deserialize::from_slice(json).ok();
+    let value: Option<Value> = gltf::json::deserialize::from_slice(json).ok();
     let place = format!("/animations/{clip}/samplers/{s}/interpolation");
     let found = value.as_ref().and_then(|v| v.pointer(&place));
     found.map_or_else(String::new, |found| format!(", found {found} in sampler {s}"))

@@ -75,3 +75,19 @@ fn required_extensions_that_change_no_picture_are_fine() {
     let (parts, warnings) = parts_of(&triangle(r#"[{"mesh": 0}]"#, required));
     assert_eq!((parts.len(), warnings.len()), (1, 0), "{warnings:?}");
 }
+
+/// Programs write a scene in which nothing is without its list of nodes.
+#[test]
+fn scenes_without_nodes_are_empty() {
+    let of = |scene: usize| {
+        triangle(r#"[{"mesh": 0}]"#, &format!(r#", "scenes": [{{"name": "a"}}, {{"nodes": [0]}}], "scene": {scene}"#))
+    };
+    let (parts, warnings) = parts_of(&of(1));
+    assert_eq!((parts.len(), warnings.len()), (1, 0), "{warnings:?}");
+    assert!(parts_of(&of(0)).0.is_empty());
+    // Other faults stay faults.
+    let double = triangle(r#"[{"mesh": 0}]"#, r#", "scenes": [{"nodes": [0]}], "scene": 0, "scene": 0"#);
+    let mut context = crate::context::Context::default();
+    let read = crate::gltf_file::parse("m.gltf".as_ref(), double.as_bytes(), None, &mut context);
+    assert!(read.err().is_some_and(|e| e.to_string().contains("duplicate field `scene`")));
+}
