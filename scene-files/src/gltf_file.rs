@@ -40,6 +40,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], clip: Option<&str>, context: &mut
     } else {
         (bytes, None)
     };
+    let json = without_mark(json);
     let root = match gltf::json::deserialize::from_slice::<Root>(json) {
         Ok(root) => root,
         Err(e) => {
@@ -55,6 +56,13 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], clip: Option<&str>, context: &mut
         }
     };
     document(path, &root, json, chunk, clip, context).map_err(|message| SceneError::file(path, message))
+}
+
+/// The text without a byte order mark before it, and without zeros behind it, with which some programs pad chunks.
+fn without_mark(json: &[u8]) -> &[u8] {
+    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    let end = json.iter().rposition(|b| *b != 0).map_or(0, |last| last + 1);
+    &json[..end]
 }
 
 fn wrong_version(version: &str) -> String {

@@ -91,3 +91,10 @@ fn scenes_without_nodes_are_empty() {
     let read = crate::gltf_file::parse("m.gltf".as_ref(), double.as_bytes(), None, &mut context);
     assert!(read.err().is_some_and(|e| e.to_string().contains("duplicate field `scene`")));
 }
+
+#[test]
+fn texts_may_have_a_mark_before_and_zeros_behind() {
+    let text = triangle(r#"[{"mesh": 0}]"#, "");
+    let (parts, warnings) = parts_of(&format!("\u{feff}{text}\0\0"));
+    assert_eq!((parts.len(), warnings.len()), (1, 0), "{warnings:?}");
+}
