@@ -62,6 +62,16 @@ fn continues(line: &str) -> bool {
     line.trim_end().ends_with('\\')
 }
 
+/// A line without the backslash that continues it in the next one. A comment ends with its line, and where names are, which may be paths,
+/// the backslash stands alone.
+fn continued(line: &str) -> Option<&str> {
+    const NAMES: [&str; 6] = ["o", "g", "usemtl", "mtllib", "usemap", "maplib"];
+    let head = line.trim_end().strip_suffix('\\')?;
+    let is_alone = head.is_empty() || head.ends_with(char::is_whitespace);
+    let has_names = line.split_whitespace().next().is_some_and(|word| NAMES.contains(&word));
+    (!head.contains('#') && (is_alone || !has_names)).then_some(head)
+}
+
 /// Whether its last byte does not say that it ends there.
 fn may_continue(line: &str) -> bool {
     line.as_bytes().last().is_some_and(|last| matches!(last, b'\\' | 0..=b' ' | 128..))
@@ -107,7 +117,7 @@ impl<'t> Run<'t> {
             let first = run.lines;
             let mut line = Cow::Borrowed(line);
             while may_continue(&line)
-                && let Some(head) = line.trim_end().strip_suffix('\\')
+                && let Some(head) = continued(&line)
             {
                 line = Cow::Owned(format!("{head} {}", lines.next().unwrap_or("")));
                 run.lines += 1;
@@ -349,6 +359,15 @@ mod tests {
         assert_eq!(read.iter().map(|run| run.lines).sum::<usize>(), lines.len());
         assert_eq!(read.iter().map(|run| run.positions.len()).sum::<usize>(), 12_000);
         assert_eq!(read.iter().map(|run| run.faces.len()).sum::<usize>(), 24_000);
+    }
+
+    #[test]
+    fn comments_and_paths_end_with_their_lines() {
+        let text = "# C:\\models\\\nv 1 2 3\no C:\\x\\\nv 4 5 6 # \\\nv 7 8 \\\n9\ng a \\\nb\nf 1 2\\\n 3\n";
+        let run = Run::read(text, DVec3::ZERO);
+        assert_eq!((run.positions.len(), run.corners.len(), run.lines), (3, 3, 10), "{:?}", run.positions);
+        assert_eq!(run.positions[2], Vec3::new(7.0, 8.0, 9.0));
+        assert!(run.fault.is_none());
     }
 
     /// A comment that is not ASCII lets a line be read in the general way.
