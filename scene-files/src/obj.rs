@@ -88,13 +88,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
     for (number, (material, corners)) in names.into_iter().zip(groups).enumerate() {
         match appearances.get(&material) {
             Some(appearance) if !corners.is_empty() => {
-                let cut_out = appearance.cut_out.as_ref();
-                let wants_uvs =
-                    appearance.surface.has_textures() || cut_out.is_some_and(|cut_out| cut_out.map.is_some());
-                let mut mesh = assemble(&lists, &corners, wants_uvs, has_colors);
-                if let Some(cut_out) = cut_out {
-                    context.cut_out(path, &material, cut_out, (&mut mesh, &[]), false);
-                }
+                let mesh = textured(path, (&material, appearance), (&lists, has_colors), &corners, context);
                 parts.push(Part::fixed(material, mesh, Some((number + 1, appearance.clone()))));
             }
             _ => unnamed.extend(corners),
@@ -102,7 +96,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
     }
     if !unnamed.is_empty() {
         let appearance = has_colors.then(|| (0, Lambert { albedo: Vec3::ONE }.into()));
-        let mesh = assemble(&lists, &unnamed, true, has_colors);
+        let mesh = assemble(&lists, &unnamed, faces_without_uvs(&unnamed) == 0, has_colors);
         parts.insert(0, Part::fixed(name.clone(), mesh, appearance));
     }
     parts.iter_mut().for_each(|part| part.is_bare = is_bare);
@@ -112,6 +106,35 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
         part.name = name;
     }
     Ok(parts)
+}
+
+/// The mesh of the faces of one material. Those without texture coordinates beside others that have some show a corner of its images.
+fn textured(
+    path: &Path,
+    (material, appearance): (&str, &Appearance),
+    (lists, has_colors): (&Lists, bool),
+    faces: &[Face],
+    context: &mut Context,
+) -> Mesh {
+    let cut_out = appearance.cut_out.as_ref();
+    let wants_uvs = appearance.surface.has_textures() || cut_out.is_some_and(|cut_out| cut_out.map.is_some());
+    let bare = faces_without_uvs(faces);
+    let with_uvs = wants_uvs && bare < faces.len();
+    if with_uvs && bare > 0 {
+        let note =
+            format!("{bare} faces of {material} have no texture coordinates: they show a corner of its textures");
+        context.warn(path, note);
+    }
+    let mut mesh = assemble(lists, faces, with_uvs, has_colors);
+    if let Some(cut_out) = cut_out {
+        context.cut_out(path, material, cut_out, (&mut mesh, &[]), false);
+    }
+    mesh
+}
+
+/// The number of faces of which a corner has no texture coordinates.
+fn faces_without_uvs(faces: &[Face]) -> usize {
+    faces.iter().filter(|face| face.corners.iter().any(|corner| corner.2.is_none())).count()
 }
 
 /// Warns of materials that faces use and no library has.
@@ -184,12 +207,10 @@ fn read(path: &Path, text: &str, context: &mut Context) -> Result<(Lists, Groups
     Ok((lists, groups, [short, infinite]))
 }
 
-/// One vertex for each combination of position, normal and texture coordinates in use; these last where all corners have them and
-/// they are wanted.
-fn assemble(lists: &Lists, faces: &[Face], wants_uvs: bool, has_colors: bool) -> Mesh {
-    let mut corners = faces.iter().flat_map(|face| &face.corners);
-    let with_normals = corners.clone().all(|c| c.1.is_some());
-    let with_uvs = wants_uvs && corners.all(|c| c.2.is_some());
+/// One vertex for each combination of position, normal and texture coordinates in use; these last are those of an image's lower left corner
+/// where a corner has none.
+fn assemble(lists: &Lists, faces: &[Face], with_uvs: bool, has_colors: bool) -> Mesh {
+    let with_normals = faces.iter().flat_map(|face| &face.corners).all(|c| c.1.is_some());
     let mut mesh = Mesh::default();
     let mut uvs = Vec::new();
     // Without normals and texture coordinates a position is one vertex; else one for each combination.
@@ -206,7 +227,7 @@ fn assemble(lists: &Lists, faces: &[Face], wants_uvs: bool, has_colors: bool) ->
                 *place = mesh.positions.len() as u32;
                 mesh.positions.push(lists.positions[p as usize]);
                 mesh.normals.extend(key.1.map(|n| lists.normals[n as usize]));
-                uvs.extend(key.2.map(|t| lists.uvs[t as usize]));
+                uvs.extend(with_uvs.then(|| key.2.map_or(Vec2::Y, |t| lists.uvs[t as usize])));
                 mesh.colors.extend(has_colors.then(|| lists.colors[p as usize]));
             }
             *place

@@ -149,6 +149,24 @@ fn crc32(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0, step)
 }
 
+/// One face without coordinates does not take those of the others away.
+#[test]
+fn faces_of_an_obj_without_coordinates_leave_the_others_theirs() {
+    let folder = folder();
+    write_quarters(folder.path(), "q.png");
+    let path = folder.path().join("m.obj");
+    std::fs::write(folder.path().join("m.mtl"), "newmtl a\nmap_Kd q.png\n").expect("a file");
+    let text = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0.2 0.3\nusemtl a\nf 1/1 2/1 3/1\nf 3 2 4\n";
+    std::fs::write(&path, text).expect("a file");
+    let (scene, warnings) = load_with_warnings(&path).expect("a scene");
+    let object = scene.objects.iter().find(|object| object.name == "m").expect("the model");
+    let Shape::Mesh(mesh) = &object.shape else { panic!("a mesh") };
+    let uvs = |triangle: usize| mesh.triangles[triangle].map(|i| mesh.uv_sets[0][i as usize].to_array());
+    assert_eq!((uvs(0), uvs(1)), ([[0.2, 0.7]; 3], [[0.0, 1.0]; 3]));
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(warnings[0].contains("1 faces of a have no texture coordinates"), "{warnings:?}");
+}
+
 #[test]
 fn an_obj_has_the_materials_of_its_library() {
     let folder = folder();
