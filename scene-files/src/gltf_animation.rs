@@ -3,9 +3,9 @@
 use crate::gltf_buffers::Buffers;
 use glam::Vec4;
 use gltf::json::accessor::Type;
-use gltf::json::animation::{Channel, Property, Sampler};
+use gltf::json::animation::{Animation, Channel, Property, Sampler};
 use gltf::json::validation::Checked;
-use gltf::json::{Root, animation};
+use gltf::json::{Accessor, Index, Root, animation};
 use scene::MAX_COORDINATE;
 use scene::motion::{Clock, Interpolation, Local, MAX_SECONDS, Meaning, Skeleton, Track};
 
@@ -53,6 +53,20 @@ pub(crate) fn play(root: &Root, buffers: &Buffers<'_>, clip: usize, skeleton: &m
     let usable = notes.len() < animation.channels.len();
     skeleton.clock = Clock { first: first.clamp(0.0, last), last, repeats: true };
     Ok(Played { notes, usable })
+}
+
+/// The bytes of a clip's keys. Each channel has its own, though several may name the same accessors.
+pub(crate) fn key_bytes(root: &Root, animation: &Animation) -> u64 {
+    let of = |index: Index<Accessor>| {
+        let Some(accessor) = root.accessors.get(index.value()) else { return 0 };
+        let width = if let Checked::Valid(kind) = accessor.type_ { kind.multiplicity() } else { 1 };
+        let claimed = accessor.count.0.saturating_mul((width * size_of::<f32>()) as u64);
+        // A byte of a view may be a number.
+        let view = accessor.buffer_view.and_then(|view| root.buffer_views.get(view.value()));
+        view.map_or(claimed, |view| claimed.min(view.byte_length.0.saturating_mul(size_of::<f32>() as u64)))
+    };
+    let samplers = animation.channels.iter().filter_map(|channel| animation.samplers.get(channel.sampler.value()));
+    samplers.map(|sampler| of(sampler.input).saturating_add(of(sampler.output))).fold(0, u64::saturating_add)
 }
 
 /// The first and the last key's time of the channel, or why it is left out.

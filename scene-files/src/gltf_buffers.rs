@@ -1,5 +1,6 @@
 //! The data behind glTF accessors, every length checked before anything is read or reserved.
 
+use crate::budget::Budget;
 use crate::files::Source;
 use crate::unit::unit;
 use glam::Vec3;
@@ -8,15 +9,19 @@ use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Index, Root, buffer};
 use std::path::{Component, Path};
+use std::sync::Arc;
 
 /// Buffers of a document.
 pub(crate) struct Buffers<'a> {
     root: &'a Root,
     data: Vec<Vec<u8>>,
+    pub(crate) budget: Arc<Budget>,
 }
 
-/// The most elements that an accessor may claim without data behind them.
+/// The most numbers that an accessor may claim without data behind them.
 const MAX_WITHOUT_DATA: usize = 1 << 24;
+/// The extension that leaves views out because it has the data.
+const COMPRESSED: &str = "KHR_draco_mesh_compression";
 
 impl<'a> Buffers<'a> {
     /// Reads all buffers: from the file's own binary chunk, data URIs and files beside `path`.
@@ -35,7 +40,7 @@ impl<'a> Buffers<'a> {
             bytes.truncate(wanted as usize);
             data.push(bytes);
         }
-        Ok(Self { root, data })
+        Ok(Self { root, data, budget: files.budget.clone() })
     }
 
     /// All bytes, buffer by buffer.
@@ -141,10 +146,12 @@ impl<'a> Buffers<'a> {
     ) -> Result<Vec<T>, String> {
         let Layout { count, width, size, row } = *layout;
         let Some(view) = accessor.buffer_view else {
-            return match &accessor.sparse {
-                None => Err("has no data (compressed meshes are not supported)".to_owned()),
-                Some(_) if count > MAX_WITHOUT_DATA => Err(format!("{count} elements without data")),
-                Some(_) => Ok(vec![T::default(); count * width]),
+            let is_compressed = accessor.sparse.is_none() && self.root.extensions_used.iter().any(|e| e == COMPRESSED);
+            let most = MAX_WITHOUT_DATA / width;
+            return match count <= most {
+                _ if is_compressed => Err("has no data (compressed meshes are not supported)".to_owned()),
+                true => Ok(vec![T::default(); count * width]),
+                false => Err(format!("{count} elements without data: at most {most} are read")),
             };
         };
         let (bytes, stride) = self.view(view)?;

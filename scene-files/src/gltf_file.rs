@@ -1,7 +1,7 @@
 //! glTF 2.0: triangle meshes of the shown scene, moved by a clip, with base materials and a camera.
 
 use crate::context::Context;
-use crate::gltf_animation::{clip_name, find_clip, play};
+use crate::gltf_animation::{clip_name, find_clip, key_bytes, play};
 use crate::gltf_buffers::{Buffers, read_uri};
 use crate::gltf_extensions::Extensions;
 use crate::gltf_light::{PlacedLight, read_light};
@@ -229,6 +229,9 @@ fn animated(
     let rest = skeleton(root)?;
     let mut chosen = wanted.map(|name| find_clip(root, name)).transpose()?;
     let mut shown = None;
+    // All are read, one after the other.
+    let keys = root.animations.iter().map(|clip| key_bytes(root, clip)).fold(0, u64::saturating_add);
+    context.files.budget.take(0, keys, &format!("{} animations", root.animations.len()))?;
     for clip in 0..root.animations.len() {
         let mut moved = rest.clone();
         match play(root, buffers, clip, &mut moved) {
@@ -245,6 +248,7 @@ fn animated(
                 if played.usable {
                     context.clips.push(clip_name(root, clip));
                     if *chosen.get_or_insert(clip) == clip {
+                        context.files.budget.take(key_bytes(root, &root.animations[clip]), 0, "its animation")?;
                         shown = Some(moved);
                     }
                 } else if root.animations[clip].channels.is_empty() {

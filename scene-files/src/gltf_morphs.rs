@@ -24,6 +24,9 @@ impl Morphs {
         let mut all = Self::default();
         let [vertices, normals] = [&mesh.positions, &mesh.normals].map(Vec::len);
         let (slots, firsts) = slots(primitive, normals > 0);
+        // Before they are read: accessors may claim far more than the file has.
+        let bytes = (firsts.len() * (vertices + normals) * size_of::<Vec3>()) as u64;
+        buffers.budget.take(0, bytes, &format!("{} morph targets", firsts.len()))?;
         each(buffers, primitive, &firsts, [vertices, normals], |_, positions, normals| {
             all.positions.push(positions);
             all.normals.push(normals);

@@ -1,6 +1,9 @@
 //! The parts of glTF files that are left out: each gives a line, and none without effect does.
 
+use crate::context::Context;
+use crate::gltf_file;
 use crate::gltf_tests::{parts_of, triangle, with_floats};
+use std::path::Path;
 
 #[test]
 fn textures_by_coordinates_that_the_mesh_lacks_are_told() {
@@ -97,4 +100,27 @@ fn texts_may_have_a_mark_before_and_zeros_behind() {
     let text = triangle(r#"[{"mesh": 0}]"#, "");
     let (parts, warnings) = parts_of(&format!("\u{feff}{text}\0\0"));
     assert_eq!((parts.len(), warnings.len()), (1, 0), "{warnings:?}");
+}
+
+/// Accessors without data are zeros: a small file may claim many.
+#[test]
+fn what_accessors_claim_without_data_is_bounded() {
+    let of = |count: usize, channels: usize| {
+        let times = format!(r#"{{"componentType": 5126, "count": {count}, "type": "SCALAR"}}"#);
+        let moves = format!(r#"{{"componentType": 5126, "count": {count}, "type": "VEC3"}}"#);
+        let channel = r#"{"sampler": 0, "target": {"node": 0, "path": "translation"}}"#;
+        let channels = vec![channel; channels].join(", ");
+        let clip =
+            format!(r#", "animations": [{{"samplers": [{{"input": 1, "output": 2}}], "channels": [{channels}]}}]"#);
+        let text = triangle(r#"[{"mesh": 0}]"#, &clip);
+        let text = text.replace("\"type\": \"VEC3\"}]", &format!("\"type\": \"VEC3\"}}, {times}, {moves}]"));
+        gltf_file::parse(Path::new("m.gltf"), text.as_bytes(), None, &mut Context::default())
+            .map(|read| read.parts.len())
+            .map_err(|e| e.to_string())
+    };
+    assert_eq!(of(2, 1), Ok(1));
+    let message = of(6_000_000, 1).unwrap_err();
+    assert!(message.contains("6000000 elements without data: at most 5592405 are read"), "{message}");
+    let message = of(4_000_000, 40).unwrap_err();
+    assert!(message.contains("1 animations: the scene would take 2.6 GB of memory"), "{message}");
 }
