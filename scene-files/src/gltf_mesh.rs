@@ -27,8 +27,8 @@ pub(crate) struct Influences {
     pub(crate) joints: Vec<[u16; 4]>,
     /// Of sum 1.
     pub(crate) weights: Vec<[f32; 4]>,
-    /// Whether some vertex has no joint: such vertices use the joint after the last one.
-    pub(crate) unbound: bool,
+    /// Vertices without a joint, which use the joint after the last one.
+    pub(crate) unbound: usize,
     /// Vertices that had more than four joints.
     pub(crate) reduced: usize,
     /// Vertices whose weights did not add up to 1.
@@ -177,7 +177,7 @@ pub(crate) fn read_influences(
     if sets.is_empty() {
         return Ok(None);
     }
-    let mut out = Influences { joints: Vec::new(), weights: Vec::new(), unbound: false, reduced: 0, uneven: 0 };
+    let mut out = Influences { joints: Vec::new(), weights: Vec::new(), unbound: 0, reduced: 0, uneven: 0 };
     let mut all: Vec<(u16, f32)> = Vec::new();
     for vertex in 0..vertices {
         all.clear();
@@ -212,7 +212,7 @@ impl Influences {
             all.truncate(4);
         }
         if all.is_empty() {
-            self.unbound = true;
+            self.unbound += 1;
             all.push((joint_count as u16, 1.0));
         }
         // In f64: the sum of four floats may leave f32.

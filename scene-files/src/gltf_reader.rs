@@ -38,6 +38,7 @@ struct Notes {
     skipped: usize,
     reduced: usize,
     uneven: usize,
+    unbound: usize,
     broken: usize,
 }
 
@@ -109,7 +110,7 @@ impl<'a> Reader<'a> {
 impl Reader<'_> {
     /// Tells what was left out or changed.
     pub(crate) fn tell(&self, path: &Path, context: &mut Context) {
-        let Notes { skipped, reduced, uneven, broken } = self.notes;
+        let Notes { skipped, reduced, uneven, unbound, broken } = self.notes;
         context.tell_broken(path, broken + self.shared.broken);
         if skipped > 0 {
             context.warn(path, format!("{skipped} primitives that are points or lines were left out"));
@@ -119,6 +120,9 @@ impl Reader<'_> {
         }
         if uneven > 0 {
             context.warn(path, format!("joint weights of {uneven} vertices do not add up to 1: they are made to"));
+        }
+        if unbound > 0 {
+            context.warn(path, format!("{unbound} vertices of a skin have no joint: no bone moves them"));
         }
         self.images.notes.iter().for_each(|note| context.warn(path, note));
         self.extensions.tell(path, context);
@@ -235,6 +239,9 @@ impl Reader<'_> {
             None => None,
         };
         let joints = of.skin.as_deref().filter(|_| influences.is_some());
+        if of.skin.is_some() && joints.is_none() {
+            self.note("a primitive of a skin has no joints and weights: its node places it".to_owned());
+        }
         self.pose(of.node, of.skeleton, shapes, joints, influences)
     }
 
@@ -351,13 +358,14 @@ impl Reader<'_> {
         let mut moves = morphing || self.moving[n];
         if let (Some(joints), Some(influences)) = (joints, influences) {
             carrier.joints = joints.iter().map(|&(node, bind)| (Some(node), bind)).collect();
-            if influences.unbound {
+            if influences.unbound > 0 {
                 let here = Mat4::from_translation((-self.skeleton.origin).as_vec3());
                 carrier.joints.push((None, here));
             }
             moves = morphing || joints.iter().any(|&(node, _)| self.moving[node]);
             self.notes.reduced += influences.reduced;
             self.notes.uneven += influences.uneven;
+            self.notes.unbound += influences.unbound;
             (deformer.joints, deformer.weights) = (influences.joints, influences.weights);
         }
         let now: Vec<Mat4> = carrier.joints(&self.worlds).collect();

@@ -246,10 +246,19 @@ fn vertices_without_a_joint_stay_and_sums_are_made_one() {
     weights[..4].fill(0);
     weights[20..24].copy_from_slice(&[0, 100, 0, 0]);
     let (mut scene, animation, warnings) = load(&bent_strip(&weights, ""), None).unwrap();
-    assert!(warnings.len() == 1 && warnings[0].contains("1 vertices do not add up to 1"), "{warnings:?}");
+    assert!(warnings.len() == 2 && warnings[0].contains("1 vertices do not add up to 1"), "{warnings:?}");
+    assert!(warnings[1].contains("1 vertices of a skin have no joint"), "{warnings:?}");
     animation.seek(1.0, &mut scene);
     assert!(near(positions(&scene)[0], DVec3::new(-0.5, 0.0, 0.0)));
     assert!(near(positions(&scene)[5], DVec3::new(-1.0, 1.5, 0.0)));
+}
+
+#[test]
+fn a_skin_without_weights_is_told() {
+    let text = bent_strip(&HALVES, "").replace("\"WEIGHTS_0\"", "\"_W\"");
+    let (_, animation, warnings) = load(&text, None).unwrap();
+    assert!(animation.is_still() && warnings.len() == 1, "{warnings:?}");
+    assert!(warnings[0].contains("has no joints and weights: its node places it"), "{warnings:?}");
 }
 
 #[test]
