@@ -8,6 +8,7 @@ use gltf::json::accessor::sparse::Sparse;
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Index, Root, buffer};
+use std::borrow::Cow;
 use std::path::{Component, Path};
 use std::sync::Arc;
 
@@ -257,11 +258,34 @@ fn number(bytes: &[u8], component: ComponentType) -> f64 {
     }
 }
 
+/// The rest of a data URI after its scheme, which may have any capitals; `None` for other URIs.
+pub(crate) fn data_of(uri: &str) -> Option<&str> {
+    let (scheme, data) = uri.split_at_checked("data:".len())?;
+    scheme.eq_ignore_ascii_case("data:").then_some(data)
+}
+
+/// The bytes of a data URI: base64, in which blanks and line breaks mean nothing, or text. Both may have percent signs.
+fn decoded(data: &str) -> Result<Vec<u8>, String> {
+    let (kind, text) = data.split_once(',').ok_or("data URI has no comma")?;
+    let bytes = match text.contains('%') {
+        true => percent_bytes(text).ok_or("data URI has percent signs without two digits")?.into(),
+        false => Cow::Borrowed(text.as_bytes()),
+    };
+    let is_base64 = kind.rsplit_once(';').is_some_and(|(_, last)| last.trim().eq_ignore_ascii_case("base64"));
+    if !is_base64 {
+        return Ok(bytes.into_owned());
+    }
+    let digits = match bytes.iter().any(u8::is_ascii_whitespace) {
+        true => bytes.iter().copied().filter(|b| !b.is_ascii_whitespace()).collect(),
+        false => bytes,
+    };
+    base64(&digits).ok_or_else(|| "data URI is not valid base64".to_owned())
+}
+
 /// A data URI, or a file by its path relative to the document's folder, as OBJ names them: nothing else is ever opened.
 pub(crate) fn read_uri(files: &Source, path: &Path, uri: &str) -> Result<Vec<u8>, String> {
-    if let Some(data) = uri.strip_prefix("data:") {
-        let encoded = data.split_once(";base64,").ok_or("data URI is not base64")?.1;
-        return base64(encoded).ok_or_else(|| "data URI is not valid base64".to_owned());
+    if let Some(data) = data_of(uri) {
+        return decoded(data);
     }
     if uri.contains("://") {
         return Err(format!("{uri}: only files and data URIs are read"));
@@ -277,7 +301,11 @@ pub(crate) fn read_uri(files: &Source, path: &Path, uri: &str) -> Result<Vec<u8>
 }
 
 pub(crate) fn percent_decoded(text: &str) -> Option<String> {
-    let mut out = Vec::new();
+    String::from_utf8(percent_bytes(text)?).ok()
+}
+
+fn percent_bytes(text: &str) -> Option<Vec<u8>> {
+    let mut out = Vec::with_capacity(text.len());
     let mut bytes = text.bytes();
     while let Some(b) = bytes.next() {
         if b == b'%' {
@@ -287,11 +315,12 @@ pub(crate) fn percent_decoded(text: &str) -> Option<String> {
             out.push(b);
         }
     }
-    String::from_utf8(out).ok()
+    Some(out)
 }
 
-fn base64(text: &str) -> Option<Vec<u8>> {
-    let digits = text.trim_end_matches('=').as_bytes();
+fn base64(text: &[u8]) -> Option<Vec<u8>> {
+    let length = text.iter().rposition(|b| *b != b'=').map_or(0, |last| last + 1);
+    let digits = &text[..length];
     let mut out = Vec::with_capacity(digits.len() * 3 / 4);
     for chunk in digits.chunks(4) {
         let mut word = 0_u32;
@@ -322,9 +351,20 @@ mod tests {
     #[test]
     fn base64_of_known_texts() {
         for (text, want) in [("", ""), ("Zg==", "f"), ("Zm8=", "fo"), ("Zm9v", "foo"), ("Zm9vYmE", "fooba")] {
-            assert_eq!(base64(text).unwrap(), want.as_bytes());
+            assert_eq!(base64(text.as_bytes()).unwrap(), want.as_bytes());
         }
-        assert!(base64("Zm9?").is_none() && base64("Z").is_none());
+        assert!(base64(b"Zm9?").is_none() && base64(b"Z").is_none());
+    }
+
+    #[test]
+    fn data_uris_as_people_write_them() {
+        let uris =
+            ["data:;base64,Zm9v", "DATA:a/b;charset=x;BASE64, Zm\n 9v ", "data:a/b;base64,Zm9%76", "data:,f%6Fo"];
+        for uri in uris {
+            assert_eq!(decoded(data_of(uri).unwrap()).unwrap(), b"foo", "{uri}");
+        }
+        assert!(data_of("data").is_none() && data_of("a.bin").is_none() && data_of("dat\u{e4}:,x").is_none());
+        assert!(decoded("a/b;base64").is_err() && decoded(",%2").is_err() && decoded(";base64,Zm9?").is_err());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::context::Context;
 use crate::gltf_animation::{clip_name, find_clip, key_bytes, play};
-use crate::gltf_buffers::{Buffers, read_uri};
+use crate::gltf_buffers::{Buffers, data_of, read_uri};
 use crate::gltf_extensions::Extensions;
 use crate::gltf_light::{PlacedLight, read_light};
 use crate::gltf_nodes::{fine_locals, read_camera, shown_nodes, skeleton};
@@ -198,7 +198,7 @@ fn document(
 /// Keeps the file itself and the images beside it, if the document is kept.
 fn keep_document(path: &Path, root: &Root, json: &[u8], buffers: Buffers<'_>, context: &mut Context) {
     let Some(document) = &mut context.document else { return };
-    let external = |uri: &&String| !uri.starts_with("data:");
+    let external = |uri: &&String| data_of(uri).is_none();
     let image = |uri: &String| read_uri(&context.files, path, uri).ok();
     document.images = root.images.iter().map(|i| i.uri.as_ref().filter(external).and_then(image)).collect();
     document.json = String::from_utf8_lossy(json).into_owned();

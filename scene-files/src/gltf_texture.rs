@@ -1,7 +1,7 @@
 //! Textures of a glTF document.
 
 use crate::files::Source;
-use crate::gltf_buffers::{Buffers, percent_decoded, read_uri};
+use crate::gltf_buffers::{Buffers, data_of, percent_decoded, read_uri};
 use crate::image_file;
 use glam::{Affine2, Vec2};
 use gltf::json::extensions::texture::TextureTransform;
@@ -122,14 +122,14 @@ impl<'a> Images<'a> {
         let fault = |e: String| format!("image {index}: {e}");
         let name = match (&image.name, &image.uri) {
             (Some(name), _) if !name.is_empty() => name.clone(),
-            (_, Some(uri)) if !uri.starts_with("data:") => uri.clone(),
+            (_, Some(uri)) if data_of(uri).is_none() => uri.clone(),
             _ => format!("{index}"),
         };
         let bytes = match (&image.uri, image.buffer_view) {
             (Some(uri), _) => match read_uri(&self.files, self.path, uri) {
                 Ok(bytes) => bytes,
                 // A model may come without its images.
-                Err(e) if !uri.starts_with("data:") && self.is_missing(uri) => {
+                Err(e) if data_of(uri).is_none() && self.is_missing(uri) => {
                     self.note(format!("image {index} is not there: its factor is taken alone ({e})"));
                     return Ok(None);
                 }
