@@ -64,8 +64,13 @@ impl<'a> Buffers<'a> {
 
     /// The numbers of an accessor, row after row; integers that are `normalized` in [−1, 1].
     pub(crate) fn floats(&self, index: Index<Accessor>, kind: Type) -> Result<Vec<f32>, String> {
+        let is_normalized = self.accessor(index, kind)?.0.normalized;
+        self.numbers(index, kind, is_normalized)
+    }
+
+    fn numbers(&self, index: Index<Accessor>, kind: Type, is_normalized: bool) -> Result<Vec<f32>, String> {
         let (accessor, component) = self.accessor(index, kind)?;
-        let scale = match (accessor.normalized, component) {
+        let scale = match (is_normalized, component) {
             (true, ComponentType::I8) => 127.0,
             (true, ComponentType::U8) => 255.0,
             (true, ComponentType::I16) => 32767.0,
@@ -83,10 +88,11 @@ impl<'a> Buffers<'a> {
         self.read(index, accessor, component, kind, to_float)
     }
 
-    /// Colours of an accessor, within [0, 1], and their alphas; none of these where all are 1.
+    /// Colours of an accessor, within [0, 1], and their alphas; none of these where all are 1. Integers are normalized, even where the
+    /// accessor forgets to say so.
     pub(crate) fn colors(&self, index: Index<Accessor>) -> Result<(Vec<Vec3>, Vec<f32>), String> {
         let has_alpha = self.root.accessors.get(index.value()).is_some_and(|a| a.type_ == Checked::Valid(Type::Vec4));
-        let values = self.floats(index, if has_alpha { Type::Vec4 } else { Type::Vec3 })?;
+        let values = self.numbers(index, if has_alpha { Type::Vec4 } else { Type::Vec3 }, true)?;
         let rows = values.chunks_exact(if has_alpha { 4 } else { 3 });
         let color = |row: &[f32]| Vec3::new(unit(row[0]), unit(row[1]), unit(row[2]));
         let is_clear = has_alpha && rows.clone().any(|row| row[3] < 1.0 || row[3].is_nan());

@@ -124,3 +124,17 @@ fn what_accessors_claim_without_data_is_bounded() {
     let message = of(4_000_000, 40).unwrap_err();
     assert!(message.contains("1 animations: the scene would take 2.6 GB of memory"), "{message}");
 }
+
+/// The format demands that integers of colours are normalized; some writers forget to say so.
+#[test]
+fn colours_of_bytes_are_normalized_whatever_their_accessor_says() {
+    let plain = triangle(r#"[{"mesh": 0}]"#, "");
+    // The bytes of the first position, 0 0 0, and of 1 as a float.
+    let view = r#"{"bufferView": 0, "componentType": 5121, "count": 3, "type": "VEC4", "byteOffset": 12"#;
+    let text = plain.replace("\"type\": \"VEC3\"}]", &format!("\"type\": \"VEC3\"}}, {view}}}]"));
+    let text = text.replace("\"POSITION\": 0", "\"POSITION\": 0, \"COLOR_0\": 1");
+    let said = text.replace("\"byteOffset\": 12", "\"byteOffset\": 12, \"normalized\": true");
+    let colors = |text: &str| parts_of(text).0[0].mesh.colors.clone();
+    assert_eq!(colors(&text), colors(&said));
+    assert_eq!(colors(&text)[0], glam::Vec3::new(0.0, 0.0, 128.0 / 255.0));
+}
