@@ -257,6 +257,22 @@ fn parts_of_ply_files_that_are_left_out_are_told() {
 }
 
 #[test]
+fn ply_faces_without_area_or_place_are_counted_and_names_have_any_capitals() {
+    let header = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float X\nproperty float y\nproperty float z\n\
+        property uchar Red\nproperty uchar Green\nproperty uchar Blue\nelement face 3\n\
+        property list uchar int vertex_indices\nend_header\n";
+    let body =
+        "0 0 0 255 0 0\n1 0 0 255 0 0\n0 1 0 255 0 0\nnan nan nan 255 0 0\ninf 0 0 255 0 0\n3 0 1 2\n2 0 1\n3 0 1 4\n";
+    let mut context = Context::default();
+    let parts = ply::parse(Path::new("m.ply"), format!("{header}{body}").as_bytes(), &mut context).unwrap();
+    let mesh = &parts[0].mesh;
+    assert_eq!((mesh.triangles.len(), mesh.colors[0]), (1, Vec3::X));
+    assert!(mesh.validate().is_ok(), "{:?}", mesh.positions);
+    let told = "1 face left out for fewer than three corners, 1 face left out for corners that are NaN";
+    assert!(context.warnings.iter().any(|line| line.contains(told)), "{:?}", context.warnings);
+}
+
+#[test]
 fn ply_files_that_are_not_read_say_why() {
     let vertices = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
     let faces = "element face 1\nproperty list uchar int vertex_indices\n";

@@ -54,12 +54,14 @@ struct Property {
 impl Property {
     /// From the words of its line behind the first.
     fn parse(words: &[&str]) -> Result<Self, String> {
+        // Some programs begin names of colours with a capital.
+        let named = |name: &str| name.to_ascii_lowercase();
         let kind = |word: &str| Kind::parse(word).ok_or_else(|| format!("unknown type \"{word}\""));
         match *words {
             ["list", length, item, name] => {
-                Ok(Self { name: name.to_owned(), kind: kind(item)?, length: Some(kind(length)?) })
+                Ok(Self { name: named(name), kind: kind(item)?, length: Some(kind(length)?) })
             }
-            [item, name] => Ok(Self { name: name.to_owned(), kind: kind(item)?, length: None }),
+            [item, name] => Ok(Self { name: named(name), kind: kind(item)?, length: None }),
             _ => Err("cannot read the property".to_owned()),
         }
     }
@@ -190,10 +192,11 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], context: &mut Context) -> Result<
         }
     }
     let has_strips = elements.iter().any(|e| e.name == "tristrips" && e.count > 0);
-    if mesh.mesh.triangles.is_empty() {
-        let why = if has_strips { "no triangles: strips (element tristrips) are not read" } else { "no triangles" };
-        return Err(SceneError::file(path, why));
+    let is_empty = mesh.mesh.triangles.is_empty();
+    if is_empty && has_strips {
+        return Err(SceneError::file(path, "no triangles: strips (element tristrips) are not read"));
     }
+    context.left_out(path, is_empty, &mesh.left_out())?;
     if has_strips {
         context.warn(path, "strips (element tristrips) are not read: only its faces are");
     }
@@ -287,7 +290,7 @@ fn read_element(body: &mut Body<'_>, element: &Element, origin: DVec3, all: &mut
             "red" | "r" | "diffuse_red" => color[0] = Some(channel(fine, property.kind)),
             "green" | "g" | "diffuse_green" => color[1] = Some(channel(fine, property.kind)),
             "blue" | "b" | "diffuse_blue" => color[2] = Some(channel(fine, property.kind)),
-            "alpha" if is_vertex => all.clear += usize::from(channel(fine, property.kind) < 1.0),
+            "alpha" if is_vertex || is_face => all.clear += usize::from(channel(fine, property.kind) < 1.0),
             "s" | "u" | "texture_u" => uv[0] = Some(value),
             // Counted from the lower edge of the image.
             "t" | "v" | "texture_v" => uv[1] = Some(1.0 - value),

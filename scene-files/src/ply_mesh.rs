@@ -1,7 +1,7 @@
 //! The triangles of a PLY file as parts: by image, with texture coordinates and colours that its faces have of their own.
 
 use crate::appearance::Appearance;
-use crate::context::Context;
+use crate::context::{Context, counted};
 use crate::files::extension;
 use crate::part::Part;
 use crate::polygon::{self, Cut};
@@ -29,8 +29,11 @@ pub(crate) struct PlyMesh {
     pub(crate) mesh: Mesh,
     /// Names of images, in the order of the header.
     images: Vec<String>,
-    /// Vertices whose alpha is below its largest.
+    /// Vertices and faces whose alpha is below its largest.
     pub(crate) clear: usize,
+    /// Faces that are left out: for too few corners, and for infinite ones.
+    short: usize,
+    infinite: usize,
     /// Of triangles; empty where no face has any.
     uvs: Vec<[Vec2; 3]>,
     colors: Vec<Vec3>,
@@ -44,6 +47,19 @@ impl PlyMesh {
         Self { images, ..Self::default() }
     }
 
+    /// The faces that were left out, and why; empty for none.
+    pub(crate) fn left_out(&self) -> String {
+        let infinite = "corners that are NaN, infinite or beyond single precision (3.4e38)";
+        let all = [counted(self.short, "face", "fewer than three corners"), counted(self.infinite, "face", infinite)];
+        all.into_iter().filter(|what| !what.is_empty()).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Scanners write NaN for points that they did not see. No face has these: they take the place of another vertex.
+    fn drop_infinite(&mut self) {
+        let somewhere = self.mesh.triangles.first().map_or(Vec3::ZERO, |t| self.mesh.positions[t[0] as usize]);
+        self.mesh.positions.iter_mut().filter(|p| !p.is_finite()).for_each(|p| *p = somewhere);
+    }
+
     /// Adds the triangles of a face.
     pub(crate) fn face(&mut self, face: &Face) -> Result<(), String> {
         let n = face.corners.len();
@@ -51,6 +67,11 @@ impl PlyMesh {
             return Err(format!("face has {} texture coordinates for {n} corners", face.uvs.len()));
         }
         if n < 3 {
+            self.short += 1;
+            return Ok(());
+        }
+        if face.corners.iter().any(|&i| !self.mesh.positions[i as usize].is_finite()) {
+            self.infinite += 1;
             return Ok(());
         }
         let corners: Vec<_> = face.corners.iter().map(|&i| self.mesh.positions[i as usize].as_dvec3()).collect();
@@ -77,6 +98,7 @@ impl PlyMesh {
     /// One part for each image in use.
     pub(crate) fn parts(mut self, path: &Path, context: &mut Context) -> Result<Vec<Part>, String> {
         context.tell_tangled(path, self.tangled);
+        self.drop_infinite();
         let vertices = self.mesh.positions.len();
         let is_bare = self.mesh.normals.len() != vertices;
         if is_bare {
@@ -90,7 +112,7 @@ impl PlyMesh {
             context.tell_broken(path, self.mesh.repair_normals());
         }
         if self.clear > 0 {
-            context.warn(path, "the alpha of its vertices is not read: surfaces are opaque");
+            context.warn(path, "the alpha of its colours is not read: surfaces are opaque");
         }
         if self.mesh.colors.len() != vertices {
             self.mesh.colors.clear();
