@@ -35,6 +35,21 @@ fn obj_polygons_relative_indices_and_normals() {
 }
 
 #[test]
+fn words_of_obj_have_any_capitals_and_unknown_ones_are_named() {
+    let (parts, warnings) = with_library("a", b"newmtl a\nKd 1 0 0\n");
+    let files = BTreeMap::from([(PathBuf::from("m.mtl"), b"newmtl a\nKd 1 0 0\n".to_vec())]);
+    let mut context = Context { files: Source::new(Arc::new(files)), ..Context::default() };
+    let cube = CUBE.replace('v', "V").replace("f ", "fo ");
+    let text = format!("MTLLIB m.mtl\nUseMtl a\nlod 1\n{cube}call b.obj\n\u{1b}x 1\n");
+    let loud = obj::parse(Path::new("m.obj"), &text, &mut context).unwrap();
+    assert_eq!((loud[0].mesh.triangles.len(), warnings.len()), (parts[0].mesh.triangles.len(), 0));
+    assert_eq!(loud[0].material, parts[0].material);
+    let told = "lines that begin with \"\\u{1b}x\", \"call\" are not read";
+    assert_eq!(context.warnings.len(), 1, "{:?}", context.warnings);
+    assert!(context.warnings[0].contains(told), "{:?}", context.warnings);
+}
+
+#[test]
 fn a_material_library_that_is_not_used_is_told() {
     let mut context = Context::default();
     obj::parse(Path::new("m.obj"), &format!("mtllib no-such.mtl\nusemtl x\n{CUBE}"), &mut context).unwrap();

@@ -13,7 +13,7 @@ use brdf::Lambert;
 use glam::{Vec2, Vec3};
 use scene::{Mesh, SceneError};
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
 /// A corner of a face: position, and normal and texture coordinates where given.
@@ -37,6 +37,8 @@ struct Lists {
     colored: usize,
     /// Elements of each kind that is not read.
     unread: [usize; UNREAD.len()],
+    /// First words of lines of no known kind.
+    unknown: BTreeSet<String>,
 }
 
 /// The text of an OBJ file. Names and comments may be in any encoding: bytes that are not UTF-8 are replaced.
@@ -63,6 +65,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
     let (mut lists, groups, [short, infinite]) = read(path, text, context)?;
     let Groups { names, lists: mut groups, libraries, tangled, .. } = groups;
     context.tell_tangled(path, tangled);
+    lists.tell_unknown(path, context);
     let has_libraries = libraries.are_there();
     let appearances = libraries.appearances(path, context)?;
     if has_libraries {
@@ -310,7 +313,7 @@ impl Groups {
     fn read(&mut self, path: &Path, line: &str, context: &mut Context) {
         let content = line.split('#').next().unwrap_or("");
         let mut words = content.split_whitespace();
-        match words.next() {
+        match words.next().map(str::to_ascii_lowercase).as_deref() {
             Some("usemtl") => {
                 let name = name_of(line).split_whitespace().collect::<Vec<_>>().join(" ");
                 self.material = *self.known.entry(name).or_insert_with_key(|name| {
@@ -342,6 +345,14 @@ impl Lists {
         true
     }
 
+    /// Warns of lines of no known kind.
+    fn tell_unknown(&self, path: &Path, context: &mut Context) {
+        let few: Vec<String> = self.unknown.iter().take(8).map(|word| format!("\"{}\"", word.escape_debug())).collect();
+        if !few.is_empty() {
+            context.warn(path, format!("lines that begin with {} are not read", few.join(", ")));
+        }
+    }
+
     /// Positions, texture coordinates and normals.
     fn counts(&self) -> [usize; 3] {
         [self.positions.len(), self.uvs.len(), self.normals.len()]
@@ -352,6 +363,7 @@ impl Lists {
             self.colors.extend_from_slice(&run.colors);
         }
         self.colored += run.colored;
+        self.unknown.extend(run.unknown.iter().cloned());
         self.unread.iter_mut().zip(run.unread).for_each(|(sum, count)| *sum += count);
         self.positions.extend_from_slice(&run.positions);
         self.normals.extend_from_slice(&run.normals);

@@ -4,6 +4,7 @@ use crate::decimal;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 
 /// Bytes of a run of lines.
 const RUN: usize = 1 << 18;
@@ -12,6 +13,13 @@ pub(crate) const ABSENT: i32 = i32::MIN;
 
 /// Elements that are not read, and their names.
 pub(crate) const UNREAD: [(&str, &str); 4] = [("p", "point"), ("l", "line"), ("curv", "curve"), ("surf", "surface")];
+
+/// Words that change no triangle alone: groups, the parts of curves and surfaces, and how another program is to draw them.
+const HARMLESS: &str = "o g mg vp cstype deg bmat step parm trim hole scrv sp end con curv2 bevel c_interp d_interp lod shadow_obj trace_obj \
+    ctech stech usemap maplib";
+/// The most other words of a run that are named, and letters of each.
+const MOST_UNKNOWN: usize = 8;
+const MOST_LETTERS: usize = 24;
 
 /// Some lines of a file.
 #[derive(Default)]
@@ -29,6 +37,8 @@ pub(crate) struct Run<'t> {
     /// Elements of each kind that is not read.
     pub(crate) unread: [usize; UNREAD.len()],
     pub(crate) others: Vec<Statement<'t>>,
+    /// First words of lines of no known kind.
+    pub(crate) unknown: BTreeSet<String>,
     /// Lines, which are counted in the file.
     pub(crate) lines: usize,
     /// The first line that cannot be read, after which nothing is: its number in the run, and why.
@@ -68,7 +78,8 @@ fn continued(line: &str) -> Option<&str> {
     const NAMES: [&str; 6] = ["o", "g", "usemtl", "mtllib", "usemap", "maplib"];
     let head = line.trim_end().strip_suffix('\\')?;
     let is_alone = head.is_empty() || head.ends_with(char::is_whitespace);
-    let has_names = line.split_whitespace().next().is_some_and(|word| NAMES.contains(&word));
+    let has_names =
+        line.split_whitespace().next().is_some_and(|word| NAMES.iter().any(|name| name.eq_ignore_ascii_case(word)));
     (!head.contains('#') && (is_alone || !has_names)).then_some(head)
 }
 
@@ -138,9 +149,11 @@ impl<'t> Run<'t> {
         let content = line.split('#').next().unwrap_or("").trim_start();
         let end = content.find(char::is_whitespace).unwrap_or(content.len());
         let (word, rest) = content.split_at(end);
+        let word = &*word.to_ascii_lowercase();
         match word {
             "v" | "vn" | "vt" => self.list(word, rest, origin)?,
-            "f" => {
+            // The older word of the format.
+            "f" | "fo" => {
                 rest.split_whitespace().try_for_each(|word| self.corner(word))?;
                 self.end_face(number);
             }
@@ -148,6 +161,11 @@ impl<'t> Run<'t> {
             _ => {
                 if let Some(kind) = UNREAD.iter().position(|(unread, _)| *unread == word) {
                     self.unread[kind] += 1;
+                } else if self.unknown.len() < MOST_UNKNOWN
+                    && !word.is_empty()
+                    && HARMLESS.split(' ').all(|known| known != word)
+                {
+                    self.unknown.insert(word.chars().take(MOST_LETTERS).collect());
                 }
             }
         }
