@@ -131,8 +131,9 @@ fn choose(parts: &[Vec<String>]) -> Result<Option<(usize, Channels)>, String> {
     if parts.iter().any(|names| of_layer(names, "").is_some()) {
         return Ok(None);
     }
-    let is_alpha = |name: &str| name == "A" || name.ends_with(".A");
-    let colors = |names: &'_ [String]| names.iter().filter(|name| !is_alpha(name)).cloned().collect::<Vec<_>>();
+    // Of alpha and of depth, by the format's names.
+    let is_no_light = |name: &str| ["A", "Z", "ZBack"].contains(&name.rsplit('.').next().unwrap_or(name));
+    let colors = |names: &'_ [String]| names.iter().filter(|name| !is_no_light(name)).cloned().collect::<Vec<_>>();
     if let [names] = parts
         && let [grey] = &colors(names)[..]
     {
@@ -176,7 +177,7 @@ mod tests {
             assert_eq!(found.size(), UVec2::new(2, 1));
             found.read().expect("pixels")
         };
-        for grey in [&["Y"][..], &["G"], &["Y", "A"], &["sky.Y"]] {
+        for grey in [&["Y"][..], &["G"], &["Y", "A"], &["Y", "Z", "ZBack"], &["sky.Y"]] {
             assert_eq!(read(grey), [Vec3::ONE, Vec3::splat(10.0)], "{grey:?}");
         }
         let layer = ["beauty.R", "beauty.G", "beauty.B", "beauty.A", "depth.Z"];
@@ -189,6 +190,7 @@ mod tests {
     fn others_are_refused_by_the_names_of_their_channels() {
         let told = |channels: &[&str]| ExrChannels::find(&file(channels)).map(|_| ()).expect_err("no picture");
         assert!(told(&["Y", "RY", "BY"]).starts_with("has the channels \"BY\", \"RY\", \"Y\": expected R, G and B"));
+        assert!(told(&["Z"]).starts_with("has the channels \"Z\": ") && told(&["main.A"]).contains("main.A"));
         let two = ["a.R", "a.G", "a.B", "b.R", "b.G", "b.B"];
         assert!(told(&two).contains("\"a.R\", \"b.B\"") && !told(&two).contains('\n'), "{}", told(&two));
         let many: Vec<String> = (0..20).map(|k| format!("c{k:02}")).collect();
