@@ -37,7 +37,7 @@ pub(crate) struct Played {
 /// Gives the nodes the tracks of a clip. A fault leaves the nodes in an unspecified state.
 pub(crate) fn play(root: &Root, buffers: &Buffers<'_>, clip: usize, skeleton: &mut Skeleton) -> Result<Played, String> {
     let animation = &root.animations[clip];
-    let mut notes = Vec::new();
+    let (mut notes, mut played) = (Vec::new(), 0);
     let (mut first, mut last) = (f32::INFINITY, 0.0_f32);
     for (c, channel) in animation.channels.iter().enumerate() {
         let fault = |e: String| format!("animation {clip}, channel {c}: {e}");
@@ -46,13 +46,17 @@ pub(crate) fn play(root: &Root, buffers: &Buffers<'_>, clip: usize, skeleton: &m
             fault(format!("there is no sampler {s}: expected one of the {} that it has", animation.samplers.len()))
         })?;
         match add(buffers, channel, sampler, skeleton).map_err(fault)? {
-            Ok((start, end)) => (first, last) = (first.min(start), last.max(end)),
+            Ok(([start, end], is_second)) => {
+                (first, last, played) = (first.min(start), last.max(end), played + 1);
+                if is_second {
+                    notes.push(fault("an earlier one moves the same: it is left out".to_owned()));
+                }
+            }
             Err(note) => notes.push(fault(note)),
         }
     }
-    let usable = notes.len() < animation.channels.len();
     skeleton.clock = Clock { first: first.clamp(0.0, last), last, repeats: true };
-    Ok(Played { notes, usable })
+    Ok(Played { notes, usable: played > 0 })
 }
 
 /// The bytes of a clip's keys. Each channel has its own, though several may name the same accessors.
@@ -69,13 +73,13 @@ pub(crate) fn key_bytes(root: &Root, animation: &Animation) -> u64 {
     samplers.map(|sampler| of(sampler.input).saturating_add(of(sampler.output))).fold(0, u64::saturating_add)
 }
 
-/// The first and the last key's time of the channel, or why it is left out.
+/// The first and the last key's time of the channel, and whether an earlier one moved the same, or why it is left out.
 fn add(
     buffers: &Buffers<'_>,
     channel: &Channel,
     sampler: &Sampler,
     skeleton: &mut Skeleton,
-) -> Result<Result<(f32, f32), String>, String> {
+) -> Result<Result<([f32; 2], bool), String>, String> {
     let node = channel.target.node.value();
     let nodes = skeleton.bones.len();
     let bone = skeleton
@@ -92,7 +96,7 @@ fn add(
         return Ok(Err(format!("node {node} has no morph targets: left out")));
     }
     let track = read_track(buffers, sampler, kind, width, meaning)?;
-    let span = (track.start(), track.end());
+    let span = [track.start(), track.end()];
     if let (Local::Matrix(m), true) = (&bone.local, kind != Type::Scalar) {
         let (scale, rotation, translation) = m.to_scale_rotation_translation();
         if !(scale.is_finite() && rotation.is_finite() && translation.is_finite()) {
@@ -106,8 +110,8 @@ fn add(
         Checked::Valid(Property::Scale) => &mut bone.scale,
         _ => &mut bone.weights,
     };
-    *slot = Some(track);
-    Ok(Ok(span))
+    let is_second = slot.replace(track).is_some();
+    Ok(Ok((span, is_second)))
 }
 
 /// The keys of a channel, `width` numbers each.

@@ -5,7 +5,7 @@ use crate::gltf_animation::{clip_name, find_clip, key_bytes, play};
 use crate::gltf_buffers::{Buffers, data_of, read_uri};
 use crate::gltf_extensions::Extensions;
 use crate::gltf_light::{PlacedLight, read_light};
-use crate::gltf_nodes::{fine_locals, read_camera, shown_nodes, skeleton};
+use crate::gltf_nodes::{fine_locals, read_camera, shown_nodes, skeleton, transform_notes};
 use crate::gltf_reader::Reader;
 use crate::gltf_texture::Images;
 use crate::part::Part;
@@ -186,7 +186,7 @@ fn document(
     if read.parts.is_empty() && shown.iter().any(|&(n, is_visible)| !is_visible && root.nodes[n].mesh.is_some()) {
         return Err("no triangles: its meshes are in nodes that are not visible".to_owned());
     }
-    notes.into_iter().for_each(|note| reader.note(note));
+    notes.into_iter().chain(transform_notes(root)).for_each(|note| reader.note(note));
     reader.tell(path, context);
     keep_document(path, root, json, reader.buffers, context);
     if read.moves() {

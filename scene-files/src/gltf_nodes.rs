@@ -59,6 +59,20 @@ pub(crate) fn skeleton(root: &Root) -> Result<Skeleton, String> {
     })
 }
 
+/// Lines about transforms that the format does not allow: how they are taken.
+pub(crate) fn transform_notes(root: &Root) -> Vec<String> {
+    let count = |is: &dyn Fn(&Node, [f32; 16]) -> bool| {
+        root.nodes.iter().filter(|node| node.matrix.is_some_and(|matrix| is(node, matrix))).count()
+    };
+    let both = count(&|node, _| node.translation.is_some() || node.rotation.is_some() || node.scale.is_some());
+    let uneven = count(&|_, m| [m[3], m[7], m[11], m[15]] != [0.0, 0.0, 0.0, 1.0]);
+    let lines = [
+        (both, "nodes have a matrix beside a translation, rotation or scale: the matrix alone counts"),
+        (uneven, "nodes have a matrix whose last row is not 0 0 0 1: it is taken as that"),
+    ];
+    lines.into_iter().filter(|(count, _)| *count > 0).map(|(count, line)| format!("{count} {line}")).collect()
+}
+
 fn local(node: &Node) -> Local {
     if let Some(m) = &node.matrix {
         let mut m = Mat4::from_cols_array(m);

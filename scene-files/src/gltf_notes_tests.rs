@@ -138,3 +138,14 @@ fn colours_of_bytes_are_normalized_whatever_their_accessor_says() {
     assert_eq!(colors(&text), colors(&said));
     assert_eq!(colors(&text)[0], glam::Vec3::new(0.0, 0.0, 128.0 / 255.0));
 }
+
+#[test]
+fn transforms_that_the_format_does_not_allow_give_a_line() {
+    let warnings = |node: &str| parts_of(&triangle(&format!(r#"[{{"mesh": 0, {node}}}]"#), "")).1;
+    let matrix = |last: f32| format!(r#""matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, {last}]"#);
+    assert!(warnings(&matrix(1.0)).is_empty() && warnings("\"scale\": [2, 2, 2]").is_empty());
+    let both = warnings(&format!("{}, \"scale\": [2, 2, 2]", matrix(1.0)));
+    assert!(both.len() == 1 && both[0].contains("1 nodes have a matrix beside a translation"), "{both:?}");
+    let uneven = warnings(&matrix(2.0));
+    assert!(uneven.len() == 1 && uneven[0].contains("whose last row is not 0 0 0 1"), "{uneven:?}");
+}

@@ -113,7 +113,10 @@ impl Reader<'_> {
         let Notes { skipped, reduced, uneven, unbound, broken } = self.notes;
         context.tell_broken(path, broken + self.shared.broken);
         if skipped > 0 {
-            context.warn(path, format!("{skipped} primitives that are points or lines were left out"));
+            context.warn(
+                path,
+                format!("{skipped} primitives that are points or lines, or have no positions, were left out"),
+            );
         }
         if reduced > 0 {
             context.warn(path, format!("{reduced} vertices have more than 4 joints: those that count most are kept"));

@@ -463,6 +463,10 @@ fn faults_of_clips_are_refused_and_those_of_others_told() {
         animation.is_still() && animation.clips().is_empty() && warnings[0].contains("no channels"),
         "{warnings:?}"
     );
+    // Of two channels for one thing the later one counts.
+    let (_, _, warnings) = load(&text.replace(target, &format!("{target}, {target}")), Some("Go")).unwrap();
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(warnings[0].contains("channel 1: an earlier one moves the same: it is left out"), "{warnings:?}");
     // Channels that are left out give a warning: a path of an extension, weights without targets.
     for (path, kind) in [("pointer", "VEC3"), ("weights", "SCALAR")] {
         let text = go(path, "LINEAR", &[0.0, 1.0], &v, kind);
