@@ -8,7 +8,7 @@ use crate::materials::Light;
 use crate::page::{MOST_BYTES, Page, bytes};
 use crate::steps::{Steps, step};
 use crate::subdivide::{Divided, Lamp, Request};
-use crate::target::targets;
+use crate::target::{is_inverted, targets};
 use crate::texels::Texels;
 use crate::write::Writer;
 use crate::{BakeError, BakeSettings, Baked, Form, backs, from_scene, subdivide, vertices};
@@ -66,19 +66,30 @@ fn load(
     Ok((Kind::Scene(plan), scene, animation, file, notes))
 }
 
-/// A line about double-sided surfaces whose backs can be seen, if there are some.
-fn about_sheets(file: &GltfDocument, sheets: &[usize]) -> Option<String> {
+/// The names of some parts, of many the first ones; `None` for no parts.
+fn names<'f>(parts: impl Iterator<Item = &'f GltfPart>) -> Option<String> {
     const NAMES: usize = 3;
-    let open = sheets.iter().map(|part| &file.parts[*part]).filter(|part| backs::has_border(part));
-    let names: Vec<String> = open.map(|part| format!("\"{}\"", part.name)).collect();
+    let names: Vec<String> = parts.map(|part| format!("\"{}\"", part.name)).collect();
     let more = match names.len() {
         0 => return None,
         count if count > NAMES => format!(" and {} more", count - NAMES),
         _ => String::new(),
     };
-    let names = names.into_iter().take(NAMES).collect::<Vec<_>>().join(", ");
+    Some(names.into_iter().take(NAMES).collect::<Vec<_>>().join(", ") + &more)
+}
+
+/// A line about double-sided surfaces whose backs can be seen, if there are some.
+fn about_sheets(file: &GltfDocument, sheets: &[usize]) -> Option<String> {
+    let open = sheets.iter().map(|part| &file.parts[*part]).filter(|part| backs::has_border(part));
+    let names = names(open)?;
+    Some(format!("double-sided: both sides of {names} show the light of the front (both sides gives them their own)"))
+}
+
+/// A line about surfaces whose fronts by their normals are their backs by their triangles, if there are some.
+fn about_inverted(file: &GltfDocument, parts: &[usize]) -> Option<String> {
+    let names = names(parts.iter().map(|part| &file.parts[*part]).filter(|part| is_inverted(part)))?;
     Some(format!(
-        "double-sided: both sides of {names}{more} show the light of the front (both sides gives them their own)"
+        "normals of {names} point against the triangles: light is baked to the side from which these go round against the clock"
     ))
 }
 
@@ -123,6 +134,7 @@ impl Baker {
         let json = serde_json::from_str(&file.json).map_err(|e| fault(&e.to_string()))?;
         let (mut parts, left_out) = targets(&path, &file, &json)?;
         notes.extend(left_out);
+        notes.extend(about_inverted(&file, &parts));
         let sheets: Vec<usize> =
             parts.iter().copied().filter(|part| backs::is_sheet(&json, &file.parts[*part])).collect();
         if settings.both_sides {

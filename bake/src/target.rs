@@ -34,6 +34,14 @@ pub(crate) fn targets(path: &Path, file: &GltfDocument, json: &Value) -> Result<
     Ok((chosen, notes))
 }
 
+/// Whether all triangles of a part have normals that point against them.
+pub(crate) fn is_inverted(part: &GltfPart) -> bool {
+    let mesh = &part.geometry;
+    let mut faces = (0..mesh.triangles.len()).filter_map(|triangle| Face::new(part, triangle)).peekable();
+    let is_against = |face: Face<'_>| face.mean(&mesh.normals, [1.0 / 3.0; 2]).dot(face.normal.as_dvec3()) < 0.0;
+    !mesh.normals.is_empty() && faces.peek().is_some() && faces.all(is_against)
+}
+
 /// The primitive of a part, as the document has it.
 pub(crate) fn primitive<'a>(json: &'a Value, part: &GltfPart) -> &'a Value {
     &json["meshes"][part.mesh]["primitives"][part.primitive]

@@ -116,6 +116,20 @@ fn sheets_are_named() {
     assert_eq!(bake(&file, MAPS).surfaces, 2);
 }
 
+/// Pictures show both sides of surfaces whose normals point against their triangles; viewers show the dark one.
+#[test]
+fn normals_against_the_triangles_are_named() {
+    let notes = |up: f32| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.obj");
+        let text = format!("v 0 0 0\nv 0 0 1\nv 1 0 0\nvn 0 {up} 0\nf 1//1 2//1 3//1\n");
+        std::fs::write(&path, text).unwrap();
+        let baker = Baker::open(&path, &scene_files::LoadOptions::new(), MAPS, renderer::Settings::default());
+        baker.unwrap().notes().iter().filter(|note| note.contains("normals of \"m\" point against")).count()
+    };
+    assert_eq!([1.0, -1.0].map(notes), [0, 1]);
+}
+
 /// The inside of a closed room that is drawn on both sides is no inside of a body: where a table hides the lamp its floor stays dark, up to
 /// the edge of the shadow.
 #[test]
