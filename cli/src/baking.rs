@@ -1,7 +1,7 @@
 //! `lobes bake`.
 
 use crate::args::{BakeArgs, ClockArgs, ConsoleArgs};
-use crate::console::{self, STOP, counted, note, progress, say};
+use crate::console::{self, STOP, counted, note, plain, progress, say};
 use crate::failure::Failure;
 use crate::files;
 use crate::fingerprint::Fingerprint;
@@ -30,7 +30,7 @@ fn bake_file(args: &BakeArgs) -> Result<(), Failure> {
     let start = Instant::now();
     let mut baker = Baker::open(&args.file, &options, args.settings(), args.render_settings())?;
     if !args.console.quiet {
-        baker.notes().iter().for_each(|line| note(format_args!("lobes: warning: {line}")));
+        baker.notes().iter().for_each(|line| note(format_args!("lobes: warning: {}", plain(line))));
     }
     baker.set_cancel(STOP.clone());
     let load = start.elapsed().as_secs_f64();

@@ -131,9 +131,14 @@ pub(crate) fn counted(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
+/// A text of a file as the console shows it: on one line, and without commands to the terminal.
+pub(crate) fn plain(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
 /// Names in quotation marks without adjacent repetitions; of more than four the first three and the number of the rest.
 pub(crate) fn listed(names: &[impl AsRef<str>]) -> String {
-    let mut shown: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+    let mut shown: Vec<String> = names.iter().map(|name| plain(name.as_ref())).collect();
     shown.dedup();
     if shown.len() > 4 {
         shown.truncate(3);
@@ -216,5 +221,6 @@ mod tests {
         assert_eq!(listed(&["a", "b", "c", "d"]), "\"a\", \"b\", \"c\", \"d\"");
         assert_eq!(listed(&["a", "b", "c", "d", "e"]), "\"a\", \"b\", \"c\" and 2 more");
         assert_eq!(listed(&["a", "a", "a"]), "\"a\" and 2 more");
+        assert_eq!(listed(&["a\nb\u{1b}[31mc"]), "\"a b [31mc\"");
     }
 }
