@@ -232,8 +232,8 @@ fn animated(
     // All are read, one after the other.
     let keys = root.animations.iter().map(|clip| key_bytes(root, clip)).fold(0, u64::saturating_add);
     context.files.budget.take(0, keys, &format!("{} animations", root.animations.len()))?;
+    let mut moved = rest.clone();
     for clip in 0..root.animations.len() {
-        let mut moved = rest.clone();
         match play(root, buffers, clip, &mut moved) {
             Err(fault) if chosen.unwrap_or(clip) == clip => return Err(fault + &spelling(json, root, clip)),
             Err(fault) => context.warn(path, format!("a clip is left out: {fault}{}", spelling(json, root, clip))),
@@ -249,11 +249,17 @@ fn animated(
                     context.clips.push(clip_name(root, clip));
                     if *chosen.get_or_insert(clip) == clip {
                         context.files.budget.take(key_bytes(root, &root.animations[clip]), 0, "its animation")?;
-                        shown = Some(moved);
+                        shown = Some(moved.clone());
                     }
                 } else if root.animations[clip].channels.is_empty() {
                     context.warn(path, format!("animation {clip} has no channels: it is left out"));
                 }
+            }
+        }
+        // The nodes of this clip alone are put back: a file may have as many clips as nodes.
+        for node in root.animations[clip].channels.iter().map(|channel| channel.target.node.value()) {
+            if let (Some(bone), Some(at_rest)) = (moved.bones.get_mut(node), rest.bones.get(node)) {
+                bone.clone_from(at_rest);
             }
         }
     }

@@ -149,3 +149,20 @@ fn transforms_that_the_format_does_not_allow_give_a_line() {
     let uneven = warnings(&matrix(2.0));
     assert!(uneven.len() == 1 && uneven[0].contains("whose last row is not 0 0 0 1"), "{uneven:?}");
 }
+
+/// With a copy of all nodes for each clip they take half a minute.
+#[test]
+fn many_clips_of_many_nodes_are_read_soon() {
+    let begin = std::time::Instant::now();
+    let (nodes, clips) = (20_000, 5000);
+    let clip = r#"{"samplers": [{"input": 1, "output": 0}], "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}"#;
+    let text = triangle(
+        &format!(r#"[{{"mesh": 0}}{}]"#, ", {}".repeat(nodes)),
+        &format!(r#", "animations": [{}]"#, vec![clip; clips].join(", ")),
+    );
+    let times = r#"{"componentType": 5126, "count": 3, "type": "SCALAR"}"#;
+    let text = text.replace("\"type\": \"VEC3\"}]", &format!("\"type\": \"VEC3\"}}, {times}]"));
+    let (parts, warnings) = parts_of(&text);
+    assert_eq!((parts.len(), warnings.len()), (1, 0), "{warnings:?}");
+    assert!(begin.elapsed().as_secs_f64() < 10.0, "{:?}", begin.elapsed());
+}
