@@ -1,5 +1,12 @@
 // The highlight of microfacets that may have a grain on a light's plane: `Grain::highlight`.
 
+// A slope in α along the grain and across it.
+fn highlight_slope(surface: MicrofacetsAt, h: vec3f, up: f32) -> vec3f {
+    let along = dot(surface.tangent, h);
+    let across = dot(cross(surface.normal, surface.tangent), h);
+    return vec3f(along / (surface.along * up), across / (sqrt(surface.alpha_sq) * up), 0.0);
+}
+
 // The ellipse of the spread of the mirrored view: squares along the plane of incidence and aside of it, and their product.
 fn highlight_spread(normal: vec3f, lobe: Lobe) -> vec3f {
     let grain = grain_of(lobe);

@@ -20,6 +20,10 @@ pub(super) const POLES: [f32; NONE] = [9.0, 2.6, 1.7, 1.37, 1.13, 1.07];
 /// The halves of intervals, in standard deviations, up to which each rule takes a Gaussian to 5e-4 of its integral, wherever its peak is.
 pub(super) const DEVIATIONS: [f32; NONE] = [0.25, 1.3, 2.6, 3.7, 5.8, 7.8];
 
+/// Those of the rules of four and eight nodes, which parts of a light take.
+pub(super) const POLES_OF_PARTS: [f32; 2] = [POLES[1], POLES[3]];
+pub(super) const DEVIATIONS_OF_PARTS: [f32; 2] = [DEVIATIONS[1], DEVIATIONS[3]];
+
 /// A quadrilateral `m + u U + v V + uv T` with `u`, `v` in [−1, 1], or the ellipse inside of it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {

@@ -1,5 +1,10 @@
 // The highlight of microfacets on a light's plane.
 
+// A slope in α.
+fn highlight_slope(surface: MicrofacetsAt, h: vec3f, up: f32) -> vec3f {
+    return (h - surface.normal * dot(surface.normal, h)) / (sqrt(surface.alpha_sq) * up);
+}
+
 // The direction in which it is longest: the plane of incidence.
 fn highlight_turn(normal: vec3f, lobe: Lobe) -> vec3f {
     let seen = seen_from(normal, lobe.axis);

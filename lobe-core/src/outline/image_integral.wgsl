@@ -10,6 +10,9 @@ var<private> outline_shown: vec4f;
 var<private> outline_plane: vec4f;
 var<private> outline_places: Places;
 
+// Only of lights without images.
+fn outline_in_parts(value: OutlineValue) -> f32 { return 0.0; }
+
 fn outline_rule(length: f32, is_beside: bool) -> vec2u {
     if (length < 0.5) {
         return select(OUTLINE_EIGHT, OUTLINE_FOUR, is_beside);

@@ -79,6 +79,10 @@ fn outline_integral(at: Receiver, lobe: Lobe) -> OutlineSum {
     if (term.factor == 0.0) {
         return OutlineSum();
     }
+    let is_smooth = is_facets || lobe.exponent >= OUTLINE_STEEP;
+    if (!OUTLINE_SHOWS && !is_diffuse && is_smooth && outline.radius == 0.0) {
+        return OutlineSum(term.factor * outline_in_parts(term.value));
+    }
     return term.factor * outline_cubature(right, term.peak, term.value);
 }
 

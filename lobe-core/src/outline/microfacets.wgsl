@@ -9,6 +9,12 @@ fn outline_facets(v: vec3f) -> f32 {
     return select(both.x, both.y, outline_is_edge);
 }
 
+// The slope of a half vector in its widths.
+fn outline_facets_slope(direction: vec3f) -> vec3f {
+    let h = direction + outline_surface.view;
+    return highlight_slope(outline_surface, h, max(dot(outline_surface.normal, h), 1e-4));
+}
+
 // Rows across the direction in which highlights are longer.
 fn outline_facets_turn(normal: vec3f, lobe: Lobe) -> vec3f {
     let mirror = microfacets_mirror(microfacets_of(normal, lobe));

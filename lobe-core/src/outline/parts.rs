@@ -155,6 +155,17 @@ impl Both for Power {
     }
 }
 
+/// The same where it is known beforehand whether the receiver's cosine multiplies it: else loops over nodes are no vector instructions.
+#[derive(Clone, Copy)]
+struct Alone<const HAS_COSINE: bool>(Power);
+
+impl<const HAS_COSINE: bool> Both for Alone<HAS_COSINE> {
+    #[inline(always)]
+    fn both(&self, p: Vec3, inverse: f32) -> [f32; 2] {
+        Power { has_cosine: HAS_COSINE, ..self.0 }.both(p, inverse)
+    }
+}
+
 #[derive(Clone, Copy)]
 struct Of<F>(F);
 
@@ -217,11 +228,11 @@ impl AtNode {
 }
 
 /// Parts that wait, and parts that are looked at for one lobe, at most.
-const ROOM: usize = 128;
-const MOST: usize = 512;
+pub(super) const ROOM: usize = 128;
+pub(super) const MOST: usize = 512;
 
 /// Polygons of up to this many corners have no long sides to begin with.
-const FEW: usize = 6;
+pub(super) const FEW: usize = 6;
 
 /// The integral of a lobe over a polygon, above the horizon and, where its exponent is below [`STEEP`], above that of the lobe: parts of it
 /// are halved until few nodes are enough for each.
@@ -231,7 +242,12 @@ pub(super) fn in_parts(normal: Vec3, lobe: &BrdfLobe, light: &Outline) -> f32 {
     let value = match lobe {
         BrdfLobe::Cosine(Lobe { axis, exponent, has_cosine, .. }) => {
             let power = Power { axis: *axis, half_exponent: 0.5 * exponent, normal, has_cosine: *has_cosine };
-            sum_of_parts(&shape, power, light)[0] * ((exponent + 1.0) / TAU)
+            let sum = if *has_cosine {
+                sum_of_parts(&shape, Alone::<true>(power), light)
+            } else {
+                sum_of_parts(&shape, Alone::<false>(power), light)
+            };
+            sum[0] * ((exponent + 1.0) / TAU)
         }
         BrdfLobe::Microfacets(facets) => facets.part.of(match facets.grain {
             None => sum_of_parts(&shape, Of(facets.at(normal)), light),

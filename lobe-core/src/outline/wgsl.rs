@@ -1,6 +1,6 @@
 //! The WGSL of outlines, and of integrals over them.
 
-use super::{AROUND, DEPTH, Outline, TURNS, WIDEST, cubature, image, integral, lambert};
+use super::{AROUND, DEPTH, Outline, TURNS, WIDEST, cubature, grid, image, integral, lambert, parts};
 use crate::wgsl::{GEOMETRY, LOBE, MICROFACETS, MICROFACETS_GRAIN, Piece, SPECIAL};
 use crate::wgsl_numbers;
 
@@ -36,7 +36,15 @@ pub static OUTLINE_INTEGRAL: Piece = Piece::new(include_str!("integral.wgsl"))
 
 /// `light_integral(at, lobe, cone) -> f32` for lights with or without outlines. Needs `cap_integral`: [`CAP`](crate::wgsl::CAP) or
 /// [`CAP_LAMBERT`](crate::wgsl::CAP_LAMBERT).
-pub static OUTLINE_PLAIN: Piece = Piece::new(include_str!("plain.wgsl")).needs(&[&OUTLINE_INTEGRAL]);
+pub static OUTLINE_PLAIN: Piece = Piece::new(concat!(include_str!("parts.wgsl"), include_str!("plain.wgsl")))
+    .numbers(wgsl_numbers![
+        OUTLINE_POLES = grid::POLES_OF_PARTS,
+        OUTLINE_DEVIATIONS = grid::DEVIATIONS_OF_PARTS,
+        OUTLINE_FEW = parts::FEW,
+        OUTLINE_PARTS = parts::MOST,
+        OUTLINE_PARTS_ROOM = parts::ROOM / 2,
+    ])
+    .needs(&[&OUTLINE_INTEGRAL]);
 
 /// The image of a light: `image_at`, from `frame.image` on in `light_images`.
 pub static IMAGE: Piece = Piece::new(include_str!("image.wgsl"))
