@@ -6,11 +6,12 @@ use lobe_core::Outline;
 
 /// Windows that reach no farther than this, in units of what is seen in them, are not divided.
 const NARROW: f32 = 3.0;
-/// The same of lights that are not long.
-const ALL_AROUND: f32 = 1000.0;
-/// The first part to either side, and each in the units of the one before it.
-const FIRST: f32 = 0.4;
-const GROWTH: f32 = 2.5;
+/// The same of lights that are not long: their parts are many, and even samples do as far as this.
+const WIDE: f32 = 4.0;
+/// Of long lights where the first part to either side ends, and where each ends in the units of the one before it.
+const LONG: [f32; 2] = [0.4, 2.5];
+/// The same of other lights: fewer parts, which lie side by side and one above the other.
+const ALL_AROUND: [f32; 2] = [2.0, 6.0];
 /// The most parts to either side: what is farther away adds a thousandth.
 const MOST: usize = 5;
 
@@ -20,25 +21,30 @@ const MOST: usize = 5;
 /// narrow at this point and grow with the distance from it; each has a mask.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Spread {
-    pub(crate) peak: Vec2,
-    pub(crate) scale: f32,
+    peak: Vec2,
+    scale: f32,
+    is_long: bool,
 }
 
 impl Spread {
     /// Of what a broad lobe sees of an outline in a window; none where even samples do.
     pub(crate) fn of_outline(outline: &Outline, window: &UnitSquare) -> Option<Self> {
-        // A light that is no longer than wide shows enough of itself in even samples, unless it is all around.
         let is_long = outline.roundness() <= SLENDER;
-        let about = Self::of_window(window);
-        let least = if is_long { NARROW } else { ALL_AROUND };
+        let about = Self::of_window(window, is_long);
+        let least = if is_long { NARROW } else { WIDE };
         let is_even = outline.has_sides() || window.half.max_element() <= least * about.scale;
         (!is_even).then_some(about)
     }
 
-    fn of_window(window: &UnitSquare) -> Self {
+    fn of_window(window: &UnitSquare, is_long: bool) -> Self {
         let (low, high) = (window.center - window.half, window.center + window.half);
         let peak = Vec2::ZERO.clamp(low, high);
-        Self { peak, scale: (1.0 + peak.length_squared()).sqrt() }
+        Self { peak, scale: (1.0 + peak.length_squared()).sqrt(), is_long }
+    }
+
+    /// About a point of an outline's plane.
+    pub(crate) fn about(peak: Vec2, scale: f32, outline: &Outline) -> Self {
+        Self { peak, scale, is_long: outline.roundness() <= SLENDER }
     }
 
     /// Whether a window is so wide that it has parts.
@@ -65,10 +71,11 @@ impl Spread {
     fn cuts(&self, [low, high]: [f32; 2], peak: f32, even: u32) -> Vec<f32> {
         let mut cuts = vec![low, high];
         if high - low > 2.0 * NARROW * self.scale {
-            let steps = (0..MOST as i32 - 1).map(|k| FIRST * self.scale * GROWTH.powi(k));
-            let places = steps.flat_map(|step| [peak - step, peak + step]).chain([peak]);
+            let [first, growth] = if self.is_long { LONG } else { ALL_AROUND };
+            let steps = (0..MOST as i32 - 1).map(|k| first * self.scale * growth.powi(k));
+            let places = steps.flat_map(|step| [peak - step, peak + step]).chain(self.is_long.then_some(peak));
             // A part that would be next to nothing goes to its neighbour.
-            let slack = 0.5 * FIRST * self.scale;
+            let slack = 0.5 * first * self.scale;
             cuts.extend(places.filter(|x| *x > low + slack && *x < high - slack));
             cuts.sort_by(f32::total_cmp);
         }
@@ -112,21 +119,26 @@ mod tests {
     /// Parts fill the window, and meet.
     #[test]
     fn parts_fill_the_window() {
-        let window = UnitSquare { center: Vec2::new(3.0, 0.2), half: Vec2::new(40.0, 2.0), ..UnitSquare::default() };
-        let spread = Spread::of_window(&window);
-        assert!(spread.divides(&window));
-        for grid in [UVec2::ONE, UVec2::new(2, 2)] {
-            let (parts, count) = spread.parts(&window, grid);
-            assert_eq!(parts.len() as u32, count.element_product());
-            let area = |part: &UnitSquare| 4.0 * part.half.element_product();
-            let sum: f32 = parts.iter().map(area).sum();
-            assert!((sum / area(&window) - 1.0).abs() < 1e-5, "{sum}");
-            for pair in parts[..count.x as usize].windows(2) {
-                let (end, start) = (pair[0].center.x + pair[0].half.x, pair[1].center.x - pair[1].half.x);
-                assert!((end - start).abs() < 1e-4 && pair.iter().all(|part| part.half.x > 0.0));
+        for (is_long, half) in
+            [(true, Vec2::new(40.0, 2.0)), (false, Vec2::new(40.0, 30.0)), (false, Vec2::splat(900.0))]
+        {
+            let window = UnitSquare { center: Vec2::new(3.0, 0.2), half, ..UnitSquare::default() };
+            let spread = Spread::of_window(&window, is_long);
+            assert!(spread.divides(&window));
+            for grid in [UVec2::ONE, UVec2::new(2, 2)] {
+                let (parts, count) = spread.parts(&window, grid);
+                assert_eq!(parts.len() as u32, count.element_product());
+                assert!(parts.len() <= 81 * grid.element_product() as usize, "{}", parts.len());
+                let area = |part: &UnitSquare| 4.0 * part.half.element_product();
+                let sum: f32 = parts.iter().map(area).sum();
+                assert!((sum / area(&window) - 1.0).abs() < 1e-5, "{sum}");
+                for pair in parts[..count.x as usize].windows(2) {
+                    let (end, start) = (pair[0].center.x + pair[0].half.x, pair[1].center.x - pair[1].half.x);
+                    assert!((end - start).abs() < 1e-4 * half.x && pair.iter().all(|part| part.half.x > 0.0));
+                }
             }
+            let narrow = UnitSquare { half: Vec2::splat(2.4), center: Vec2::ZERO, ..window };
+            assert!(!Spread::of_window(&narrow, is_long).divides(&narrow));
         }
-        let narrow = UnitSquare { half: Vec2::splat(2.4), center: Vec2::ZERO, ..window };
-        assert!(!Spread::of_window(&narrow).divides(&narrow));
     }
 }

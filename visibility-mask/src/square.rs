@@ -198,15 +198,10 @@ impl UnitSquare {
     }
 
     /// Where the highlight of microfacets is in the window, and how wide.
-    pub(crate) fn highlight_spread(
-        &self,
-        (mirror, alpha): (Vec3, f32),
-        normal: Vec3,
-        bright: Option<&Outline>,
-    ) -> Spread {
-        let peak = self.peak(&Lobe::new(mirror, 1.0, Vec3::ONE), normal, bright).point;
+    pub(crate) fn highlight_spread(&self, (mirror, alpha): (Vec3, f32), normal: Vec3, bright: &Outline) -> Spread {
+        let peak = self.peak(&Lobe::new(mirror, 1.0, Vec3::ONE), normal, Some(bright)).point;
         let stretch = 1.0 + peak.length_squared();
-        Spread { peak, scale: (2.0 * alpha * stretch).min(stretch.sqrt()) }
+        Spread::about(peak, (2.0 * alpha * stretch).min(stretch.sqrt()), bright)
     }
 
     /// The direction of another window's right side in this one's coordinates: both are on one plane.

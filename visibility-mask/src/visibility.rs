@@ -156,8 +156,8 @@ impl<B: Blockers> MaskVisibility<B> {
         let [broad, narrow] = [self.broad(query), self.narrow(query)];
         let highlight = facets.highlight(query.at.normal);
         let whole = *scratch.full.window();
-        if scratch.full.is_uneven() && shown(query).is_none() {
-            let spread = whole.highlight_spread(highlight, query.at.normal, query.outline);
+        if let Some(outline) = query.outline.filter(|_| scratch.full.is_uneven() && shown(query).is_none()) {
+            let spread = whole.highlight_spread(highlight, query.at.normal, outline);
             scratch.own.set_spread(Some(spread));
             self.draw_narrow(&whole, query, scratch);
             scratch.own.set_spread(None);
