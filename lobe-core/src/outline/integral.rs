@@ -1,3 +1,4 @@
+use super::cells::mean_shown;
 use super::cubature::{Peak, Value, cubature};
 use super::lambert::irradiance;
 use super::on_plane::OnPlane;
@@ -196,9 +197,25 @@ fn microfacets(normal: Vec3, facets: &Microfacets, light: &Outline, image: Optio
     let peak = Peak { point, width, is_beside: beside > 2.0 * alpha * stretch };
     let (part, of_surface) = (facets.part, light.local(normal));
     match facets.grain {
-        None => cubature(normal, &light, peak, Part(here.at(of_surface), part), image),
-        Some(grain) => cubature(normal, &light, peak, Part(BrushedAt::new(&here, grain, of_surface), part), image),
+        None => with_tails(normal, &light, peak, Part(here.at(of_surface), part), image),
+        Some(grain) => with_tails(normal, &light, peak, Part(BrushedAt::new(&here, grain, of_surface), part), image),
     }
+}
+
+/// [`cubature`] of a reflectance with long tails, which see an image by its [cells](mean_shown).
+fn with_tails(
+    normal: Vec3,
+    light: &OnPlane<'_>,
+    peak: Peak,
+    value: impl Value,
+    image: Option<&LightImage>,
+) -> [f32; 4] {
+    let Some(mean) = image.and_then(|image| mean_shown(normal, light, &peak, value, image)) else {
+        return cubature(normal, light, peak, value, image);
+    };
+    let [.., alone] = cubature(normal, light, peak, value, None);
+    let [r, g, b] = (mean * alone).to_array();
+    [r, g, b, alone]
 }
 
 #[derive(Clone, Copy)]

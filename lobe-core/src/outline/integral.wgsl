@@ -249,7 +249,7 @@ fn outline_value(value: OutlineValue, p: vec3f, inverse: f32) -> f32 {
 
 // Over the projected outline: rows between its corners, or over a disc, as far as its sides let them.
 fn outline_cubature(right: vec3f, peak: OutlinePeak, value: OutlineValue) -> OutlineSum {
-    outline_begin(right);
+    outline_begin(right, value);
     let count = outline_point_count;
     var corners: array<vec2f, OUTLINE_ROOM>;
     var cuts: array<f32, OUTLINE_ROOM>;
@@ -326,7 +326,7 @@ fn outline_cubature(right: vec3f, peak: OutlinePeak, value: OutlineValue) -> Out
             }
         }
     }
-    return outline_end(peak);
+    return outline_end(peak, value);
 }
 
 // The part of a row where `side·(x, y, 1)` is above 0.

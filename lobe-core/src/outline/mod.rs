@@ -1,5 +1,6 @@
 //! Flat lights: what a receiver sees of a convex polygon.
 
+mod cells;
 mod cubature;
 mod flat_shape;
 mod grid;

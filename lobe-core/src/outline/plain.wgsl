@@ -13,11 +13,11 @@ fn outline_rule(length: f32, is_beside: bool) -> vec2u {
     return select(OUTLINE_SIXTEEN, OUTLINE_EIGHT, length < 1.1);
 }
 
-fn outline_begin(right: vec3f) { outline_sum = 0.0; }
+fn outline_begin(right: vec3f, value: OutlineValue) { outline_sum = 0.0; }
 
 fn outline_sample(p: vec3f, area: f32, angle: f32, value: f32) { outline_sum += area * angle * value; }
 
-fn outline_end(peak: OutlinePeak) -> f32 { return outline_sum; }
+fn outline_end(peak: OutlinePeak, value: OutlineValue) -> f32 { return outline_sum; }
 
 fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 {
     if (!light_is_flat()) {

@@ -252,6 +252,50 @@ fn images_are_those_of_quadrature() {
     }
 }
 
+/// A dark screen with a bright window, in a glossy floor: most of what a place beside the window's reflection receives is from the highlight's tail.
+#[test]
+fn microfacets_see_what_is_bright_beside_the_mirror() {
+    const SIDE: u32 = 64;
+    let texels = (0..SIDE * SIDE).map(|k| {
+        let is_bright = (15..35).contains(&(k % SIDE)) && (20..45).contains(&(k / SIDE));
+        Vec3::splat(if is_bright { 6.0 } else { 0.01 })
+    });
+    let (image, _) = LightImage::new(UVec2::splat(SIDE), &texels.collect::<Vec<_>>()).expect("an image");
+    let mut random = Random::new(29);
+    for roughness in [0.2, 0.4] {
+        let alpha: f64 = roughness * roughness;
+        let (mut worst, mut mean, mut count) = (0.0_f64, 0.0, 0);
+        for _ in 0..240 {
+            let Some(case) = Case::random(&mut random, 1.0, 1.0, false) else { continue };
+            let [a, b, c, d] = case.corners;
+            let (middle, u, v) = (0.5 * (a + c), 0.5 * (b - a), 0.5 * (d - a));
+            let aim = middle + u * random.between(-1.0, 1.0) + v * random.between(-1.0, 1.0);
+            let axis = aim.normalize();
+            let view = DVec3::new(-axis.x, -axis.y, axis.z);
+            if view.z < 0.1 {
+                continue;
+            }
+            let shape = Turned::new(view, alpha);
+            let shown = |to: DVec3| {
+                let away = to * (case.axis.dot(middle) / case.axis.dot(to)) - middle;
+                let place = DVec3::new(away.dot(u) / u.length_squared(), away.dot(v) / v.length_squared(), 0.0);
+                f64::from(image.at(place.truncate().as_vec2(), 0.0).x)
+            };
+            let finest = 1e-6 * shape.value(axis)[0].min(1.0);
+            let want = case.integral(&|to| shape.value(to)[0] * shown(to), finest);
+            let [lobe, _] = Microfacets::new(view.as_vec3(), alpha as f32, [Vec3::ONE; 2]);
+            let outline = case.outline().with_sides([u, v].map(DVec3::as_vec3));
+            let got = f64::from(image_integral(&receiver(view), lobe, &outline, &image).x);
+            let error = (got / want - 1.0).abs();
+            worst = worst.max(error);
+            mean += error;
+            count += 1;
+        }
+        println!("roughness {roughness}: {count} cases, mean {:.1e}, worst {worst:.1e}", mean / f64::from(count));
+        assert!(count > 30 && mean <= 0.025 * f64::from(count) && worst < 0.12, "{mean} {worst}");
+    }
+}
+
 /// Cut by the same horizon twice: rounding may leave two corners in one place, and no side between them.
 #[test]
 fn a_horizon_through_a_corner_takes_nothing_else() {

@@ -1,6 +1,6 @@
 //! The WGSL of outlines, and of integrals over them.
 
-use super::{AROUND, DEPTH, Outline, TURNS, WIDEST, cubature, grid, image, integral, lambert, parts};
+use super::{AROUND, DEPTH, Outline, TURNS, WIDEST, cells, cubature, grid, image, integral, lambert, parts};
 use crate::wgsl::{GEOMETRY, LOBE, MICROFACETS, MICROFACETS_GRAIN, Piece, SPECIAL};
 use crate::wgsl_numbers;
 
@@ -53,7 +53,11 @@ pub static IMAGE: Piece = Piece::new(include_str!("image.wgsl"))
 
 /// `light_integral` by channel for lights that show an image, in place of [`OUTLINE_PLAIN`].
 pub static OUTLINE_IMAGE: Piece = Piece::new(include_str!("image_integral.wgsl"))
-    .numbers(wgsl_numbers![OUTLINE_SMALL_LIGHT = cubature::SMALL_LIGHT])
+    .numbers(wgsl_numbers![
+        OUTLINE_SMALL_LIGHT = cubature::SMALL_LIGHT,
+        OUTLINE_SMALL_CELL = cells::SMALL_CELL,
+        OUTLINE_DEEPEST = cells::DEEPEST,
+    ])
     .needs(&[&OUTLINE_INTEGRAL, &IMAGE]);
 
 /// Needs a highlight.

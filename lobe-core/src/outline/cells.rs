@@ -1,0 +1,96 @@
+//! Integrals of reflectances with long tails over lights that show images, by cells of the image.
+
+use super::cubature::{Peak, Value};
+use super::on_plane::OnPlane;
+use super::{LightImage, Places};
+use glam::{Mat2, UVec2, Vec2, Vec3};
+
+/// A cell is small if half its diagonal is at most this part of `√(1 + t²)`, where `t` is its distance from the peak; both in the peak's widths.
+pub(super) const SMALL_CELL: f32 = 0.2;
+
+/// Cells are halved this often at most: single precision resolves no smaller ones.
+pub(super) const DEEPEST: u32 = 20;
+
+/// One of 2ᵈ × 2ᵈ equal parts of a rectangle, in the order of a Z.
+#[derive(Clone, Copy, Default)]
+struct Cell {
+    x: u32,
+    y: u32,
+    depth: u32,
+}
+
+impl Cell {
+    const fn first_quarter(self) -> Self {
+        Self { x: 2 * self.x, y: 2 * self.y, depth: self.depth + 1 }
+    }
+
+    /// The first that is in none of those before it; none after the last.
+    fn next(self) -> Option<Self> {
+        let Self { mut x, mut y, mut depth } = self;
+        while depth > 0 {
+            match (x % 2, y % 2) {
+                (0, _) => return Some(Self { x: x + 1, y, depth }),
+                (_, 0) => return Some(Self { x: x - 1, y: y + 1, depth }),
+                _ => (x, y, depth) = (x / 2, y / 2, depth - 1),
+            }
+        }
+        None
+    }
+}
+
+/// The mean of an image by channel, weighted by a reflectance above the horizon of `normal`. None where nothing has a weight.
+///
+/// Microfacets have long tails: a bright place far beside the peak may give most of the light, and nodes in rows and columns would see it through
+/// few long parts of the image. So the image is divided into cells that grow with their distance from the peak. Each is a texel of one of the
+/// image's copies, the exact mean of what it covers, or a part of a texel of the finest one.
+pub(super) fn mean_shown(
+    normal: Vec3,
+    light: &OnPlane<'_>,
+    peak: &Peak,
+    value: impl Value,
+    image: &LightImage,
+) -> Option<Vec3> {
+    let normal = light.local(normal);
+    let (middle, sides) = on_plane(&light.outline.places(light.frame))?;
+    // Squares of texels: the copy that has one texel across has as many of them upward, or the other way round.
+    let least = image.size().min_element();
+    let (roots, levels) = (image.size() / least, least.ilog2());
+    let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+    for root in 0..roots.element_product() {
+        let root = UVec2::new(root % roots.x, root / roots.x);
+        let mut next = Some(Cell::default());
+        while let Some(cell) = next {
+            let half = (roots << cell.depth).as_vec2().recip();
+            let place = ((root << cell.depth) + UVec2::new(cell.x, cell.y)).as_vec2() * (2.0 * half) + half - 1.0;
+            let p = middle + sides * place;
+            let away = (p - peak.point) / peak.width;
+            let diagonal =
+                [sides.x_axis * half.x, sides.y_axis * half.y].map(|side| (side / peak.width).length_squared());
+            let is_large = diagonal[0] + diagonal[1] > SMALL_CELL * SMALL_CELL * (1.0 + away.length_squared());
+            if is_large && cell.depth < DEEPEST {
+                next = Some(cell.first_quarter());
+                continue;
+            }
+            next = cell.next();
+            let p = p.extend(1.0);
+            if normal.dot(p) <= 0.0 {
+                continue;
+            }
+            let inverse = 1.0 / p.length_squared();
+            let weight = half.element_product() * (inverse * inverse.sqrt()) * value.at(p, inverse);
+            let shown = match levels.checked_sub(cell.depth) {
+                Some(level) => image.row(level as usize, place.y)[image.column(level as usize, place.x)].into(),
+                None => image.at(place, 0.0),
+            };
+            sum += shown * weight;
+            weights += weight;
+        }
+    }
+    (weights > 0.0).then(|| sum / weights)
+}
+
+/// An image's middle and its half sides on the plane at distance 1.
+fn on_plane(places: &Places) -> Option<(Vec2, Mat2)> {
+    let sides = Mat2::from_cols(places.x, places.y).inverse();
+    sides.is_finite().then(|| (sides * -places.origin, sides))
+}
