@@ -11,6 +11,7 @@ mod near_part;
 mod of_tile;
 mod on_plane;
 mod parts;
+mod rules;
 mod sides;
 #[cfg(test)]
 mod tests;

@@ -1,9 +1,10 @@
 //! Lobes of a tile over a flat light.
 
-use super::grid::{Grid, NONE, Node, Nodes};
+use super::grid::{Grid, Node, Nodes};
 use super::integral::{STEEP, integral};
 use super::lambert::of_block;
-use super::parts::{AtNode, Before, Shape, rules};
+use super::parts::AtNode;
+use super::rules::{Before, NONE, Shape, rules};
 use crate::lanes::{Columns, Kept, Lane, Level, WIDTH, map, ones, row};
 use crate::tile::Flat;
 use crate::{BrdfLobe, PackedLobe, Receiver, TileLobes, is_lambert};
@@ -12,7 +13,7 @@ use glam::Vec3;
 
 /// Lambert lobes side by side; lobes that vary little over the light, too; others one by one.
 pub(crate) fn of_flat(level: Level, (flat, at): (&Flat, &[Kept<9>]), lobes: &TileLobes, out: &mut [f32]) {
-    // What is not known yet.
+    // Not a number where nothing is known yet.
     out.fill(f32::NAN);
     if let Some(grid) = Grid::new(&flat.shape) {
         let light = Shared { grid, normal: flat.shape.normal(), is_two_sided: flat.is_two_sided };

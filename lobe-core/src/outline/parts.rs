@@ -1,147 +1,16 @@
-//! Lobes over quadrilaterals of light: how many nodes they need, what a node adds, and parts for which few are enough.
+//! Parts of a light for which few nodes are enough, and the sums over nodes.
 
 use super::Outline;
 use super::cubature::{EIGHT, FOUR, Value};
-use super::grid::{DEVIATIONS, Node, POLES, poles};
-use super::integral::{Power, STEEP};
+use super::grid::Node;
+use super::integral::Power;
+use super::rules::{Before, Shape, rules};
 use crate::lanes::{Lane, Level, WIDTH, map, row, set_row};
-use crate::microfacets::{MicrofacetsAt, alpha_sq};
-use crate::{BrdfLobe, BrushedAt, Facets, Lobe, PackedLobe, Schlick, orthonormal_basis};
+use crate::microfacets::MicrofacetsAt;
+use crate::{BrdfLobe, BrushedAt, Facets, Lobe, PackedLobe, Schlick};
 use core::f32::consts::TAU;
 use fearless_simd::dispatch;
 use glam::Vec3;
-
-/// A receiver and the plane of a light before it: the receiver's normal, that of the plane away from it, and how far the plane is.
-#[derive(Clone, Copy)]
-pub(super) struct Before {
-    pub(super) normal: Vec3,
-    pub(super) axis: Vec3,
-    pub(super) height: f32,
-}
-
-/// A corner before a receiver.
-#[derive(Clone, Copy)]
-struct Corner {
-    from_receiver: Vec3,
-    distance: f32,
-    /// Its place on the light's plane, in the receiver's distance from that.
-    place: Vec3,
-    /// Its place in the widths of a lobe: the slope of its half vector in α, or its chord to the axis in standard deviations.
-    slope: Vec3,
-    /// How far it is along the lobe's axis.
-    along: f32,
-}
-
-/// A lobe of a receiver before a light's plane.
-#[derive(Clone, Copy)]
-pub(super) struct Shape {
-    before: Before,
-    axis: Vec3,
-    is_facets: bool,
-    is_steep: bool,
-    /// Of microfacets two directions of the surface over the `α` along them.
-    fine: [Vec3; 2],
-    /// Of a power one over its standard deviation.
-    narrowness: f32,
-}
-
-impl Shape {
-    #[inline(always)]
-    pub(super) fn new(before: Before, lobe: &PackedLobe) -> Self {
-        let (u, v) = orthonormal_basis(before.normal);
-        let fine = 1.0 / alpha_sq(lobe.exponent).sqrt();
-        Self {
-            before,
-            axis: lobe.axis,
-            is_facets: lobe.kind >= PackedLobe::MICROFACETS_F0,
-            is_steep: lobe.exponent >= STEEP,
-            fine: [u * fine, v * fine],
-            narrowness: (lobe.exponent + 1.0).sqrt(),
-        }
-    }
-
-    #[inline(always)]
-    fn slope(&self, direction: Vec3) -> Vec3 {
-        let h = direction + self.axis;
-        let flat = 1.0 / larger(self.before.normal.dot(h), 1e-4);
-        let along = self.axis.dot(direction);
-        let chord = (direction - self.axis * along) * (self.narrowness / larger(0.5 + 0.5 * along, 1e-4).sqrt());
-        let slope = Vec3::new(self.fine[0].dot(h) * flat, self.fine[1].dot(h) * flat, 0.0);
-        if self.is_facets { slope } else { chord }
-    }
-
-    #[inline(always)]
-    fn corner(&self, p: Vec3) -> Corner {
-        let distance = p.length();
-        let Before { axis, height, .. } = self.before;
-        let place = (p - axis * axis.dot(p)) * (1.0 / larger(height, 1e-30));
-        let slope = self.slope(p * (1.0 / distance));
-        Corner { from_receiver: p, distance, place, slope, along: self.axis.dot(p) }
-    }
-
-    /// The rule along two opposite sides.
-    #[inline(always)]
-    fn rule(&self, [a, b]: [&Corner; 2], [c, d]: [&Corner; 2], bend: f32) -> f32 {
-        let of_plane = poles([a.place, b.place], [c.place, d.place], 0.0);
-        let of_facets = poles([a.slope, b.slope], [c.slope, d.slope], bend);
-        let root = smaller(root(a.along, b.along), root(c.along, d.along));
-        let of_power = if self.is_steep { 1e30 } else { root };
-        let half = larger(half(a, b), half(c, d));
-        let of_lobe = if self.is_facets { of_facets } else { of_power };
-        rule(smaller(of_plane, of_lobe), if self.is_facets { 0.0 } else { half })
-    }
-}
-
-#[inline(always)]
-fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-/// Where a line between two heights is at zero: from its middle, in halves of its length.
-#[inline(always)]
-fn root(from: f32, to: f32) -> f32 {
-    (from + to).abs() / larger((to - from).abs(), 1e-30)
-}
-
-/// Half the length of a side in standard deviations, if all of it were as fine as where the lobe is largest: a step of a line turns most where that is near.
-#[inline(always)]
-fn half(a: &Corner, b: &Corner) -> f32 {
-    let turned = b.slope - a.slope;
-    let square = turned.length_squared();
-    let part = -a.slope.dot(turned) / larger(square, 1e-30);
-    let part = smaller(larger(part, 0.0), 1.0);
-    let part = part * a.distance / (part * a.distance + (1.0 - part) * b.distance);
-    let peak = a.from_receiver + (b.from_receiver - a.from_receiver) * part;
-    0.5 * square.sqrt() * a.distance * b.distance / peak.length_squared()
-}
-
-/// The numbers of the rules along both sides of a quadrilateral before a receiver, [`NONE`] where none is enough. Lobes of an exponent below [`STEEP`] are above
-/// their horizon there.
-#[inline(always)]
-pub(super) fn rules([a, b, c, d]: [Vec3; 4], shape: &Shape) -> [f32; 2] {
-    let middle = 0.25 * (a + b + c + d);
-    let middle = shape.slope(middle * (1.0 / middle.length()));
-    let (a, b, c, d) = (shape.corner(a), shape.corner(b), shape.corner(c), shape.corner(d));
-    let bend = 2.0 * (middle - 0.25 * (a.slope + b.slope + c.slope + d.slope)).length();
-    // Beyond seven deviations a power is nothing.
-    let reach = |corner: &Corner| (corner.slope - middle).length_squared();
-    let reach = larger(larger(reach(&a), reach(&b)), larger(reach(&c), reach(&d))).sqrt();
-    let is_nothing = !shape.is_facets & shape.is_steep & (middle.length() - 1.5 * reach > 7.0);
-    let (u, v) = (shape.rule([&a, &b], [&d, &c], bend), shape.rule([&a, &d], [&b, &c], bend));
-    [if is_nothing { 0.0 } else { u }, if is_nothing { 0.0 } else { v }]
-}
-
-/// The first rule that is enough.
-#[inline(always)]
-fn rule(pole: f32, deviations: f32) -> f32 {
-    let more = |k: usize| if (pole >= POLES[k]) & (deviations <= DEVIATIONS[k]) { 0.0 } else { 1.0 };
-    more(0) + more(1) + more(2) + more(3) + more(4) + more(5)
-}
 
 /// A lobe at a point of the plane that is seen: of microfacets both parts.
 pub(super) trait Both: Copy {
@@ -176,7 +45,7 @@ impl<F: Facets> Both for Of<F> {
     }
 }
 
-/// What an area about a point relative to the receiver adds.
+/// The summand of an area about a point relative to the receiver.
 #[inline(always)]
 fn added(lobe: &impl Both, p: Vec3, area: f32) -> [f32; 2] {
     let inverse = 1.0 / p.length_squared();
@@ -188,7 +57,7 @@ fn added(lobe: &impl Both, p: Vec3, area: f32) -> [f32; 2] {
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub(super) struct AtNode {
-    /// What is added to nodes.
+    /// Added to nodes.
     toward: Vec3,
     normal: Vec3,
     /// The lobe's axis, or the direction to the eye above the horizon.
@@ -214,7 +83,7 @@ impl AtNode {
         Self { toward, normal, axis, shape: 0.5 * exponent, more: kind, scale }
     }
 
-    /// What a node adds.
+    /// A node's summand; of microfacets those of both parts.
     #[inline(always)]
     pub(super) fn value<const IS_FACETS: bool>(&self, node: &Node) -> [f32; 2] {
         let (p, area, normal) = (self.toward + node.offset, node.area * self.scale, self.normal);
@@ -253,7 +122,7 @@ pub(super) fn in_parts(normal: Vec3, lobe: &BrdfLobe, light: &Outline) -> f32 {
             None => sum_of_parts(&shape, Of(facets.at(normal)), light),
             Some(grain) => {
                 let brushed = BrushedAt::new(facets, grain, normal);
-                sum_of_parts(&Shape { fine: brushed.fine, ..shape }, Of(brushed), light)
+                sum_of_parts(&shape.with_fine(brushed.fine), Of(brushed), light)
             }
         }),
     };

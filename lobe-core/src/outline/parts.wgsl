@@ -133,7 +133,7 @@ fn outline_fan(first: u32, last: u32) {
     }
 }
 
-// What is between the two longest sides, and what that leaves at both ends.
+// The quadrilateral between the two longest sides, and those of both ends.
 fn outline_quadrilaterals() {
     outline_waiting_count = 0u;
     let count = outline_point_count;

@@ -1,6 +1,6 @@
 //! The WGSL of outlines, and of integrals over them.
 
-use super::{AROUND, DEPTH, Outline, TURNS, WIDEST, cells, cubature, grid, image, integral, lambert, parts};
+use super::{AROUND, DEPTH, Outline, TURNS, WIDEST, cells, cubature, image, integral, lambert, parts, rules};
 use crate::wgsl::{GEOMETRY, LOBE, MICROFACETS, MICROFACETS_GRAIN, Piece, SPECIAL};
 use crate::wgsl_numbers;
 
@@ -38,8 +38,8 @@ pub static OUTLINE_INTEGRAL: Piece = Piece::new(include_str!("integral.wgsl"))
 /// [`CAP_LAMBERT`](crate::wgsl::CAP_LAMBERT).
 pub static OUTLINE_PLAIN: Piece = Piece::new(concat!(include_str!("parts.wgsl"), include_str!("plain.wgsl")))
     .numbers(wgsl_numbers![
-        OUTLINE_POLES = grid::POLES_OF_PARTS,
-        OUTLINE_DEVIATIONS = grid::DEVIATIONS_OF_PARTS,
+        OUTLINE_POLES = rules::POLES_OF_PARTS,
+        OUTLINE_DEVIATIONS = rules::DEVIATIONS_OF_PARTS,
         OUTLINE_FEW = parts::FEW,
         OUTLINE_PARTS = parts::MOST,
         OUTLINE_PARTS_ROOM = parts::ROOM / 2,
