@@ -89,7 +89,8 @@ impl Shared {
             let wants @ [kind, u, v] = row(&wanted, first);
             let alike = ones(rows).filter(|j| row(&wanted, *j) == wants).fold(0, |alike, j| alike | 1 << j);
             rows ^= alike;
-            let rules = [u as usize, v as usize];
+            // Of a lobe that is nothing the first rule.
+            let rules = [u, v].map(|rule| rule.max(0.0) as usize);
             let nodes = match kept.take() {
                 Some(nodes) if nodes.rules == rules => nodes,
                 _ => self.grid.nodes(rules),

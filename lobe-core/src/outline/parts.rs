@@ -4,7 +4,7 @@ use super::Outline;
 use super::cubature::{EIGHT, FOUR, Value};
 use super::grid::Node;
 use super::integral::Power;
-use super::rules::{Before, Shape, rules};
+use super::rules::{Before, NOTHING, Shape, rules};
 use crate::lanes::{Lane, Level, WIDTH, map, row, set_row};
 use crate::microfacets::MicrofacetsAt;
 use crate::{BrdfLobe, BrushedAt, Facets, Lobe, PackedLobe, Schlick};
@@ -151,6 +151,9 @@ fn sum_of_parts(shape: &Shape, lobe: impl Both, light: &Outline) -> [f32; 2] {
             let part: [Vec3; 4] = bytemuck::cast(row(&parts, j));
             let [u, v] = row(&wanted, j);
             let is_last = seen > MOST || count + 4 > ROOM;
+            if u == NOTHING {
+                continue;
+            }
             let more = if u.max(v) <= 1.0 {
                 over_nodes::<16>(level, lobe, part)
             } else if u.max(v) <= 3.0 || is_last {

@@ -8,6 +8,9 @@ use glam::Vec3;
 /// The number of rules, of 2, 4, 6, 8, 12 and 16 nodes; as a rule's number: more nodes than any would be needed.
 pub(super) const NONE: usize = 6;
 
+/// Below all rules' numbers: no node adds anything.
+pub(super) const NOTHING: f32 = -1.0;
+
 /// The distances of a pole from both ends of an interval over its length, from which on each rule takes `1/(1 + x²)²` to 5e-4 of its integral.
 pub(super) const POLES: [f32; NONE] = [9.0, 2.6, 1.7, 1.37, 1.13, 1.07];
 
@@ -132,7 +135,7 @@ fn half(a: &Corner, b: &Corner) -> f32 {
     0.5 * square.sqrt() * a.distance * b.distance / peak.length_squared()
 }
 
-/// The numbers of the rules along both sides of a quadrilateral before a receiver, `NONE` where none is enough. Lobes of an exponent below [`STEEP`] are above
+/// The numbers of the rules along both sides of a quadrilateral before a receiver, `NONE` where none is enough and [`NOTHING`] where the lobe is nothing. Lobes of an exponent below [`STEEP`] are above
 /// their horizon there.
 #[inline(always)]
 pub(super) fn rules([a, b, c, d]: [Vec3; 4], shape: &Shape) -> [f32; 2] {
@@ -145,7 +148,7 @@ pub(super) fn rules([a, b, c, d]: [Vec3; 4], shape: &Shape) -> [f32; 2] {
     let reach = larger(larger(reach(&a), reach(&b)), larger(reach(&c), reach(&d))).sqrt();
     let is_nothing = !shape.is_facets & shape.is_steep & (middle.length() - 1.5 * reach > 7.0);
     let (u, v) = (shape.rule([&a, &b], [&d, &c], bend), shape.rule([&a, &d], [&b, &c], bend));
-    [if is_nothing { 0.0 } else { u }, if is_nothing { 0.0 } else { v }]
+    [if is_nothing { NOTHING } else { u }, if is_nothing { NOTHING } else { v }]
 }
 
 /// The first rule that is enough.
