@@ -1,6 +1,6 @@
 use crate::oracle::Random;
 use crate::outline::tests::{Case, Turned};
-use crate::{BrdfLobe, FlatShape, Lobe, Microfacets, Outline, PackedLobe, Receiver, Sphere};
+use crate::{BrdfLobe, FlatShape, Grain, Lobe, Microfacets, Outline, PackedLobe, Receiver, Sphere};
 use crate::{Tile, TileLight, TileLobes, cap_integrals, lanes::set_row, outline_integral};
 use core::f64::consts::TAU;
 use glam::{DVec3, Vec3};
@@ -110,6 +110,36 @@ fn microfacets_are_those_of_quadrature() {
             }
             errors.check(&format!("aspect {aspect}, size {size}, roughness {roughness}"), [5e-5, 1e-3]);
         }
+    }
+}
+
+/// Microfacets with a grain, against sums of their own values.
+#[test]
+fn brushed_microfacets_are_those_of_quadrature() {
+    let mut random = Random::new(35);
+    for (aspect, size) in [(1.0, 0.3), (4.0, 0.5)] {
+        let mut errors = Errors::default();
+        for _ in 0..200 {
+            let Some(case) = Case::random(&mut random, size, aspect, false) else { continue };
+            let [a, _, c, _] = case.corners;
+            let aim = (a + (c - a) * random.uniform()).normalize();
+            let beside = random.between(0.0, 0.5);
+            let axis = random.axis_at(aim, beside).normalize();
+            let view = DVec3::new(-axis.x, -axis.y, axis.z).as_vec3();
+            if view.z < 0.05 {
+                continue;
+            }
+            let grain = Grain::new(Vec3::Z, view, random.axis().as_vec3(), random.uniform() as f32);
+            let alpha = random.log_uniform(0.04, 0.5) as f32;
+            let lobe = Microfacets::new(view, alpha, [Vec3::ONE; 2])[0].with_grain(Some(grain));
+            let value = |v: DVec3| f64::from(lobe.value(Vec3::Z, v.as_vec3()));
+            let scale = (value(axis) * case.integral(&|_| 1.0, 1e-6 * size * size)).min(1.0);
+            let want = case.integral(&value, 1e-7 * scale);
+            let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, view);
+            let alone = outline_integral(&at, lobe, &case.outline());
+            errors.add(by_tile(&shape(&case), &[lobe.into()])[0], alone, want, scale);
+        }
+        errors.check(&format!("brushed, aspect {aspect}, size {size}"), [1e-4, 2e-3]);
     }
 }
 
