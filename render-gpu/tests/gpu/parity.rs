@@ -104,11 +104,24 @@ impl View {
 
     /// With the spheres as blockers on both devices.
     pub(crate) fn compare_spheres(&self, gpu: &Gpu, name: &str, tolerance: f32, depth: u32) {
+        let others = 1 + self.points.receivers.len() as u64 / 2000;
+        self.compare_spheres_but(gpu, name, [tolerance, LARGEST], depth, others);
+    }
+
+    /// The same with another largest difference, and another number of points that change class.
+    pub(crate) fn compare_spheres_but(
+        &self,
+        gpu: &Gpu,
+        name: &str,
+        [tolerance, most]: [f32; 2],
+        depth: u32,
+        others: u64,
+    ) {
         let frame = self.frame(tolerance, depth);
         let want = self.cpu(MaskVisibility::new(self.spheres.clone()).look_again(LookAgain::Never), &frame);
         let occlusion = Occlusion { blockers: &[&self.spheres], any_hit: None };
         let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
-        assert_same(name, &want, &self.gpu(&mut shader, &frame));
+        assert_same_but(name, &want, &self.gpu(&mut shader, &frame), most, others);
     }
 }
 
