@@ -40,6 +40,12 @@ impl PackedLobe {
         self.kind >= Self::MICROFACETS_F0
     }
 
+    /// Whether it is Lambert's at a receiver of this normal.
+    #[inline(always)]
+    pub(crate) fn is_lambert(&self, normal: Vec3) -> bool {
+        self.exponent == 1.0 && self.kind == Self::PLAIN && self.axis == normal
+    }
+
     /// Whether it is the part of microfacets that `f90` multiplies.
     #[inline(always)]
     #[must_use]

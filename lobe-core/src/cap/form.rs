@@ -33,7 +33,7 @@ pub(super) fn of(light: &Seen, lobe: &PackedLobe) -> [f32; 2] {
     // Whether the horizon leaves all of it; whether none.
     let above = light.cos_beta >= light.sin;
     let below = light.one_minus_cos <= 0.0 || light.cos_beta <= -light.sin;
-    let lambert = e == 1.0 && lobe.kind == PackedLobe::PLAIN && lobe.axis == light.normal;
+    let lambert = lobe.is_lambert(light.normal);
     let wide = e >= slab::EXPONENT && 0.5 * (e + 1.0) * light.one_minus_cos >= slab::WIDTH;
     let chords = if above { WHOLE } else { PIECES };
     let glossy = if wide && above { SLAB } else { chords };

@@ -4,7 +4,7 @@ use super::grid::{Grid, Node, Nodes};
 use super::integral::{STEEP, integral};
 use super::lambert::of_block;
 use super::parts::AtNode;
-use super::rules::{Before, NONE, Shape, rules};
+use super::rules::{Before, NONE, Shape, rules, smaller};
 use crate::lanes::{Columns, Kept, Lane, Level, WIDTH, map, ones, row};
 use crate::tile::Flat;
 use crate::{BrdfLobe, PackedLobe, Receiver, TileLobes, is_lambert};
@@ -75,8 +75,7 @@ impl Shared {
         // Most are Lambert's.
         let is_other = |j: usize| {
             let (lobe, [_, _, _, u, v, w, ..]) = (lobe(number, j), row(at, j));
-            let is_lambert = lobe.exponent == 1.0 && lobe.kind == PackedLobe::PLAIN && lobe.axis == Vec3::new(u, v, w);
-            lobe.flux != Vec3::ZERO && !is_lambert
+            lobe.flux != Vec3::ZERO && !lobe.is_lambert(Vec3::new(u, v, w))
         };
         if !(0..WIDTH).any(is_other) {
             return;
@@ -136,7 +135,6 @@ impl Lane<9, 8, 3> for Wanted {
         let is_facets = lobe.kind >= PackedLobe::MICROFACETS_F0;
         let (toward, before) = light.before(from, normal);
         let corners = light.grid.corners.map(|p| p - from);
-        let smaller = |a: f32, b: f32| if a < b { a } else { b };
         let lowest = |n: Vec3| {
             let [a, b, c, d] = corners.map(|p| n.dot(p));
             smaller(smaller(a, b), smaller(c, d))

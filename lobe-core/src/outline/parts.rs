@@ -103,8 +103,8 @@ pub(super) const MOST: usize = 512;
 /// Polygons of up to this many corners have no long sides to begin with.
 pub(super) const FEW: usize = 6;
 
-/// The integral of a lobe over a polygon, above the horizon and, where its exponent is below [`STEEP`], above that of the lobe: parts of it
-/// are halved until few nodes are enough for each.
+/// The integral of a lobe over a polygon above the horizon, parts of which are halved until few nodes are enough for each. Powers are of exponent
+/// [`STEEP`](super::integral::STEEP) or more.
 pub(super) fn in_parts(normal: Vec3, lobe: &BrdfLobe, light: &Outline) -> f32 {
     let before = Before { normal, axis: light.axis, height: light.height };
     let shape = Shape::new(before, &PackedLobe::from(*lobe));
