@@ -1,9 +1,13 @@
 //! Surfaces cut along the outline of their alpha. Transparent parts are no geometry, so camera, shadows of every kind and the
 //! reference see the same outline.
 
+mod fill;
+mod outline;
+
 use crate::{Mesh, Texture, TextureMap, Wrap};
-use glam::{Vec2, Vec3};
-use std::collections::HashMap;
+use fill::filled;
+use glam::{DVec2, Vec2, Vec3};
+use outline::{HashMap, Made, Pieces};
 
 /// A surface exists where its alpha is at least the limit: that of the image times the factor times that of the vertices.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,13 +23,17 @@ pub struct CutOut {
 /// Triangles and halves that are looked at of a mesh, unless it had a quarter as many: outlines are followed by texels, else by twos, fours …
 const MOST_TRIANGLES: usize = 1 << 20;
 
+/// Outlines keep within this of alpha's line, in texels, and leave as much on one side of it as on the other.
+const TOLERANCE: f64 = 0.15;
+
 /// Alphas that are equal but for rounding count as equal to the limit.
 const ROUNDING: f32 = 1e-6;
 
 impl CutOut {
     /// Cuts a mesh, whose vertices have these alphas: one each, or none. Triangles are halved along their longest side in the image until
     /// each is inside, outside or smaller than a texel. The small ones are cut along alpha's line, as those without an image are. Halves
-    /// that are wholly inside stay whole. Looks at no more than `most` triangles and halves. Returns false and leaves the mesh unchanged
+    /// that are wholly inside stay whole. Of what is left of each triangle the outline is simplified by 0.15 texels, and filled with as few
+    /// triangles as it needs. Looks at no more than `most` triangles and halves. Returns false and leaves the mesh unchanged
     /// where an image is repeated too often for that. `bounds` are those of the image.
     ///
     /// # Panics
@@ -46,12 +54,19 @@ impl CutOut {
                 cell,
                 steps: 0,
                 most,
-                made: HashMap::new(),
+                made: Made::default(),
+                parents: HashMap::default(),
                 out: Vec::new(),
             };
-            mesh.triangles.iter().for_each(|triangle| cutter.triangle(*triangle, 0));
+            for triangle in &mesh.triangles {
+                let first = cutter.out.len();
+                cutter.triangle(*triangle, 0);
+                if cutter.steps <= most {
+                    cutter.simplify(*triangle, first);
+                }
+            }
             if cutter.steps <= most {
-                *mesh = Mesh { triangles: cutter.out, ..cutter.mesh };
+                *mesh = cutter.finished(mesh.positions.len());
                 return true;
             }
             cell *= 2.0;
@@ -68,8 +83,8 @@ impl Mesh {
     /// camera and shadows see the same outline. Returns false and leaves the mesh unchanged where the image is repeated too often for
     /// that.
     ///
-    /// Triangles are halved until each is inside, outside or smaller than a texel: up to some 40 new triangles for each texel of
-    /// the outline, a million in all.
+    /// The outline follows alpha to 0.15 texels, and keeps its area: up to two new triangles for each texel of it, one for five or more of them
+    /// where it is straight or round.
     ///
     /// ```
     /// use glam::Vec3;
@@ -103,8 +118,9 @@ struct Cutter<'a> {
     /// Triangles looked at, and the most that may be.
     steps: usize,
     most: usize,
-    /// Vertices made between two others, by these and how.
-    made: HashMap<(u32, u32, bool), u32>,
+    made: Made,
+    /// The vertices that each further one is between.
+    parents: HashMap<u32, [u32; 2]>,
     out: Vec<[u32; 3]>,
 }
 
@@ -163,12 +179,61 @@ impl Cutter<'_> {
             }
         }
         for k in 2..kept.len() {
-            let piece = [kept[0], kept[k - 1], kept[k]];
-            // A line that passes by a corner leaves specks without an area.
-            if self.mesh.face_cross(piece).length_squared() > f64::MIN_POSITIVE {
-                self.out.push(piece);
+            self.out.push([kept[0], kept[k - 1], kept[k]]);
+        }
+    }
+
+    /// The triangles, without vertices that were only on the way to them; the `first` ones were there before.
+    fn finished(self, first: usize) -> Mesh {
+        let Self { mut mesh, mut out, .. } = self;
+        // A line that passes by a corner leaves specks without an area.
+        out.retain(|piece| mesh.face_cross(*piece).length_squared() > f64::MIN_POSITIVE);
+        let mut numbers: Vec<u32> =
+            (0..mesh.positions.len() as u32).map(|i| if (i as usize) < first { i } else { u32::MAX }).collect();
+        let mut kept: Vec<usize> = (0..first).collect();
+        for corner in out.iter_mut().flatten() {
+            let number = &mut numbers[*corner as usize];
+            if *number == u32::MAX {
+                *number = kept.len() as u32;
+                kept.push(*corner as usize);
+            }
+            *corner = *number;
+        }
+        mesh.positions = kept.iter().map(|i| mesh.positions[*i]).collect();
+        for list in [&mut mesh.normals, &mut mesh.colors] {
+            if !list.is_empty() {
+                *list = kept.iter().map(|i| list[*i]).collect();
             }
         }
+        for set in &mut mesh.uv_sets {
+            *set = kept.iter().map(|i| set[*i]).collect();
+        }
+        Mesh { triangles: out, ..mesh }
+    }
+
+    /// Replaces the pieces of a triangle, those from the number `first` on, by fewer of nearly the same outline.
+    fn simplify(&mut self, triangle: [u32; 3], first: usize) {
+        let (Some((_, bounds)), true) = (self.image, self.out.len() > first + 1) else { return };
+        let size = DVec2::from_array(bounds.size.map(f64::from));
+        let origin = self.uv(triangle[0]).as_dvec2();
+        let place = |vertex: u32| (self.uv(vertex).as_dvec2() - origin) * size;
+        let [b, c] = [place(triangle[1]), place(triangle[2])];
+        let area = b.perp_dot(c);
+        // A triangle that is a line in the image has no outline there.
+        if !area.is_finite() || area.abs() <= 1e-6 * b.length_squared().max(c.length_squared()) {
+            return;
+        }
+        let pieces =
+            Pieces { triangle, pieces: &self.out[first..], made: &self.made, parents: &self.parents, place: &place };
+        let outlines = pieces.outlines(TOLERANCE * f64::from(self.cell));
+        let Some((corners, triangles)) = outlines.and_then(|outlines| filled(&outlines, area.signum())) else { return };
+        let weights = |p: DVec2| [p.perp_dot(c) / area, b.perp_dot(p) / area];
+        let numbers: Vec<u32> = corners
+            .iter()
+            .map(|corner| corner.vertex.unwrap_or_else(|| self.within(triangle, weights(corner.place))))
+            .collect();
+        self.out.truncate(first);
+        self.out.extend(triangles.into_iter().map(|triangle| triangle.map(|k| numbers[k])));
     }
 
     fn uv(&self, vertex: u32) -> Vec2 {
@@ -196,28 +261,39 @@ impl Cutter<'_> {
         if let Some(known) = self.made.get(&key) {
             return *known;
         }
-        let (mesh, i, j) = (&mut self.mesh, a as usize, b as usize);
+        let number = self.within([a, b, b], [f64::from(t), 0.0]);
+        self.made.insert(key, number);
+        self.parents.insert(number, [a, b]);
+        number
+    }
+
+    /// A new vertex in a triangle, by the weights of its second and third corner.
+    fn within(&mut self, corners: [u32; 3], [v, w]: [f64; 2]) -> u32 {
+        let corners @ [a, ..] = corners.map(|i| i as usize);
+        let mesh = &mut self.mesh;
         let number = mesh.positions.len() as u32;
-        let mix = |list: &[Vec3]| list[i].lerp(list[j], t);
+        let mix = |list: &[Vec3]| {
+            let [a, b, c] = corners.map(|i| list[i].as_dvec3());
+            (a + v * (b - a) + w * (c - a)).as_vec3()
+        };
         let position = mix(&mesh.positions);
         mesh.positions.push(position);
         if !mesh.normals.is_empty() {
-            let normal = mix(&mesh.normals).try_normalize().unwrap_or(mesh.normals[i]);
+            let normal = mix(&mesh.normals).try_normalize().unwrap_or(mesh.normals[a]);
             mesh.normals.push(normal);
         }
         if !mesh.colors.is_empty() {
             let color = mix(&mesh.colors);
             mesh.colors.push(color);
         }
-        if !self.alphas.is_empty() {
-            let alpha = self.alphas[i] + t * (self.alphas[j] - self.alphas[i]);
-            self.alphas.push(alpha);
-        }
         for set in &mut mesh.uv_sets {
-            let uv = set[i].lerp(set[j], t);
-            set.push(uv);
+            let [a, b, c] = corners.map(|i| set[i].as_dvec2());
+            set.push((a + v * (b - a) + w * (c - a)).as_vec2());
         }
-        self.made.insert(key, number);
+        if !self.alphas.is_empty() {
+            let [a, b, c] = corners.map(|i| f64::from(self.alphas[i]));
+            self.alphas.push((a + v * (b - a) + w * (c - a)) as f32);
+        }
         number
     }
 }
@@ -307,126 +383,5 @@ impl AlphaBounds {
             }
         }
         all
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Encoding;
-    use core::f64::consts::PI;
-
-    /// A disc of alpha 1 with a soft edge in the middle of an image.
-    fn disc(n: u32, radius: f32) -> TextureMap {
-        let texel = |i: u32| {
-            let (x, y) = ((i % n) as f32 + 0.5 - 0.5 * n as f32, (i / n) as f32 + 0.5 - 0.5 * n as f32);
-            let alpha = (radius * n as f32 - x.hypot(y) + 0.5).clamp(0.0, 1.0);
-            [255, 255, 255, (alpha * 255.0).round() as u8]
-        };
-        TextureMap::new(Texture::new("disc", [n, n], (0..n * n).map(texel).collect(), Encoding::Srgb))
-    }
-
-    fn cut_by(by: &CutOut, mesh: &mut Mesh, alphas: &[f32]) -> bool {
-        let bounds = by.map.as_ref().map(|map| AlphaBounds::new(&map.texture));
-        by.cut(mesh, alphas, bounds.as_ref(), MOST_TRIANGLES)
-    }
-
-    fn cut(map: TextureMap, mesh: &Mesh) -> Mesh {
-        let mut mesh = mesh.clone();
-        assert!(cut_by(&CutOut { map: Some(map), factor: 1.0, limit: 0.5 }, &mut mesh, &[]));
-        mesh.validate().expect("a mesh");
-        mesh
-    }
-
-    #[test]
-    fn what_is_left_has_the_area_of_what_is_opaque() {
-        let quad = Mesh::quad(Vec3::ZERO, Vec3::X, Vec3::Y);
-        for (n, radius, tolerance) in [(16, 0.4, 0.02), (64, 0.3, 0.002), (256, 0.45, 2e-4), (37, 0.35, 0.005)] {
-            let left = cut(disc(n, radius), &quad);
-            let want = 4.0 * PI * f64::from(radius).powi(2);
-            println!("{n}: area {:.5} of {want:.5}, {} triangles", left.area(), left.triangles.len());
-            assert!((left.area() / want - 1.0).abs() < tolerance, "{n}: {} {want}", left.area());
-            // As many as the outline has texels, and a few for the inside.
-            assert!(left.triangles.len() < 48 * n as usize, "{n}: {}", left.triangles.len());
-            // Nothing outside, and coordinates that go with the places.
-            for (p, uv) in left.positions.iter().zip(&left.uv_sets[0]) {
-                assert!((Vec2::new(p.x, -p.y) * 0.5 + 0.5 - *uv).length() < 1e-5);
-            }
-            let used = left.triangles.iter().flatten().map(|i| left.positions[*i as usize].length());
-            assert!(used.fold(0.0, f32::max) < 2.0 * radius + 1.5 / n as f32);
-        }
-    }
-
-    #[test]
-    fn images_that_repeat_are_cut_as_often() {
-        let quad = Mesh::quad(Vec3::ZERO, Vec3::X, Vec3::Y);
-        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
-            let mut map = disc(32, 0.4);
-            map.wrap = [wrap; 2];
-            map.transform = glam::Affine2::from_scale_angle_translation(Vec2::splat(3.0), 0.0, Vec2::new(-1.0, 0.0));
-            let discs = if wrap == Wrap::Clamp { 1.0 } else { 9.0 };
-            let want = discs * 4.0 / 9.0 * PI * 0.16;
-            let area = cut(map, &quad).area();
-            assert!((area / want - 1.0).abs() < 0.01, "{wrap:?}: {area} {want}");
-        }
-    }
-
-    #[test]
-    fn whole_and_empty_images_leave_all_and_nothing() {
-        let quad = Mesh::quad(Vec3::ZERO, Vec3::X, Vec3::Y);
-        let flat = |alpha| TextureMap::new(Texture::new("flat", [8, 8], vec![[0, 0, 0, alpha]; 64], Encoding::Srgb));
-        let mut all = quad.clone();
-        cut_by(&CutOut { map: Some(flat(255)), factor: 1.0, limit: 0.5 }, &mut all, &[]);
-        assert!((all.area() - 4.0).abs() < 1e-6);
-        for (map, factor) in [(Some(flat(0)), 1.0), (Some(flat(255)), 0.3), (None, 0.3)] {
-            let mut none = quad.clone();
-            cut_by(&CutOut { map, factor, limit: 0.5 }, &mut none, &[]);
-            assert!(none.triangles.is_empty());
-        }
-    }
-
-    #[test]
-    fn hostile_coordinates_end() {
-        let mut quad = Mesh::quad(Vec3::ZERO, Vec3::X, Vec3::Y);
-        for uv in [f32::NAN, f32::INFINITY, 1e30, -1e9, 1e-30] {
-            quad.uv_sets[0][2] = Vec2::new(uv, 0.3);
-            let mut mesh = quad.clone();
-            cut_by(&CutOut { map: Some(disc(16, 0.4)), factor: 1.0, limit: 0.5 }, &mut mesh, &[]);
-            assert!(mesh.triangles.len() <= 2 * MOST_TRIANGLES, "{uv}: {}", mesh.triangles.len());
-            assert!(mesh.positions.iter().all(|p| p.is_finite()));
-        }
-    }
-
-    #[test]
-    fn the_alpha_of_vertices_cuts_with_and_without_an_image() {
-        // From 0 on the left to 1 on the right: the line of 0.3 is straight.
-        let quad = Mesh::quad(Vec3::ZERO, Vec3::X, Vec3::Y);
-        let alphas: Vec<f32> = quad.positions.iter().map(|p| 0.5 + 0.5 * p.x).collect();
-        let mut plain = quad.clone();
-        assert!(cut_by(&CutOut { map: None, factor: 1.0, limit: 0.3 }, &mut plain, &alphas));
-        assert!((plain.area() - 4.0 * 0.7).abs() < 1e-5, "{}", plain.area());
-        // An image of alpha 0.6 everywhere moves the line: 0.6·a = 0.3 at a half.
-        let flat = Texture::new("flat", [8, 8], vec![[0, 0, 0, 153]; 64], Encoding::Srgb);
-        let mut shown = quad;
-        assert!(cut_by(&CutOut { map: Some(TextureMap::new(flat)), factor: 1.0, limit: 0.3 }, &mut shown, &alphas));
-        assert!((shown.area() - 2.0).abs() < 0.02, "{}", shown.area());
-    }
-
-    #[test]
-    fn alphas_at_the_limit_are_kept() {
-        let quad = Mesh::quad(Vec3::ZERO, Vec3::X, Vec3::Y);
-        let flat = |alpha| TextureMap::new(Texture::new("flat", [4, 4], vec![[0, 0, 0, alpha]; 16], Encoding::Srgb));
-        for (map, factor, alpha, limit, area) in [
-            (Some(flat(255)), 1.0, 1.0, 1.0, 4.0),
-            (Some(flat(51)), 1.0, 1.0, 0.2, 4.0),
-            (None, 0.7, 0.6, 0.42, 4.0),
-            (None, 0.7, 0.6, 0.43, 0.0),
-            (Some(flat(255)), 1.0, 1.0, 1.5, 0.0),
-            (Some(flat(0)), 0.0, 0.0, 0.0, 4.0),
-        ] {
-            let mut mesh = quad.clone();
-            assert!(cut_by(&CutOut { map, factor, limit }, &mut mesh, &[alpha; 4]));
-            assert!((mesh.area() - area).abs() < 1e-6, "{factor} {alpha} {limit}: {}", mesh.area());
-        }
     }
 }

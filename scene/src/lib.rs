@@ -35,6 +35,8 @@ mod check;
 mod clock;
 mod creases;
 pub mod cut_out;
+#[cfg(test)]
+mod cut_out_tests;
 mod deformer;
 mod duplicates;
 mod error;
