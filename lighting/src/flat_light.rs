@@ -239,7 +239,8 @@ impl LightLobes for FlatLight {
         let u = along.normalize_or(normal.any_orthonormal_vector());
         let v = normal.cross(u);
         let reach = |n: Vec3| self.corners().iter().map(|p| n.dot(*p - center).abs()).fold(0.0, f32::max);
-        Some(LightExtent { sides: [u * reach(u), v * reach(v)], margin: (Outline::BEYOND - 1.0) * radius })
+        let margin = (Outline::BEYOND - 1.0) * radius;
+        Some(LightExtent { sides: [u * reach(u), v * reach(v)], margin, is_beyond_all: false })
     }
 
     fn image(&self) -> Option<&LightImage> {

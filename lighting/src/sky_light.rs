@@ -3,8 +3,8 @@ use crate::{Area, AreaShape, Light, LightError, LightKind, ShownImage, SunLight}
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
 use lobe_core::{LightImage, Outline, Receiver, SeenLight, Sphere};
-use shading::LightLobes;
 use shading::gpu::GpuText;
+use shading::{LightExtent, LightLobes};
 use std::sync::Arc;
 
 /// A part of an [`Environment`](crate::Environment): a patch of the sky, or a sun.
@@ -88,6 +88,18 @@ impl LightLobes for SkyLight {
                 let (center, distance) = (receivers.center + patch.center * patch.distance(), patch.distance());
                 // A window in it is turned as it is, and not larger.
                 Sphere { center, radius: (u + v).length() * distance * 1.000_1 + receivers.radius }
+            }
+        }
+    }
+
+    fn extent(&self) -> Option<LightExtent> {
+        match self {
+            Self::Sun(sun) => sun.extent(),
+            Self::Patch(patch) => {
+                let sides = patch.sides.map(|side| side * patch.distance());
+                let beside = (Outline::BEYOND - 1.0) * (sides[0] + sides[1]).length();
+                // Receivers see it in the same directions, each around itself.
+                Some(LightExtent { sides, margin: beside + patch.world.radius, is_beyond_all: true })
             }
         }
     }

@@ -183,7 +183,8 @@ impl LightLobes for TubeLight {
     fn extent(&self) -> Option<LightExtent> {
         // Seen from beside an end the outline reaches beyond it.
         let along = 0.5 * AROUND * (self.ends[1] - self.ends[0]);
-        Some(LightExtent { sides: [along, Vec3::ZERO], margin: 4.0 * self.radius + 0.1 * along.length() })
+        let margin = 4.0 * self.radius + 0.1 * along.length();
+        Some(LightExtent { sides: [along, Vec3::ZERO], margin, is_beyond_all: false })
     }
 
     fn seen_from(&self, at: &Receiver) -> SeenLight {

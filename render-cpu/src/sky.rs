@@ -86,7 +86,7 @@ impl<K: SkyLighting> SkyLighting for Option<K> {
 /// For each tile blockers search once; for each receiver they draw once, one ray says what the fewest surfaces are, and each reflectance
 /// lobe is summed over a table of the sky's light ([`visibility_mask::sky`]). A lobe that the table's samples do not resolve is divided among it and
 /// finer tables, each through a [window](SkyWindow) about the lobe's axis, for which blockers draw again. Lobes that no table resolves stay,
-/// and all those of receivers that see less than an eighth of the sky.
+/// all those of receivers that see less than an eighth of the sky, and those of tiles before which there are too many outlines.
 #[derive(Clone, Debug)]
 pub struct SkyShader<'a, B> {
     /// Each of smaller steps than the one before.
@@ -171,21 +171,29 @@ fn axis(at: &Receiver, lobe: &BrdfLobe) -> Vec3 {
 
 impl<B: SkyBlockers> SkyShader<'_, B> {
     /// Adds to all lobes what one of the tables sums: the first table for all receivers of a tile, a finer one for those with narrow
-    /// lobes.
-    fn sum(&self, level: usize, at: &[Receiver], scratch: &mut SkyScratch<B::Scratch>, observer: &mut impl Observer) {
+    /// lobes. Returns `false`, and adds nothing, where the tile has too many outlines.
+    fn sum(
+        &self,
+        level: usize,
+        at: &[Receiver],
+        scratch: &mut SkyScratch<B::Scratch>,
+        observer: &mut impl Observer,
+    ) -> bool {
         let SkyScratch { views, sums, receivers, horizons, seen: all_seen, blockers } = scratch;
         let is_of_one = |a: &LobeSum, b: &LobeSum| a.receiver == b.receiver;
         let takes_part = |own: &[LobeSum]| own.iter().any(|sum| sum.level >= level);
         receivers.clear();
         receivers.extend(sums.chunk_by(is_of_one).filter(|own| takes_part(own)).map(|own| at[own[0].receiver]));
         if receivers.is_empty() {
-            return;
+            return true;
         }
         horizons.clear();
         horizons.extend(receivers.iter().map(|at| Horizon::new(at, self.blockers.has_facet(at))));
         let table = self.tables[level];
         let tile = SkyTile { receivers, horizons, meridians: table.meridians() };
-        self.blockers.enter(&tile, blockers);
+        if !self.blockers.enter(&tile, blockers) {
+            return false;
+        }
         let view = &mut views[level];
         for (place, own) in sums.chunk_by_mut(is_of_one).filter(|own| takes_part(own)).enumerate() {
             let number = own[0].receiver;
@@ -216,6 +224,7 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
             }
             observer.end(Stage::Integration);
         }
+        true
     }
 
     /// The part of the sky that a part of a lobe is in.
@@ -272,8 +281,9 @@ impl<B: SkyBlockers> SkyLighting for SkyShader<'_, B> {
                 scratch.sums.push(LobeSum { receiver, row, lobe, axis, level, seen: Vec3::ZERO, all: Vec3::ZERO });
             }
         }
-        for level in 0..self.tables.len() {
-            self.sum(level, at, scratch, observer);
+        if !(0..self.tables.len()).all(|level| self.sum(level, at, scratch, observer)) {
+            is_left = true;
+            scratch.sums.clear();
         }
         for of_one in scratch.sums.chunk_by(|a, b| a.receiver == b.receiver) {
             let receiver = of_one[0].receiver;

@@ -339,8 +339,8 @@ impl Lists {
             }
             return false;
         }
-        if let Some(one) = vertex_colors::decode(&mut self.colors) {
-            context.warn(path, vertex_colors::note(one));
+        if let Some(note) = vertex_colors::decode(&mut self.colors) {
+            context.warn(path, note);
         }
         true
     }

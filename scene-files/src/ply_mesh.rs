@@ -117,9 +117,10 @@ impl PlyMesh {
         if self.mesh.colors.len() != vertices {
             self.mesh.colors.clear();
         }
-        let one = vertex_colors::decode(&mut self.mesh.colors).or(vertex_colors::decode(&mut self.colors));
-        if let Some(one) = one {
-            context.warn(path, vertex_colors::note(one));
+        for note in
+            [&mut self.mesh.colors, &mut self.colors].into_iter().filter_map(|colors| vertex_colors::decode(colors))
+        {
+            context.warn(path, note);
         }
         self.mesh.uv_sets.retain(|set| set.len() == vertices);
         let triangles = self.mesh.triangles.len();

@@ -14,13 +14,15 @@ pub struct LightExtent {
     pub sides: [Vec3; 2],
     /// The distance of a point of the light from it, at most.
     pub margin: f32,
+    /// Whether all that blocks is nearer than the light for every receiver, as before a part of a sky.
+    pub is_beyond_all: bool,
 }
 
 impl LightExtent {
     /// A sphere.
     #[must_use]
     pub const fn of_sphere(radius: f32) -> Self {
-        Self { sides: [Vec3::ZERO; 2], margin: radius }
+        Self { sides: [Vec3::ZERO; 2], margin: radius, is_beyond_all: false }
     }
 
     /// How far it is from its middle along a unit direction, at most.

@@ -60,6 +60,12 @@ pub struct Contour {
     covered: [[i8; SIDE]; SIDE],
 }
 
+/// A unit direction, or the nearest one that is above the plane with this normal.
+fn lifted(v: Vec3, normal: Vec3) -> Vec3 {
+    let below = Contour::GRAZING - v.dot(normal);
+    if below > 0.0 { (v + normal * below).normalize() } else { v }
+}
+
 /// Sine and cosine of the directions in which the rim is tested.
 pub(crate) fn rim() -> [(f32, f32); RIM] {
     core::array::from_fn(|k| (core::f32::consts::TAU * (k as f32 + 0.5) / RIM as f32).sin_cos())
@@ -73,6 +79,9 @@ impl Default for Contour {
 }
 
 impl Contour {
+    /// Sine of the least elevation above a facet of a direction that is tested: rounding does not turn such a ray down.
+    pub const GRAZING: f32 = 1e-6;
+
     /// `start`: coarse blocks a side (made a power of two; at most one a cell). `bisections`: tests for each point at which the
     /// contour crosses a row.
     #[must_use]
@@ -103,12 +112,12 @@ impl Contour {
         self.block_within(mask, hidden, |mask, j| mask.emitting(j))
     }
 
-    /// The same, but also blocks everything below a plane through the receiver with this normal. Directions more than a cell below
-    /// the plane are not tested.
-    pub fn block_above(&mut self, mask: &mut Mask, normal: Vec3, hidden: impl FnMut(Vec3) -> bool) -> usize {
+    /// The same, but also blocks everything below a plane through the receiver with this normal. Only directions above it are tested: a ray below
+    /// would meet the receiver's own facet, or pass its edge.
+    pub fn block_above(&mut self, mask: &mut Mask, normal: Vec3, mut hidden: impl FnMut(Vec3) -> bool) -> usize {
         let n = mask.square().local(normal);
         mask.block_below(normal);
-        self.block_within(mask, hidden, |mask, j| mask.emitting_above(n, j))
+        self.block_within(mask, |v| hidden(lifted(v, normal)), |mask, j| mask.emitting_above(n, j))
     }
 
     /// Tests only the samples of each row that `span` returns.

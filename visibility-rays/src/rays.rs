@@ -153,8 +153,7 @@ impl Blockers for RayBlockers<'_> {
         let hidden = |v: Vec3| self.hides(*origin, v, distance(v));
         let rays = match *facet {
             None => contour.block(mask, hidden),
-            // A ray below the plane would meet the facet or pass its edge.
-            Some(face) if *is_met => contour.block_above(mask, face, |v| hidden(lifted(v, face))),
+            Some(face) if *is_met => contour.block_above(mask, face, hidden),
             Some(face) => {
                 mask.block_below(face);
                 0
@@ -162,15 +161,6 @@ impl Blockers for RayBlockers<'_> {
         };
         self.rays.fetch_add(rays as u64, Ordering::Relaxed);
     }
-}
-
-/// Sine of the least elevation above a facet of a ray to the light: rounding does not turn such a ray down.
-pub(crate) const GRAZING: f32 = 1e-6;
-
-/// A unit direction, or the nearest one that is above the plane with this normal.
-fn lifted(v: Vec3, normal: Vec3) -> Vec3 {
-    let below = GRAZING - v.dot(normal);
-    if below > 0.0 { (v + normal * below).normalize() } else { v }
 }
 
 /// Distance of the light's near surface along a unit direction inside the cone, or of its middle beside it.

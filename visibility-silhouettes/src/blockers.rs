@@ -261,6 +261,9 @@ impl Blockers for SilhouetteBlockers<'_> {
         }
         if cone.one_minus_cos > 0.0 && !scratch.lists.is_empty() {
             dispatch!(Level::new(), simd => self.look(simd, query, scratch));
+            if scratch.lists.is_too_long() {
+                return Coverage::Partial;
+            }
         }
         let is_clipped = match query.outline {
             None => scratch.is_clipped,
@@ -309,6 +312,10 @@ impl Blockers for SilhouetteBlockers<'_> {
         if let Some(face) = scratch.facet {
             mask.block_below(face);
         }
+        if scratch.lists.is_too_long() {
+            self.splat_by_rays(query, &mut view, scratch, mask);
+            return;
+        }
         let light = scratch.cross(query, &mut view, mask);
         if self.is_any_open(&view, light, scratch) {
             for j in (0..view.rows).step_by(8) {
@@ -346,7 +353,7 @@ impl Blockers for SilhouetteBlockers<'_> {
         lit: &mut LitArea,
     ) -> bool {
         // Simplified outlines, and arcs in which a light cuts triangles, are left to masks.
-        if scratch.is_coarse {
+        if scratch.is_coarse || scratch.lists.is_too_long() {
             return false;
         }
         let mut view = View::new(*mask.square(), mask.raster(), mask.side(), query);
@@ -364,6 +371,27 @@ impl Blockers for SilhouetteBlockers<'_> {
 }
 
 impl SilhouetteBlockers<'_> {
+    /// Blocks what rays find to be hidden, where too many edges may be silhouettes.
+    fn splat_by_rays(
+        &self,
+        query: &VisibilityQuery<'_>,
+        view: &mut View,
+        scratch: &mut SilhouetteScratch,
+        mask: &mut Mask,
+    ) {
+        let light = scratch.cut_outlines(query, view);
+        let SilhouetteScratch { contour, origin, facet, hits, .. } = scratch;
+        let square = *mask.square();
+        let hidden = |v: Vec3| {
+            let at = square.local(v);
+            !self.is_open(view.ray_to(at.truncate() / at.z), light, *origin, hits)
+        };
+        match *facet {
+            None => contour.block(mask, hidden),
+            Some(face) => contour.block_above(mask, face, hidden),
+        };
+    }
+
     /// Whether a ray in a direction meets nothing before the light's plane, or before the light if triangles reach into it.
     fn is_open(
         &self,

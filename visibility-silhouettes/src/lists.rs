@@ -25,6 +25,10 @@ const NEIGHBOURS: f32 = 2.5;
 const NEARBY_LEAVES: usize = 128;
 const NEARBY_TIMES: usize = 4;
 const ALONE: u32 = 16;
+/// A receiver that meets more leaves than this has no list, which would take 8 MB, and more time than rays through the samples of its mask.
+const MOST_LEAVES: usize = 1 << 14;
+/// Lists that are kept have at most so many edges together.
+const KEPT_EDGES: usize = 1 << 18;
 /// More meshes than this have a hierarchy.
 const MANY: usize = 16;
 /// Number of spheres whose lists are kept.
@@ -190,6 +194,8 @@ pub(crate) struct Lists {
     /// The edges of the whole shaft, if they were listed.
     edges: EdgeList,
     is_whole: bool,
+    /// Whether the lists of single receivers are too long.
+    is_too_long: bool,
     cells: Vec<Cell>,
     nearby: Vec<Nearby>,
     /// Spheres of this shaft so far.
@@ -224,6 +230,7 @@ impl Default for Lists {
             fineness: Fineness::default(),
             edges: EdgeList::default(),
             is_whole: true,
+            is_too_long: false,
             cells: vec![Cell::default(); CELLS.pow(3)],
             nearby: vec![Nearby::default(); KEPT],
             made: 0,
@@ -249,14 +256,22 @@ impl Lists {
         let mut list = |shaft: &Shaft, most| {
             meshes.list(&Hull::new(shaft, margin, fineness), most, &mut self.memory, &mut self.edges)
         };
-        let first = if radius > 0.0 { SHAFT_LEAVES } else { usize::MAX };
+        let first = if radius > 0.0 { SHAFT_LEAVES } else { MOST_LEAVES };
         self.is_whole = list(shaft, first).is_some();
-        if !self.is_whole {
+        self.is_too_long = !self.is_whole && radius == 0.0;
+        if !self.is_whole && radius > 0.0 {
             let middle = shaft.from_receivers(Sphere { center, radius: 0.0 });
-            self.single = list(&middle, usize::MAX).unwrap_or_default();
-            let most = SHAFT_TIMES * self.single;
+            let single = list(&middle, MOST_LEAVES);
+            self.is_too_long = single.is_none();
+            self.single = single.unwrap_or_default();
+            let most = (SHAFT_TIMES * self.single).min(MOST_LEAVES);
             self.is_whole = most > first && list(shaft, most).is_some();
         }
+    }
+
+    /// Whether a receiver meets so many leaves that rays are to tell what it sees.
+    pub(crate) fn is_too_long(&self) -> bool {
+        self.is_too_long
     }
 
     /// Whether no receiver of the shaft has edges to test.
@@ -285,9 +300,13 @@ impl Lists {
         self.shaft.receivers.radius > 0.0
     }
 
-    /// The edges that a receiver of the shaft must test.
+    /// The edges that a receiver of the shaft must test; none if there are [too many](Self::is_too_long).
     #[inline(always)]
     pub(crate) fn at<S: Simd>(&mut self, simd: S, meshes: &Meshes<'_>, at: Vec3) -> &EdgeList {
+        if self.is_too_long {
+            self.edges.clear();
+            return &self.edges;
+        }
         if !self.is_whole {
             return self.around(meshes, at);
         }
@@ -326,6 +345,10 @@ impl Lists {
     /// Makes a list for a receiver and for its neighbours, if these are known to be near.
     #[cold]
     fn add(&mut self, meshes: &Meshes<'_>, at: Vec3) -> usize {
+        if self.nearby.iter().map(|near| near.edges.len()).sum::<usize>() > KEPT_EDGES {
+            self.nearby.fill_with(Nearby::default);
+            self.made = 0;
+        }
         let number = self.made % KEPT;
         self.made += 1;
         let mut edges = core::mem::take(&mut self.nearby[number].edges);
@@ -338,11 +361,17 @@ impl Lists {
             let hull = Hull::new(&shaft.from_receivers(receivers), margin, fineness);
             meshes.list(&hull, most, &mut self.memory, &mut edges)
         };
-        let most = NEARBY_LEAVES.max(NEARBY_TIMES * self.single);
+        let most = NEARBY_LEAVES.max(NEARBY_TIMES * self.single).min(MOST_LEAVES);
         if is_alone || list(receivers, most).is_none() {
             self.alone = if is_alone { self.alone } else { ALONE };
             receivers.radius = 0.0;
-            self.single = list(receivers, usize::MAX).unwrap_or_default();
+            let single = list(receivers, MOST_LEAVES);
+            // The rest of the shaft's receivers as well.
+            self.is_too_long = single.is_none();
+            self.single = single.unwrap_or_default();
+        }
+        if self.is_too_long {
+            edges.clear();
         }
         self.nearby[number] = Nearby { receivers, edges };
         number

@@ -110,6 +110,9 @@ impl NearLight {
         let Shaft { light, extent, .. } = *shaft;
         let (mut triangles, mut cutting, mut is_clipped) = (Vec::new(), Vec::new(), false);
         let around = AroundLight::new(light, &extent);
+        if extent.is_beyond_all {
+            return Self { light, extent, triangles, is_clipped, cutting, plane: None, cut: Vec::new() };
+        }
         visit(around.sphere(), &mut |corners| {
             if around.may_have(&corners) {
                 triangles.push(corners);
@@ -199,7 +202,7 @@ mod tests {
             let along = Vec3::new(f32::from(k).sin(), (1.3 * f32::from(k)).cos(), 0.3).normalize();
             let (u, v) = lobe_core::orthonormal_basis(along);
             let light = Sphere { center: Vec3::new(1.0, 2.0, 3.0), radius: 2.0 };
-            let extent = LightExtent { sides: [along * 1.9, Vec3::ZERO], margin: 0.05 };
+            let extent = LightExtent { sides: [along * 1.9, Vec3::ZERO], margin: 0.05, is_beyond_all: false };
             let small = |p: Vec3| [Vec3::ZERO, 0.01 * u, 0.01 * v].map(|q| light.center + p + q);
             let all = [0.05 * u, -0.2 * v + 1.9 * along, 0.9 * u, -0.8 * v - along].map(small);
             let shaft = Shaft::new(Sphere::default(), light, LightId(3)).with_extent(Some(extent));

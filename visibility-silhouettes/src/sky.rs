@@ -19,6 +19,8 @@ use visibility_mask::sky::{Horizon, Meridians, SkyArcs, SkyBlockers, SkyBuffer, 
 const PART: usize = 8;
 /// Parts that share a longer list, between that of the tile and theirs.
 const PARTS: usize = 2;
+/// A tile that meets more leaves than this is not drawn: its lists would take some 200 MB, and each receiver more time than rays.
+const MOST_LEAVES: usize = 1 << 16;
 /// Receivers of a part share the edges of a mesh's forms if they are within this part of the mesh's radius. Farther apart they see too different
 /// edges, and each searches for itself.
 const CLOSE: f32 = 0.25;
@@ -230,16 +232,15 @@ impl SkyBlockers for SilhouetteBlockers<'_> {
         self.hits.has(at.object)
     }
 
-    fn enter(&self, tile: &SkyTile<'_>, scratch: &mut Self::Scratch) {
+    fn enter(&self, tile: &SkyTile<'_>, scratch: &mut Self::Scratch) -> bool {
         scratch.origins.clear();
         scratch.origins.extend(tile.receivers.iter().map(|at| self.hits.leave(at.position, at.face)));
         scratch.normals.clear();
         scratch.normals.extend(tile.horizons.iter().map(Horizon::normal));
         let hull = Hull::of_sky(&scratch.origins, &scratch.normals, self.sky_scale(tile.meridians));
         scratch.divide();
-        // Of any number of leaves.
         let (_, rest) = self.before_sky();
-        let _ = rest.list(&hull, usize::MAX, &mut scratch.memory, &mut scratch.edges);
+        rest.list(&hull, MOST_LEAVES, &mut scratch.memory, &mut scratch.edges).is_some()
     }
 
     fn draw(&self, tile: &SkyTile<'_>, number: usize, buffer: &mut SkyBuffer, scratch: &mut Self::Scratch) -> bool {

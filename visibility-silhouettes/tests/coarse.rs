@@ -114,7 +114,7 @@ fn lights_that_cut_a_body_see_its_exact_outlines() {
     let corners = [(1, 1), (1, -1), (-1, -1), (-1, 1)].map(|(x, z)| center + 3.0 * Vec3::new(x as f32, 0.0, z as f32));
     let bounds = Sphere { center, radius: 4.3 };
     let panel = FlatShape::polygon(&corners, Vec3::NEG_Y, bounds, 1.0);
-    let extent = LightExtent { sides: [3.0 * Vec3::X, 3.0 * Vec3::Z], margin: 0.04 };
+    let extent = LightExtent { sides: [3.0 * Vec3::X, 3.0 * Vec3::Z], margin: 0.04, is_beyond_all: false };
     let pierced = Sphere { center: Vec3::new(0.8, 2.6, 0.3), radius: 0.8 };
     let shares = |blockers: SilhouetteBlockers<'_>, is_flat: bool| {
         let strategy = MaskVisibility::new(blockers);

@@ -64,7 +64,8 @@ fn compare(case: usize, random: &mut Random) -> Option<Compared> {
         let light = Sphere { center: light.center + position, ..light };
         let extent = |n: Vec3| corners.iter().map(|p| n.dot(*p - light.center).abs()).fold(0.0, f32::max);
         let (u, v) = facing.any_orthonormal_pair();
-        let extent = LightExtent { sides: [u * extent(u), v * extent(v)], margin: 0.1 * light.radius };
+        let extent =
+            LightExtent { sides: [u * extent(u), v * extent(v)], margin: 0.1 * light.radius, is_beyond_all: false };
         let shaft = Shaft::new(Sphere { center: middle, radius: position.distance(middle) * 1.001 }, light, LightId(0));
         blockers.enter(&shaft.with_extent(Some(extent)), &mut scratch);
     }

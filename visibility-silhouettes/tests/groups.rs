@@ -4,9 +4,9 @@ use crate::common::{Rays, Soup, cuboid};
 use core::sync::atomic::{AtomicU32, Ordering};
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
-use lobe_core::{Cone, Receiver, Sphere};
-use shading::{Accuracy, Coverage, LightId, Shaft, VisibilityQuery};
-use visibility_mask::Blockers;
+use lobe_core::{Cone, Lobe, Receiver, Sphere};
+use shading::{Accuracy, Coverage, LightId, LightVisibility, Shaft, Visibility, VisibilityQuery};
+use visibility_mask::{Blockers, MaskVisibility};
 use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 
 /// The triangles whose boxes meet a sphere, and the number of rays that were traced.
@@ -125,4 +125,71 @@ fn a_group_sees_what_each_sees_alone() {
     }
     println!("{rays} rays instead of {receivers}; {partial} cases partly lit, {dark} dark");
     assert!(partial > 80 && dark > 300 && 4 * rays < 3 * receivers, "{rays} {receivers} {partial} {dark}");
+}
+
+/// Half of a plane above the receivers, for rays.
+struct HalfPlane;
+
+const HEIGHT: f32 = 3.0;
+
+impl AnyHit for HalfPlane {
+    type Scratch = ();
+
+    fn scratch(&self) {}
+
+    fn leave(&self, position: Vec3, _: Vec3) -> Vec3 {
+        position
+    }
+
+    fn is_hit(&self, origin: Vec3, direction: Vec3, distance: f32, (): &mut ()) -> bool {
+        let t = (HEIGHT - origin.y) / direction.y;
+        t > 0.0 && t < distance && (origin + direction * t).x < 0.0
+    }
+
+    fn triangles_meeting(&self, _: Sphere, _: &mut dyn FnMut([Vec3; 3])) {}
+
+    fn has(&self, _: u32) -> bool {
+        false
+    }
+}
+
+/// A plate of a quarter of a million loose cards, none as high as its neighbours, hides what a whole plate does, though no receiver has a list of so many edges.
+#[test]
+fn more_edges_than_are_listed() {
+    let mut random = Random::new(11);
+    let mut cards = Soup::default();
+    let (across, size) = (360_u16, 0.005_f32);
+    for (i, k) in (0..across).flat_map(|i| (0..across).map(move |k| (i, k))) {
+        let (x, z) = (f32::from(i), f32::from(k));
+        let low = Vec3::new(size * (x - f32::from(across)), HEIGHT, size * (z - 0.5 * f32::from(across)));
+        let y = 1e-5 * random.between(-1.0, 1.0) as f32;
+        let [a, b, c, d] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+            .map(|[u, v]: [f32; 2]| low + Vec3::new(u * size, y, v * size));
+        cards.add([a, b, c]);
+        cards.add([a, c, d + 1e-5 * Vec3::Y]);
+    }
+    let mut plate = Soup::default();
+    let [a, b, c, d] = [[-9.0, -9.0], [0.0, -9.0], [0.0, 9.0], [-9.0, 9.0]].map(|[x, z]| Vec3::new(x, HEIGHT, z));
+    plate.add([a, b, c]);
+    plate.add([a, c, d]);
+    let light = Sphere { center: Vec3::new(0.0, 6.0, 0.0), radius: 1.6 };
+    let [cards, plate] = [&cards, &plate].map(|soup| SilhouetteMesh::new(0, &soup.positions, &soup.triangles));
+    let fractions = |mesh: &SilhouetteMesh| -> Vec<f32> {
+        let strategy = MaskVisibility::new(SilhouetteBlockers::new([mesh], HalfPlane));
+        let mut scratch = strategy.scratch();
+        let group = Shaft::new(Sphere { center: Vec3::ZERO, radius: 0.5 }, light, LightId(0));
+        let mut visit = LightVisibility::enter(&strategy, &group, Accuracy::new(0.005), &mut scratch);
+        let of = |k: i16| {
+            let at = Receiver::on_surface(Vec3::new(0.05 * f32::from(k), 0.0, 0.02), Vec3::Y, Vec3::Y);
+            let cone = Cone::of_sphere(at.position, light);
+            visit.visible_fraction(&at, &cone, &Lobe::new(at.normal, 1.0, Vec3::ONE), 1.0).x
+        };
+        (-9..10).map(of).collect()
+    };
+    let [found, want] = [fractions(&cards), fractions(&plate)];
+    // As near as rays come.
+    for (a, b) in found.iter().zip(&want) {
+        assert!((a - b).abs() < 6e-3, "{a} {b}");
+    }
+    assert!(want.iter().filter(|part| (0.05..0.95).contains(*part)).count() > 5);
 }

@@ -67,7 +67,7 @@ impl SkyBlockers for SphereBlockers {
         self.casters().binary_search(&at.object).is_ok()
     }
 
-    fn enter(&self, tile: &SkyTile<'_>, scratch: &mut SkySphereScratch) {
+    fn enter(&self, tile: &SkyTile<'_>, scratch: &mut SkySphereScratch) -> bool {
         let spheres = self.spheres();
         let is_above = |i: &u32| {
             let Sphere { center, radius } = spheres[*i as usize];
@@ -76,6 +76,7 @@ impl SkyBlockers for SphereBlockers {
         };
         scratch.candidates.clear();
         scratch.candidates.extend(self.order().iter().copied().filter(is_above));
+        true
     }
 
     fn draw(&self, tile: &SkyTile<'_>, number: usize, buffer: &mut SkyBuffer, scratch: &mut SkySphereScratch) -> bool {

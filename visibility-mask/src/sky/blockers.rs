@@ -26,8 +26,9 @@ pub trait SkyBlockers: Sync {
     /// Whether the receiver's own facet hides what is below it.
     fn has_facet(&self, at: &Receiver) -> bool;
 
-    /// Told of a tile of receivers, before they draw in any order. A chance to cull; outlines must not depend on it.
-    fn enter(&self, tile: &SkyTile<'_>, scratch: &mut Self::Scratch);
+    /// Told of a tile of receivers, before they draw in any order. A chance to cull; outlines must not depend on it. Returns whether they can be
+    /// drawn: `false` where they are too many, and the tile is better shaded by [`Blockers`](crate::Blockers) before parts of the sky.
+    fn enter(&self, tile: &SkyTile<'_>, scratch: &mut Self::Scratch) -> bool;
 
     /// Draws all outlines that receiver `number` of the tile sees above its horizon. Returns whether a ray may err about them, since what is
     /// drawn is simpler than what rays meet.
@@ -48,10 +49,9 @@ impl<B: SkyBlockers> SkyBlockers for Option<B> {
         self.as_ref().is_some_and(|blockers| blockers.has_facet(at))
     }
 
-    fn enter(&self, tile: &SkyTile<'_>, scratch: &mut Self::Scratch) {
-        if let (Some(blockers), Some(scratch)) = (self, scratch) {
-            blockers.enter(tile, scratch);
-        }
+    fn enter(&self, tile: &SkyTile<'_>, scratch: &mut Self::Scratch) -> bool {
+        let (Some(blockers), Some(scratch)) = (self, scratch) else { return true };
+        blockers.enter(tile, scratch)
     }
 
     fn draw(&self, tile: &SkyTile<'_>, number: usize, buffer: &mut SkyBuffer, scratch: &mut Self::Scratch) -> bool {
@@ -77,8 +77,8 @@ impl<B: SkyBlockers> SkyBlockers for &B {
         B::has_facet(self, at)
     }
 
-    fn enter(&self, tile: &SkyTile<'_>, scratch: &mut Self::Scratch) {
-        B::enter(self, tile, scratch);
+    fn enter(&self, tile: &SkyTile<'_>, scratch: &mut Self::Scratch) -> bool {
+        B::enter(self, tile, scratch)
     }
 
     fn draw(&self, tile: &SkyTile<'_>, number: usize, buffer: &mut SkyBuffer, scratch: &mut Self::Scratch) -> bool {
@@ -101,9 +101,8 @@ impl<A: SkyBlockers, B: SkyBlockers> SkyBlockers for (A, B) {
         self.0.has_facet(at) || self.1.has_facet(at)
     }
 
-    fn enter(&self, tile: &SkyTile<'_>, scratch: &mut Self::Scratch) {
-        self.0.enter(tile, &mut scratch.0);
-        self.1.enter(tile, &mut scratch.1);
+    fn enter(&self, tile: &SkyTile<'_>, scratch: &mut Self::Scratch) -> bool {
+        self.0.enter(tile, &mut scratch.0) && self.1.enter(tile, &mut scratch.1)
     }
 
     fn draw(&self, tile: &SkyTile<'_>, number: usize, buffer: &mut SkyBuffer, scratch: &mut Self::Scratch) -> bool {

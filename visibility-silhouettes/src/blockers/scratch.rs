@@ -11,7 +11,7 @@ use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
 use lobe_core::{Cone, Receiver, Sphere};
 use shading::{Coverage, DynScratch, VisibilityQuery};
-use visibility_mask::Mask;
+use visibility_mask::{Contour, Mask};
 
 /// Working memory of [`SilhouetteBlockers`](crate::SilhouetteBlockers).
 #[derive(Debug)]
@@ -53,6 +53,8 @@ pub struct SilhouetteScratch {
     /// Ends of openings, and a mask for those between rows.
     pub(super) marks: Vec<[Vec2; 2]>,
     pub(super) turned: Mask,
+    /// Where rays tell what is lit.
+    pub(super) contour: Contour,
     pub(super) hits: DynScratch,
 }
 
@@ -87,6 +89,7 @@ impl SilhouetteScratch {
             trapezoids: Trapezoids::default(),
             marks: Vec::new(),
             turned: Mask::default(),
+            contour: Contour::default(),
             hits,
         }
     }
