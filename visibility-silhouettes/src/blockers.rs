@@ -249,13 +249,7 @@ impl Blockers for SilhouetteBlockers<'_> {
         {
             return coverage;
         }
-        scratch.origin = self.hits.leave(at.position, at.face);
-        scratch.cone = *cone;
-        scratch.silhouettes.clear();
-        scratch.is_coarse = false;
-        scratch.is_outside_known = false;
-        scratch.may_hide = false;
-        scratch.arcs.clear();
+        scratch.begin(self.hits.leave(at.position, at.face), cone);
         if scratch.lists.is_empty() && !scratch.is_met {
             return facet;
         }

@@ -1,4 +1,4 @@
-//! What is left of a triangle, with no more corners than its outline needs.
+//! Outlines of the part of a triangle that is left, with no more corners than they need.
 
 use foldhash::fast::RandomState;
 use glam::DVec2;

@@ -94,6 +94,17 @@ impl SilhouetteScratch {
         }
     }
 
+    /// Begins a receiver without silhouettes.
+    pub(super) fn begin(&mut self, origin: Vec3, cone: &Cone) {
+        self.origin = origin;
+        self.cone = *cone;
+        self.silhouettes.clear();
+        self.is_coarse = false;
+        self.is_outside_known = false;
+        self.may_hide = false;
+        self.arcs.clear();
+    }
+
     /// Counts the surfaces before the samples of a mask, but for a number that all of them have. Returns the light if triangles reach into it.
     pub(super) fn cross(&mut self, query: &VisibilityQuery<'_>, view: &mut View, mask: &Mask) -> Option<LightSphere> {
         let sphere = self.project_outlines(query, view);
