@@ -3,13 +3,14 @@
 use core::f64::consts::PI;
 use glam::{DVec2, DVec3, Vec3};
 use lighting::{Environment, EnvironmentMap, FlatLight, Light, SphereLight};
-use lobe_core::{Receiver, Sphere};
+use lobe_core::{NO_OBJECT, Receiver, Sphere};
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
 use scene::{Frame, Scene, Shade};
 use shading::Accuracy;
 use test_scenes::{Opening, ROOM, leaf, openings, room, room_with, with_door};
-use visibility_mask::MaskVisibility;
+use visibility_mask::{MaskVisibility, Mixture};
 use visibility_silhouettes::SilhouetteBlockers;
+use visibility_spheres::SphereBlockers;
 
 const LIGHT: DVec3 = DVec3::new(0.0, 0.3, -12.5);
 /// Half a side of squares of light, and the radii of spheres: wide ones, and those that a room sees as 9° and 15° to each side; squares that fill most of a hemisphere.
@@ -72,6 +73,8 @@ struct Outside {
     light: Seen,
     /// Corners of a convex blocker beyond the opening.
     blocker: Vec<DVec3>,
+    /// The centre and the radius of a sphere there instead.
+    round: Option<(DVec3, f64)>,
 }
 
 /// The radiance of a white diffuse point by the formula for polygons (J. H. Lambert): the parts of openings before the light, less the parts of
@@ -99,7 +102,9 @@ fn oracle(at: &Receiver, outside: &Outside) -> f64 {
         let [left, right, low, high] = opening.map(f64::from);
         let corners = [[left, low], [right, low], [right, high], [left, high]].map(DVec2::from_array);
         let lit = common(&clipped(&corners, |p| n.dot(p.extend(z) - x)), &light);
-        let hidden = if outside.blocker.is_empty() { 0.0 } else { flux(&common(&lit, &polygon(&outside.blocker))) };
+        let round = outside.round.map(|(center, radius)| rim_seen(center, radius, x));
+        let blocker = round.as_ref().unwrap_or(&outside.blocker);
+        let hidden = if blocker.is_empty() { 0.0 } else { flux(&common(&lit, &polygon(blocker))) };
         flux(&lit) - hidden
     };
     outside.openings.iter().map(through).sum()
@@ -110,7 +115,10 @@ fn own_errors(scene: &Scene, outside: &Outside) -> [f64; 3] {
     let world = World::new(scene);
     let mut silhouettes = SceneSilhouettes::new(scene, |_| true);
     silhouettes.refit(scene);
-    let blockers = SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |_| true));
+    let silhouettes = SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |_| true));
+    let round = outside.round.map(|(center, radius)| Sphere { center: center.as_vec3(), radius: radius as f32 });
+    let blockers =
+        Mixture::new(SphereBlockers::new(round.as_slice(), &vec![NO_OBJECT; round.iter().len()], &[]), silhouettes);
     let points = GBuffer::new(&world, scene.width, scene.height, 1).points;
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
     let frame =
@@ -140,10 +148,14 @@ fn square_seen<const HALF: usize>(_: DVec3) -> Vec<DVec3> {
     [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| LIGHT + half * DVec3::new(x, y, 0.0)).to_vec()
 }
 
-/// Points of the circle in which the cone from a receiver touches the sphere.
 fn sphere_seen<const RADIUS: usize>(x: DVec3) -> Vec<DVec3> {
-    let to = LIGHT - x;
-    let sin = SPHERES[RADIUS] / to.length();
+    rim_seen(LIGHT, SPHERES[RADIUS], x)
+}
+
+/// Points of the circle in which the cone from a receiver touches a sphere.
+fn rim_seen(center: DVec3, radius: f64, x: DVec3) -> Vec<DVec3> {
+    let to = center - x;
+    let sin = radius / to.length();
     let cos = (1.0 - sin * sin).sqrt();
     let axis = to.normalize();
     let (u, v) = axis.any_orthonormal_pair();
@@ -180,7 +192,7 @@ fn lights() -> [(&'static str, Vec<Light>, Seen); 4] {
 /// The errors of a scene by each light, which are to be at most some numbers in the mean and for 99 %.
 fn check(name: &str, opening: Opening, blocker: &[DVec3], most: [[f64; 2]; 4]) {
     for ((light, emits, seen), [most, most_of_99]) in lights().into_iter().zip(most) {
-        let outside = Outside { openings: vec![opening], light: seen, blocker: blocker.to_vec() };
+        let outside = Outside { openings: vec![opening], light: seen, blocker: blocker.to_vec(), round: None };
         let mut scene = room(opening, sphere(SPHERES[0]));
         scene.lights = emits;
         let scene = if blocker.is_empty() { scene } else { with_door(scene, opening) };
@@ -220,7 +232,7 @@ fn openings_between_all_lines_are_found() {
         ("hole, square of 60 m", hole, square(SQUARES[3]), square_seen::<3>, FEW),
         ("hole, sphere", hole, sphere(SPHERES[0]), sphere_seen::<0>, FEW),
     ] {
-        let outside = Outside { openings: vec![opening], light, blocker: Vec::new() };
+        let outside = Outside { openings: vec![opening], light, blocker: Vec::new(), round: None };
         let [mean, p99, dark] = own_errors(&room(opening, emits), &outside);
         println!("{name}: own error {mean:.5}, 99 % {p99:.4}, darkened {dark:.4}");
         assert!(mean < most && p99 < most_of_99 && dark < 1e-4, "{name}: {mean} {p99} {dark}");
@@ -239,12 +251,29 @@ fn all_of_many_openings_are_found() {
     ];
     for (name, all) in cases {
         for (light, emits, seen) in lights() {
-            let outside = Outside { openings: all.clone(), light: seen, blocker: Vec::new() };
+            let outside = Outside { openings: all.clone(), light: seen, blocker: Vec::new(), round: None };
             let mut scene = room_with(&all, sphere(SPHERES[0]));
             scene.lights = emits;
             let [mean, p99, dark] = own_errors(&scene, &outside);
             println!("{name}, {light}: own error {mean:.5}, 99 % {p99:.4}, darkened {dark:.4}");
             assert!(mean < 0.004 && p99 < 0.02 && dark < 1e-4, "{name}, {light}: {mean} {p99} {dark}");
+        }
+    }
+}
+
+/// Spheres outside of a window, also such that are smaller than the samples of a mask are apart.
+#[test]
+fn spheres_before_openings_are_seen() {
+    let opening = [-0.3, 0.3, 0.2, 0.8];
+    for (x, y, z, radius) in [(0.1, 0.4, -3.2, 0.15), (0.0, 0.5, -3.6, 0.4), (0.2, 0.3, -2.75, 0.05)] {
+        for (light, emits, seen) in lights() {
+            let round = Some((DVec3::new(x, y, z), radius));
+            let outside = Outside { openings: vec![opening], light: seen, blocker: Vec::new(), round };
+            let mut scene = room(opening, sphere(SPHERES[0]));
+            scene.lights = emits;
+            let [mean, p99, _] = own_errors(&scene, &outside);
+            println!("{radius} at {z}, {light}: own error {mean:.5}, 99 % {p99:.4}");
+            assert!(mean < 0.004 && p99 < 0.02, "{radius} at {z}, {light}: {mean} {p99}");
         }
     }
 }
@@ -262,7 +291,7 @@ fn slits_before_near_lights_are_found() {
     for (half, light) in HALVES.into_iter().zip([seen::<0> as Seen, seen::<1>]) {
         let [u, v] = [Vec3::X * half.x as f32, Vec3::Y * half.y as f32];
         let emits = FlatLight::rectangle(CENTER.as_vec3(), u, v, Vec3::ONE).expect("a rectangle");
-        let outside = Outside { openings: vec![opening], light, blocker: Vec::new() };
+        let outside = Outside { openings: vec![opening], light, blocker: Vec::new(), round: None };
         let [mean, p99, dark] = own_errors(&room(opening, emits.into()), &outside);
         println!("slit, {half}: own error {mean:.5}, 99 % {p99:.4}, darkened {dark:.4}");
         assert!(dark == 0.0 && mean < 0.004, "{half}: {dark} {mean}");
@@ -278,7 +307,7 @@ fn slits_before_narrow_lights_are_found() {
         ("sphere of 9°", sphere(SPHERES[2]), sphere_seen::<2>),
         ("square of 9°", square(SQUARES[2]), square_seen::<2>),
     ] {
-        let outside = Outside { openings: vec![opening], light, blocker: Vec::new() };
+        let outside = Outside { openings: vec![opening], light, blocker: Vec::new(), round: None };
         let [mean, p99, dark] = own_errors(&room(opening, emits), &outside);
         println!("slit, {name}: own error {mean:.5}, 99 % {p99:.4}, darkened {dark:.4}");
         assert!(mean < 0.006 && p99 < 0.02 && dark == 0.0, "{name}: {mean} {p99} {dark}");

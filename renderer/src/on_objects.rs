@@ -65,6 +65,10 @@ impl<B: Blockers> Blockers for OnObjects<B> {
         self.blockers.mark_openings(query, &mut scratch.blockers, mask, narrowest)
     }
 
+    fn add_hidden(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, mask: &Mask, lit: &mut LitArea) -> bool {
+        self.blockers.add_hidden(query, &scratch.blockers, mask, lit)
+    }
+
     fn find_lit(
         &self,
         query: &VisibilityQuery<'_>,

@@ -90,8 +90,15 @@ pub trait Blockers: Sync {
         false
     }
 
-    /// Finds the lit part of a mask's window at once, where outlines are exact and few; else returns `false`. Intervals of its rows narrower than `narrowest`, in plane coordinates, are left
-    /// out. Call it only after [`select`](Self::select) of the same query. Provided: it finds none.
+    /// Adds what it hides of a mask's window, as polygons ([`LitArea::hide`]), for others that find the lit part. Returns `false`, whatever it has added, where it
+    /// cannot. Call it only after [`select`](Self::select) of the same query. Provided: it cannot.
+    fn add_hidden(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, mask: &Mask, lit: &mut LitArea) -> bool {
+        let _ = (query, scratch, mask, lit);
+        false
+    }
+
+    /// Finds the lit part of a mask's window at once, but for what is [hidden](LitArea::hidden) already, where outlines are exact and few; else returns `false`. Intervals of
+    /// its rows narrower than `narrowest`, in plane coordinates, are left out. Call it only after [`select`](Self::select) of the same query. Provided: it finds none.
     fn find_lit(
         &self,
         query: &VisibilityQuery<'_>,

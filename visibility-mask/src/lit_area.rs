@@ -1,7 +1,7 @@
 //! The lit part of a window as trapezoids of exact area.
 
 use crate::{Mask, Raster, UnitSquare};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Pieces of a window's width: each has two points, so that there are as many as columns of a fine mask.
 const PIECES: f32 = 16.0;
@@ -16,11 +16,59 @@ const GAUSS: f32 = 0.288_675_13;
 pub struct LitArea {
     /// `x`, `y`, area.
     points: Vec<Vec3>,
+    hidden: Vec<[Vec2; 2]>,
+    /// The box in which alone it matters what is hidden: from, to.
+    looked_at: Option<[Vec2; 2]>,
 }
 
 impl LitArea {
     pub(crate) fn clear(&mut self) {
         self.points.clear();
+        self.clear_hidden();
+    }
+
+    /// Lets only those parts be hidden that may meet the lit one, whose points are those from one on.
+    pub(crate) fn look_at(&mut self, start: usize, window: &UnitSquare) {
+        let none = [Vec2::INFINITY, Vec2::NEG_INFINITY];
+        let around = |[low, high]: [Vec2; 2], p: &Vec3| [low.min(p.truncate()), high.max(p.truncate())];
+        let [low, high] = self.points[start..].iter().fold(none, around);
+        // No point is farther from the rim of its piece.
+        let more = Vec2::splat(2.0 / PIECES * window.half.max_element());
+        self.looked_at = Some([low - more, high + more]);
+    }
+
+    /// Adds the sides of a part of a window that other blockers hide, by its corners in plane coordinates. [`Blockers::find_lit`](crate::Blockers::find_lit) leaves it out.
+    pub fn hide(&mut self, corners: &[Vec2]) {
+        let none = [Vec2::INFINITY, Vec2::NEG_INFINITY];
+        let [low, high] = corners.iter().fold(none, |[low, high], p| [low.min(*p), high.max(*p)]);
+        if self.looked_at.is_some_and(|[from, to]| low.cmpgt(to).any() || high.cmplt(from).any()) {
+            return;
+        }
+        let sides = || corners.iter().zip(corners.iter().cycle().skip(1));
+        let is_left = sides().map(|(p, q)| p.perp_dot(*q)).sum::<f32>() >= 0.0;
+        self.hidden.extend(sides().map(|(p, q)| if is_left { [*p, *q] } else { [*q, *p] }));
+    }
+
+    /// The sides of all such parts, with these on the left.
+    #[must_use]
+    pub fn hidden(&self) -> &[[Vec2; 2]] {
+        &self.hidden
+    }
+
+    /// Whether a point is in such a part.
+    #[must_use]
+    pub fn is_hidden(&self, p: Vec2) -> bool {
+        let turn = |[a, b]: &[Vec2; 2]| match ((a.y > p.y) != (b.y > p.y), (*b - *a).perp_dot(p - *a) > 0.0) {
+            (true, true) if b.y > a.y => 1,
+            (true, false) if b.y < a.y => -1,
+            _ => 0,
+        };
+        self.hidden.iter().map(turn).sum::<i32>() != 0
+    }
+
+    pub(crate) fn clear_hidden(&mut self) {
+        self.hidden.clear();
+        self.looked_at = None;
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -88,6 +136,24 @@ mod tests {
     use super::*;
 
     /// A triangle in slabs of all widths: its area, and integrals of a smooth function against finer slabs.
+    #[test]
+    fn points_are_in_hidden_parts() {
+        let mut lit = LitArea::default();
+        let corners = [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]].map(Vec2::from);
+        // Either way around, and two that overlap.
+        lit.hide(&corners);
+        lit.hide(&corners.map(|p| Vec2::new(1.5 - p.x, 0.5 + p.y)));
+        for (p, want) in [
+            ([0.5, 0.5], true),
+            ([0.75, 0.75], true),
+            ([1.25, 1.25], true),
+            ([1.25, 0.25], false),
+            ([-0.5, 0.5], false),
+        ] {
+            assert_eq!(lit.is_hidden(Vec2::from(p)), want, "{p:?}");
+        }
+    }
+
     #[test]
     fn trapezoids_have_their_area() {
         let window = UnitSquare::default();

@@ -97,6 +97,12 @@ impl<A: Blockers, B: Blockers> Blockers for Mixture<A, B> {
         first && second
     }
 
+    fn add_hidden(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, mask: &Mask, lit: &mut LitArea) -> bool {
+        let MixtureScratch { first, second, partial } = scratch;
+        (!partial.0 || self.first.add_hidden(query, first, mask, lit))
+            && (!partial.1 || self.second.add_hidden(query, second, mask, lit))
+    }
+
     fn find_lit(
         &self,
         query: &VisibilityQuery<'_>,
@@ -106,12 +112,16 @@ impl<A: Blockers, B: Blockers> Blockers for Mixture<A, B> {
         lit: &mut LitArea,
     ) -> bool {
         let MixtureScratch { first, second, partial } = scratch;
-        // The outlines of both together are not known, but those of one may hide nothing of what the other shows.
         let of = (mask, narrowest);
-        let beside = partial.1.then_some((&self.second, &mut *second));
-        (partial.0 && find_beside(query, of, (&self.first, &mut *first), beside, lit))
-            || (partial.1
-                && find_beside(query, of, (&self.second, second), partial.0.then_some((&self.first, first)), lit))
+        match *partial {
+            (true, false) => self.first.find_lit(query, first, mask, narrowest, lit),
+            (false, true) => self.second.find_lit(query, second, mask, narrowest, lit),
+            (false, false) => false,
+            (true, true) => {
+                find_around(query, of, (&self.first, &mut *first), (&self.second, &mut *second), lit)
+                    || find_around(query, of, (&self.second, second), (&self.first, first), lit)
+            }
+        }
     }
 
     fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {
@@ -120,22 +130,32 @@ impl<A: Blockers, B: Blockers> Blockers for Mixture<A, B> {
     }
 }
 
-/// Finds the lit part by blockers if others, which hide something of the light, hide no sample beside it.
-fn find_beside<A: Blockers, B: Blockers>(
+/// Finds the lit part by blockers around what others hide, if these know its outlines; else if they hide no sample beside that part.
+fn find_around<A: Blockers, B: Blockers>(
     query: &VisibilityQuery<'_>,
     (mask, narrowest): (&Mask, f32),
     (finder, scratch): (&A, &mut A::Scratch),
-    other: Option<(&B, &mut B::Scratch)>,
+    (other, hiding): (&B, &mut B::Scratch),
     lit: &mut LitArea,
 ) -> bool {
     let start = lit.len();
-    let is_found = finder.find_lit(query, scratch, mask, narrowest, lit)
-        && other.is_none_or(|(blockers, scratch)| {
+    let mut find = |lit: &mut LitArea| {
+        lit.truncate(start);
+        finder.find_lit(query, scratch, mask, narrowest, lit)
+    };
+    let mut is_found = find(lit);
+    if is_found {
+        lit.look_at(start, mask.square());
+        if other.add_hidden(query, hiding, mask, lit) {
+            is_found = lit.hidden().is_empty() || find(lit);
+        } else {
             let mut own = mask.clone();
             own.reset_to(mask.square(), mask.depth(), query.at.normal, query.outline);
-            blockers.splat(query, scratch, &mut own);
-            lit.is_clear(start, &own)
-        });
+            other.splat(query, hiding, &mut own);
+            is_found = lit.is_clear(start, &own);
+        }
+        lit.clear_hidden();
+    }
     if !is_found {
         lit.truncate(start);
     }

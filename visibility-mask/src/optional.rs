@@ -65,6 +65,13 @@ impl<B: Blockers> Blockers for Option<B> {
         }
     }
 
+    fn add_hidden(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, mask: &Mask, lit: &mut LitArea) -> bool {
+        match (self, scratch) {
+            (Some(blockers), Some(scratch)) => blockers.add_hidden(query, scratch, mask, lit),
+            _ => true,
+        }
+    }
+
     fn find_lit(
         &self,
         query: &VisibilityQuery<'_>,
@@ -120,6 +127,10 @@ impl<B: Blockers> Blockers for &B {
         narrowest: f32,
     ) -> bool {
         B::mark_openings(self, query, scratch, mask, narrowest)
+    }
+
+    fn add_hidden(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, mask: &Mask, lit: &mut LitArea) -> bool {
+        B::add_hidden(self, query, scratch, mask, lit)
     }
 
     fn find_lit(

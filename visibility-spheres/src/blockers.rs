@@ -9,7 +9,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
 use lobe_core::{Cone, NO_OBJECT, Receiver, SelfShadow, Sphere};
 use shading::{Coverage, Shaft, VisibilityQuery};
-use visibility_mask::{Blockers, Edges, Mask, facet_coverage};
+use visibility_mask::{Blockers, Edges, LitArea, Mask, facet_coverage};
 
 /// Spheres that block light, as the `spheres` strategy sees them: wrap it in
 /// [`MaskVisibility`](visibility_mask::MaskVisibility).
@@ -277,6 +277,10 @@ impl Blockers for SphereBlockers {
         if let Some(face) = scratch.facet {
             edges.add_plane(face, query.cone);
         }
+    }
+
+    fn add_hidden(&self, _: &VisibilityQuery<'_>, scratch: &SphereScratch, mask: &Mask, lit: &mut LitArea) -> bool {
+        scratch.facet.is_none() && scratch.cones.add_rims(mask.square(), lit)
     }
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut SphereScratch, mask: &mut Mask) {

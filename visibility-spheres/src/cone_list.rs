@@ -3,16 +3,20 @@
 use crate::block::LANES;
 use crate::blocked_cones::BlockedCones;
 use crate::ellipse::Ellipses;
+use crate::rim::SIDES;
 use crate::splat::{BlockedCone, Front};
 use crate::wide_cone::splat_wide;
 use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::Vec3;
 use lobe_core::Cone;
-use visibility_mask::{Edges, Mask};
+use visibility_mask::{Edges, LitArea, Mask, UnitSquare};
 
 /// Numbers of a cone: to the centre; `d sin β`; the cosine of a wide cone, else 1; the radius of a sphere that meets the
 /// light, else 0.
 const COLUMNS: usize = 6;
+
+/// More rims than this are not given to others, who would look at each two of their sides.
+const MOST_RIMS: usize = 12;
 
 /// All of them, in the order in which they came.
 #[derive(Clone, Debug, Default)]
@@ -96,6 +100,11 @@ impl ConeList {
             let of_disc = f32x8::splat(simd, 1.0) / (along * tan).abs().max(f32x8::splat(simd, f32::MIN_POSITIVE));
             edges.add_circles(simd, [x * of_disc, y * of_disc, z * of_disc], tangent_radius * of_disc);
         }
+    }
+
+    /// Adds polygons around the directions in a window that they block. `false` where they are many, or where one is wide or meets the light.
+    pub(crate) fn add_rims(&self, window: &UnitSquare, lit: &mut LitArea) -> bool {
+        (0..self.len).all(|k| self.get(k).add_rim(window, lit) && lit.hidden().len() <= MOST_RIMS * SIDES)
     }
 
     /// Splats them, until nothing is lit any more. `light` is what some of them meet.

@@ -20,6 +20,7 @@ mod cone_list;
 mod ellipse;
 mod gpu;
 mod packed;
+mod rim;
 mod shaft;
 mod sky;
 mod sphere_tree;

@@ -133,16 +133,17 @@ impl Trapezoids {
         lit: &mut LitArea,
         mut is_open: impl FnMut(Vec2) -> bool,
     ) -> bool {
-        if silhouettes.len() > MOST {
+        if silhouettes.len() + lit.hidden().len() > MOST {
             return false;
         }
         let path = Path::new(view, emits.outline);
-        self.gather(silhouettes, view, path);
+        self.gather(silhouettes, lit.hidden(), view, path);
         self.divide(view, emits);
         self.fill(emits, narrowest);
         let Self { found, .. } = self;
         let Some(least) = found.iter().map(|part| part.number).min() else { return true };
         let window = view.square.half.element_product();
+        let mut is_open = |p: Vec2, lit: &LitArea| !lit.is_hidden(p) && is_open(p);
         for number in least..least + DOUBTFUL {
             let mut best = [None::<Trapezoid>; 2];
             let mut area = 0.0;
@@ -155,9 +156,9 @@ impl Trapezoids {
                 }
             }
             let [Some(largest), next] = best else { continue };
-            if is_open(largest.middle()) {
+            if is_open(largest.middle(), lit) {
                 // Outlines that do not close would tell different numbers for one.
-                if next.is_some_and(|next| next.area() > SECOND * largest.area() && !is_open(next.middle())) {
+                if next.is_some_and(|next| next.area() > SECOND * largest.area() && !is_open(next.middle(), lit)) {
                     return false;
                 }
                 let open = found.iter().filter(|part| part.number == number);
@@ -171,39 +172,47 @@ impl Trapezoids {
         true
     }
 
-    /// Projects outlines.
-    fn gather(&mut self, silhouettes: &Silhouettes, view: &View, to_path: Path) {
-        let Self { pieces, path, .. } = self;
-        pieces.clear();
-        path.clear();
+    /// Projects outlines, and takes the sides of what is hidden besides.
+    fn gather(&mut self, silhouettes: &Silhouettes, hidden: &[[Vec2; 2]], view: &View, path: Path) {
+        self.pieces.clear();
+        self.path.clear();
         for k in 0..silhouettes.len() {
             let end = |first: usize| Vec3::from_array(core::array::from_fn(|axis| silhouettes.get(first + axis, k)));
             let step = silhouettes.get(STEP, k) as i32;
-            let Some((ends, line)) = view.on_plane([end(0), end(3)]) else { continue };
-            if step == 0 {
-                continue;
+            if let Some((ends, line)) = view.on_plane([end(0), end(3)])
+                && step != 0
+            {
+                self.add(ends, line, step, path);
             }
-            let beside = ends.map(|p| to_path.beside(p));
-            let is_left = beside.map(|beside| beside < 0.0);
-            let is_up = ends[0].y <= ends[1].y;
-            let [low, high] = if is_up { ends } else { [ends[1], ends[0]] };
-            let mut crosses = f32::INFINITY;
-            if is_left[0] != is_left[1] {
-                let at = ends[0].y + (ends[1].y - ends[0].y) * (beside[0] / (beside[0] - beside[1]));
-                crosses = at.clamp(low.y, high.y);
-                path.push((crosses, if is_left[0] { -step } else { step }));
-            }
-            pieces.push(Piece {
-                heights: [low.y, high.y],
-                line,
-                places: [low.x.min(high.x), low.x.max(high.x)],
-                step: if is_up { step } else { -step },
-                is_left: if is_up { is_left } else { [is_left[1], is_left[0]] },
-                crosses,
-            });
         }
-        pieces.sort_unstable_by(|a, b| a.heights[0].total_cmp(&b.heights[0]));
-        path.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        for [a, b] in hidden {
+            let slope = (b.x - a.x) / (b.y - a.y);
+            self.add([*a, *b], [a.x - slope * a.y, slope], -1, path);
+        }
+        self.pieces.sort_unstable_by(|a, b| a.heights[0].total_cmp(&b.heights[0]));
+        self.path.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    }
+
+    /// Adds a piece.
+    fn add(&mut self, ends: [Vec2; 2], line: [f32; 2], step: i32, to_path: Path) {
+        let beside = ends.map(|p| to_path.beside(p));
+        let is_left = beside.map(|beside| beside < 0.0);
+        let is_up = ends[0].y <= ends[1].y;
+        let [low, high] = if is_up { ends } else { [ends[1], ends[0]] };
+        let mut crosses = f32::INFINITY;
+        if is_left[0] != is_left[1] {
+            let at = ends[0].y + (ends[1].y - ends[0].y) * (beside[0] / (beside[0] - beside[1]));
+            crosses = at.clamp(low.y, high.y);
+            self.path.push((crosses, if is_left[0] { -step } else { step }));
+        }
+        self.pieces.push(Piece {
+            heights: [low.y, high.y],
+            line,
+            places: [low.x.min(high.x), low.x.max(high.x)],
+            step: if is_up { step } else { -step },
+            is_left: if is_up { is_left } else { [is_left[1], is_left[0]] },
+            crosses,
+        });
     }
 
     /// Lists the heights between which the order of pieces and bounds is one.
