@@ -85,7 +85,8 @@ impl Environment {
     fn of(map: EnvironmentMap, behind: Behind, across: u32, world: Sphere) -> Self {
         let (rest, suns) = suns::cut(&map, world);
         let mut lights: Vec<Light> = suns.into_iter().map(|sun| SkyLight::Sun(sun).into()).collect();
-        let side = (map.size().x / (4 * across)).next_power_of_two().clamp(FEWEST, MOST);
+        // Four times as many as the map has there, since samples take whole texels.
+        let side = (map.size().x / across).next_power_of_two().clamp(FEWEST, MOST);
         for axis in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
             let (right, up) = axis.any_orthonormal_pair();
             for k in 0..across * across {
@@ -153,9 +154,9 @@ fn patch(
 ) -> Option<SkyPatch> {
     let [u, v] = sides;
     let at = |x: f32, y: f32| center + u * (2.0 * x / texels as f32 - 1.0) + v * (2.0 * y / texels as f32 - 1.0);
-    // As many samples of the map as it has texels there.
+    // As many samples of the map as it has texels there, and one in the middle of what is much smaller than these.
     let finest = (u.length() * 2.0 / texels as f32) * map.size().x as f32 / core::f32::consts::TAU;
-    let samples = (finest.ceil() as u32 + 1).clamp(2, 16);
+    let samples = if finest > 0.5 { (finest.ceil() as u32 + 1).min(16) } else { 1 };
     let mut values = Vec::with_capacity((texels * texels) as usize);
     let mut vectors = [DVec3::ZERO; 3];
     let sample = (4.0 * u.length() * v.length()) / (texels * samples * texels * samples) as f32;

@@ -500,3 +500,17 @@ fn distances_are_those_of_the_nearest_points() {
         near(&sphere, (p.distance(center) - 0.6).abs());
     }
 }
+
+/// A bright area of 34° is no sun, and no part of it either.
+#[test]
+fn large_bright_areas_stay_in_the_sky() {
+    let size = UVec2::new(256, 128);
+    let texel = |i: u32| {
+        let is_bright = (116..140).contains(&(i % size.x)) && (44..56).contains(&(i / size.x));
+        Vec3::splat(if is_bright { 60.0 } else { 0.5 })
+    };
+    let map = EnvironmentMap::new(size, (0..size.x * size.y).map(texel).collect()).expect("a map");
+    let world = Sphere { center: Vec3::ZERO, radius: 10.0 };
+    let lights = Environment::new(map, 2, world).lights().to_vec();
+    assert!(!lights.iter().any(|light| matches!(light, Light::Sky(SkyLight::Sun(_)))), "{}", lights.len());
+}

@@ -150,13 +150,18 @@ struct Seen {
     is_shut: bool,
     /// So little that samples are too coarse: found only for receivers with narrow lobes.
     is_little: bool,
+    /// So little of a sky that is uneven, whatever light that gives.
+    is_small: bool,
 }
+
+/// Where so much of a sky's light is seen, it does not matter how much of the sky that is.
+const MUCH: f32 = 0.8;
 
 impl Seen {
     /// Whether lobes of so much light, seen and whole, are better left to patches. Narrow ones see little of a wide sky where they reflect something else;
     /// their samples are fine enough for that.
     fn leaves(self, is_narrow: bool, sum: &Contribution) -> bool {
-        let is_little = SkyView::is_little(sum.radiance, sum.unshadowed);
+        let is_little = self.is_small || SkyView::is_little(sum.radiance, sum.unshadowed);
         is_little && !self.is_shut && (!is_narrow || self.is_little)
     }
 }
@@ -216,6 +221,11 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
                 let [seen, all] = view.integrals_of(table, &receivers[place], &sum.lobe, blend);
                 sum.seen += seen;
                 sum.all += all;
+            }
+            let wide = own.iter().filter(|sum| level == 0 && sum.level == 0);
+            let [seen, all] = wide.fold([Vec3::ZERO; 2], |[seen, all], sum| [seen + sum.seen, all + sum.all]);
+            if seen.cmplt(MUCH * all).any() {
+                all_seen[number].is_small = view.is_small(table, receivers[place].normal);
             }
             if level == 0 && own.iter().any(|sum| sum.level > 0) {
                 let lambert = Lobe::new(receivers[place].normal, 1.0, Vec3::ONE).into();

@@ -1,7 +1,7 @@
 //! A closed room with one opening: each point sees a small part of a large light, and its radiance is right as a part of itself.
 
 use core::f64::consts::PI;
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3, UVec2, Vec3};
 use lighting::{Environment, EnvironmentMap, FlatLight, Light, SphereLight};
 use lobe_core::{NO_OBJECT, Receiver, Sphere};
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
@@ -112,11 +112,16 @@ fn oracle(at: &Receiver, outside: &Outside) -> f64 {
 
 /// Mean and 99th percentile of the error of each point as a part of its own radiance, and the largest radiance that is not seen at all.
 fn own_errors(scene: &Scene, outside: &Outside) -> [f64; 3] {
+    errors_beside(scene, outside.round, |at| oracle(at, outside))
+}
+
+/// The same beside another formula, with a sphere outside of the room.
+fn errors_beside(scene: &Scene, round: Option<(DVec3, f64)>, oracle: impl Fn(&Receiver) -> f64) -> [f64; 3] {
     let world = World::new(scene);
     let mut silhouettes = SceneSilhouettes::new(scene, |_| true);
     silhouettes.refit(scene);
     let silhouettes = SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |_| true));
-    let round = outside.round.map(|(center, radius)| Sphere { center: center.as_vec3(), radius: radius as f32 });
+    let round = round.map(|(center, radius)| Sphere { center: center.as_vec3(), radius: radius as f32 });
     let blockers =
         Mixture::new(SphereBlockers::new(round.as_slice(), &vec![NO_OBJECT; round.iter().len()], &[]), silhouettes);
     let points = GBuffer::new(&world, scene.width, scene.height, 1).points;
@@ -124,7 +129,7 @@ fn own_errors(scene: &Scene, outside: &Outside) -> [f64; 3] {
     let frame =
         Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::default(), threshold: 0.0 };
     CpuShader::new(MaskVisibility::new(blockers)).shade(&points, &frame, &mut out).expect("room");
-    let truth: Vec<f64> = points.receivers.iter().map(|at| oracle(at, outside)).collect();
+    let truth: Vec<f64> = points.receivers.iter().map(oracle).collect();
     let white = truth.iter().copied().fold(0.0, f64::max);
     let bright = truth.iter().zip(&out).filter(|(truth, _)| **truth > 1e-3 * white);
     let mut errors: Vec<f64> = bright.map(|(truth, got)| (f64::from(got.x) / truth - 1.0).abs()).collect();
@@ -258,6 +263,43 @@ fn all_of_many_openings_are_found() {
             println!("{name}, {light}: own error {mean:.5}, 99 % {p99:.4}, darkened {dark:.4}");
             assert!(mean < 0.004 && p99 < 0.02 && dark < 1e-4, "{name}, {light}: {mean} {p99} {dark}");
         }
+    }
+}
+
+/// A glow of 10° and a bright rectangle in a picture of the sky, of which each point sees a part through a window.
+#[test]
+fn pictures_behind_openings_are_seen() {
+    let opening = [-0.6, 0.6, -0.2, 0.8];
+    let [left, right, low, high] = opening.map(f64::from);
+    let size = UVec2::new(256, 128);
+    let blank = EnvironmentMap::new(size, vec![Vec3::ZERO; 256 * 128]).expect("a picture");
+    let toward = Vec3::new(0.0, 0.34, -0.94);
+    let glow = |d: Vec3| 0.5 + 60.0 * (-(d.angle_between(toward).to_degrees() / 10.0).powi(2)).exp();
+    let cloud = |d: Vec3| if d.x.abs() < 0.3 * -d.z && (d.y - 0.35).abs() < 0.15 { 20.0 } else { 0.5 };
+    for (name, most, radiance) in
+        [("glow", [0.006, 0.03], &glow as &dyn Fn(Vec3) -> f32), ("cloud", [0.01, 0.2], &cloud)]
+    {
+        let texel = |k: u32| Vec3::splat(radiance(blank.direction((k % 256) as f32 + 0.5, (k / 256) as f32 + 0.5)));
+        let map = EnvironmentMap::new(size, (0..size.x * size.y).map(texel).collect()).expect("a picture");
+        let mut scene = room(opening, sphere(SPHERES[0]));
+        (scene.width, scene.height) = (24, 16);
+        let world = Sphere { center: Vec3::ZERO, radius: 20.0 };
+        scene.lights = Environment::new(map.clone(), 2, world).lights().to_vec();
+        let seen = |at: &Receiver| {
+            const N: u32 = 200;
+            let (x, n) = (at.position.as_dvec3(), at.normal.as_dvec3());
+            let place = |k: u32, [from, to]: [f64; 2]| from + (to - from) * (f64::from(k) + 0.5) / f64::from(N);
+            let of = |k: u32| {
+                let to = DVec3::new(place(k % N, [left, right]), place(k / N, [low, high]), f64::from(-ROOM.z)) - x;
+                let v = to.normalize();
+                n.dot(v).max(0.0) * -v.z / to.length_squared() * f64::from(map.radiance(v.as_vec3()).x)
+            };
+            let sum: f64 = if x.z + f64::from(ROOM.z) < 1e-4 { 0.0 } else { (0..N * N).map(of).sum() };
+            sum * (right - left) * (high - low) / (PI * f64::from(N * N))
+        };
+        let [mean, p99, _] = errors_beside(&scene, None, seen);
+        println!("{name}: own error {mean:.5}, 99 % {p99:.4}");
+        assert!(mean < most[0] && p99 < most[1], "{name}: {mean} {p99}");
     }
 }
 

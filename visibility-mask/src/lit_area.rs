@@ -2,18 +2,23 @@
 
 use crate::{Mask, Raster, UnitSquare};
 use glam::{Vec2, Vec3};
+use lobe_core::LightImage;
 
 /// Pieces of a window's width: each has two points, so that there are as many as columns of a fine mask.
 const PIECES: f32 = 16.0;
+/// At most, where a light shows an image.
+const MOST_PIECES: f32 = 48.0;
 
 /// Half the distance of the two points of Gauss and Legendre's rule, in lengths of their piece.
 const GAUSS: f32 = 0.288_675_13;
 
 /// The lit part of a window, which blockers with exact outlines find: points of its plane with the areas that they stand for.
 ///
-/// The area is exact. Integrands are taken to be polynomials of third order along the rows of its pieces, of which a window has sixteen side by side, and of first order across them. [`Blockers::find_lit`](crate::Blockers::find_lit) fills it.
-#[derive(Clone, Debug, Default)]
+/// The area is exact. Integrands are taken to be polynomials of third order along the rows of its pieces, of which a window has sixteen side by side (up to 48 before an image), and of first order across them. [`Blockers::find_lit`](crate::Blockers::find_lit) fills it.
+#[derive(Clone, Debug)]
 pub struct LitArea {
+    /// Of a window's width.
+    pieces: f32,
     /// `x`, `y`, area.
     points: Vec<Vec3>,
     hidden: Vec<[Vec2; 2]>,
@@ -21,10 +26,24 @@ pub struct LitArea {
     looked_at: Option<[Vec2; 2]>,
 }
 
+impl Default for LitArea {
+    fn default() -> Self {
+        Self { pieces: PIECES, points: Vec::new(), hidden: Vec::new(), looked_at: None }
+    }
+}
+
 impl LitArea {
-    pub(crate) fn clear(&mut self) {
+    /// Begins anew, with as many points in a row as an image has texels there, from 32 to 96.
+    pub(crate) fn begin(&mut self, image: Option<&LightImage>) {
+        self.pieces = image.map_or(PIECES, |image| (0.5 * image.texels() as f32).clamp(PIECES, MOST_PIECES));
         self.points.clear();
         self.clear_hidden();
+    }
+
+    /// Rows of a window in which its pieces are at most one row high.
+    #[must_use]
+    pub fn rows(&self) -> u32 {
+        2 * self.pieces as u32
     }
 
     /// Lets only those parts be hidden that may meet the lit one, whose points are those from one on.
@@ -100,7 +119,7 @@ impl LitArea {
     /// Adds a trapezoid with two level sides, in plane coordinates of a window: the ends of the line halfway between these, by how much these ends move from the lower side to
     /// the higher one, and the height.
     pub fn add(&mut self, window: &UnitSquare, ends: [f32; 2], leans: [f32; 2], y: f32, height: f32) {
-        let pieces = |length: f32| (0.5 * PIECES * length / window.half.x).ceil().clamp(1.0, PIECES);
+        let pieces = |length: f32| (0.5 * self.pieces * length / window.half.x).ceil().clamp(1.0, self.pieces);
         let rows = pieces(leans[0].abs().max(leans[1].abs()));
         for row in 0..rows as u32 {
             let up = (row as f32 + 0.5) / rows - 0.5;

@@ -266,7 +266,9 @@ impl<B: Blockers> MaskVisibility<B> {
         let is_few = counts.are_few() && (is_opening || counts.are_slight());
         let narrowest = NARROWEST_OPENING * square.half.x;
         let mut find = |mask: &Mask, lit: &mut LitArea| self.blockers.find_lit(query, blockers, mask, narrowest, lit);
-        if (seeks || is_few) && masks.find_lit(&mut find) {
+        // Of an image that is seen through an opening each texel counts.
+        let image = query.image.filter(|_| counts.are_little() && masks.is_opening());
+        if (seeks || is_few) && masks.find_lit(image, &mut find) {
             return;
         }
         let are_known = seeks && masks.mark(|mask| self.blockers.mark_openings(query, blockers, mask, narrowest));

@@ -5,8 +5,9 @@ use crate::places;
 use crate::spread::Spread;
 use crate::visible_fraction::{MIRROR, Shown, Sums, image_sums, microfacet_sums, narrowest, sums};
 use crate::{Fineness, LitArea, Mask, UnitSquare};
+use core::f32::consts::PI;
 use glam::{UVec2, Vec3};
-use lobe_core::{BrdfLobe, LightImage, Lobe, Microfacets, Outline, Receiver};
+use lobe_core::{BrdfLobe, LightImage, Lobe, Microfacets, Outline, Receiver, is_lambert, light_image_integral};
 use shading::Coverage;
 
 /// The masks of a window: one, or several side by side if the tolerance needs more samples; and, if the lit part is small, that part as it is, or masks
@@ -108,9 +109,13 @@ impl WindowMasks {
         self.is_lit_known || !self.near.masks().is_empty()
     }
 
-    /// Lets `find` find the lit part of each mask as it is. Returns whether it does so for all.
-    pub(crate) fn find_lit(&mut self, mut find: impl FnMut(&Mask, &mut LitArea) -> bool) -> bool {
-        self.lit.clear();
+    /// Lets `find` find the lit part of each mask as it is, as finely as the light's image wants. Returns whether it does so for all.
+    pub(crate) fn find_lit(
+        &mut self,
+        image: Option<&LightImage>,
+        mut find: impl FnMut(&Mask, &mut LitArea) -> bool,
+    ) -> bool {
+        self.lit.begin(image);
         let count = (self.grid[0] * self.grid[1]) as usize;
         let Self { masks, lit, .. } = self;
         if !masks[..count].iter().all(|mask| find(mask, lit)) {
@@ -270,6 +275,15 @@ pub(crate) fn image_fractions(
         |mask, _| image_sums(mask, at, &of_whole, &shown, skip, counts),
         |lit| lit_sums::image_integrals(lit, &whole.window, at, &of_whole, &shown, skip),
     );
+    if whole.is_lit_known
+        && near.is_none()
+        && let BrdfLobe::Cosine(lobe) = &of_whole
+        && is_lambert(at, lobe)
+    {
+        // By what the light is integrated with, whose error then goes.
+        let all = PI * light_image_integral(at, &of_whole, outline, image);
+        total.iter_mut().zip(all.to_array()).for_each(|(sums, all)| sums.all = all);
+    }
     if let Some(near) = near {
         let of_near = lobe(near);
         let sums = near.total(

@@ -45,7 +45,8 @@ pub(super) fn cut(map: &EnvironmentMap, world: Sphere) -> (EnvironmentMap, Vec<S
         }
         tries += 1;
         let spot = Spot::grow(map, start, &mut is_seen);
-        if spot.excess.element_sum() < LEAST * all || spot.one_minus_cos() > WIDEST || !spot.is_bright {
+        if spot.is_large || spot.excess.element_sum() < LEAST * all || spot.one_minus_cos() > WIDEST || !spot.is_bright
+        {
             continue;
         }
         let one_minus_cos = spot.one_minus_cos().max(texel);
@@ -68,6 +69,8 @@ struct Spot {
     excess: Vec3,
     mean: Vec3,
     is_bright: bool,
+    /// Whether it is too large for a sun: then the rest is not known.
+    is_large: bool,
 }
 
 impl Spot {
@@ -78,9 +81,8 @@ impl Spot {
         let (mut texels, mut solid) = (vec![start], 0.0);
         is_seen[start as usize] = true;
         let (mut beside, mut count, mut next) = (Vec3::ZERO, 0.0, 0);
-        // As soon as it is too large for a sun it need not be known whole.
-        let most = 4.0 * core::f32::consts::TAU * WIDEST;
-        while next < texels.len() && solid < most {
+        // All of one that is too large is marked, so that no part of it is taken for another.
+        while next < texels.len() {
             let (x, y) = (texels[next] % width, texels[next] / width);
             next += 1;
             solid += map.solid_angle(y);
@@ -96,6 +98,7 @@ impl Spot {
                 }
             }
         }
+        let is_large = solid > 4.0 * core::f32::consts::TAU * WIDEST;
         let beside = if count > 0.0 { beside / count } else { Vec3::ZERO };
         let (mut excess, mut mean) = (Vec3::ZERO, Vec3::ZERO);
         for i in &texels {
@@ -105,7 +108,7 @@ impl Spot {
             mean += map.direction(x as f32 + 0.5, y as f32 + 0.5) * over.element_sum();
         }
         let is_bright = bright(start) > BRIGHTER * beside.element_sum();
-        Self { texels, beside, excess, mean, is_bright }
+        Self { texels, beside, excess, mean, is_bright, is_large }
     }
 
     /// Of a cap with its mean direction: `|m| = (1 + cos θ)/2`.

@@ -57,6 +57,12 @@ impl LightImage {
         mean.is_finite().then_some((Self { levels, vectors: None }, mean.into()))
     }
 
+    /// Texels along its longer side.
+    #[must_use]
+    pub fn texels(&self) -> u32 {
+        self.levels[0].size.max_element()
+    }
+
     /// The same image of a light that all receivers see in the same directions: with `∫ L v dv` of each channel over all of it, for a mean
     /// radiance of one.
     #[must_use]

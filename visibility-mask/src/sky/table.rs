@@ -28,7 +28,13 @@ pub struct SkyTable {
     meridians: Meridians,
     /// For each pole the samples of eight rows, then those of the next eight.
     cells: Vec<Vec<Cell>>,
+    is_uneven: bool,
 }
+
+/// Skies whose brightest sample is so many times as bright as the mean are uneven.
+const UNEVEN: f32 = 4.0;
+/// Nearer to the axis samples are too small to tell.
+const LEAST_SIN: f32 = 0.1;
 
 /// The light and the direction of one sample.
 type Sample = [Vec3; 2];
@@ -66,7 +72,14 @@ impl SkyTable {
             }
             cells
         });
-        Self { cells: cells.collect(), meridians }
+        let cells: Vec<Vec<Cell>> = cells.collect();
+        Self { is_uneven: contrast(&cells) > UNEVEN, cells, meridians }
+    }
+
+    /// Whether a small part of the sky may give much of its light: how much light is seen does not tell then how much of the sky is.
+    #[must_use]
+    pub const fn is_uneven(&self) -> bool {
+        self.is_uneven
     }
 
     /// Its meridians.
@@ -125,6 +138,24 @@ impl Cell {
     pub(super) fn directions(&self) -> [[f32; LANES]; 3] {
         [self.0[3], self.0[4], self.0[5]]
     }
+}
+
+/// The brightest sample's radiance over the mean. A sample's solid angle goes with its distance from the pole's axis.
+fn contrast(cells: &[Vec<Cell>]) -> f32 {
+    let (mut brightest, mut light, mut angle) = (0.0_f32, 0.0, 0.0);
+    for (pole, cells) in Pole::ALL.iter().zip(cells) {
+        let [.., axis] = pole.frame();
+        for Cell(columns) in cells {
+            (0..LANES).for_each(|lane| {
+                let at = |first: usize| Vec3::from_array(core::array::from_fn(|k| columns[first + k][lane]));
+                let sin = at(3).cross(axis).length();
+                light += at(0).max_element();
+                angle += sin;
+                brightest = brightest.max(at(0).max_element() / sin.max(LEAST_SIN));
+            });
+        }
+    }
+    if light > 0.0 { brightest * angle / light } else { 1.0 }
 }
 
 /// The row of the opposite pole's meridians that is the same half circle.

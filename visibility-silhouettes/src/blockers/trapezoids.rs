@@ -10,8 +10,6 @@ use visibility_mask::{LitArea, Mask, UnitSquare};
 const MOST: usize = 512;
 /// Half the distance of the two points of Gauss and Legendre's rule, in heights of a slab.
 pub(crate) const GAUSS: f32 = 0.288_675_13;
-/// Slabs of a window that no outline divides.
-const SLABS: u32 = 32;
 /// The sides of the light and its window divide slabs if they are at most this number: a round light has many short ones.
 const SIDES: usize = 10;
 /// Numbers of surfaces that may be those of slivers alone, which rounding leaves between outlines that coincide.
@@ -138,7 +136,7 @@ impl Trapezoids {
         }
         let path = Path::new(view, emits.outline);
         self.gather(silhouettes, lit.hidden(), view, path);
-        self.divide(view, emits);
+        self.divide(view, emits, lit.rows());
         self.fill(emits, narrowest);
         let Self { found, .. } = self;
         let Some(least) = found.iter().map(|part| part.number).min() else { return true };
@@ -215,12 +213,12 @@ impl Trapezoids {
         });
     }
 
-    /// Lists the heights between which the order of pieces and bounds is one.
-    fn divide(&mut self, view: &View, emits: &Emits<'_>) {
+    /// Lists the heights between which the order of pieces and bounds is one, and those between so many rows.
+    fn divide(&mut self, view: &View, emits: &Emits<'_>, rows: u32) {
         let Self { pieces, heights, .. } = self;
         let (low, high) = view.corners();
         heights.clear();
-        heights.extend((1..SLABS).map(|k| low.y + (high.y - low.y) * (k as f32 / SLABS as f32)));
+        heights.extend((1..rows).map(|k| low.y + (high.y - low.y) * (k as f32 / rows as f32)));
         let UnitSquare { right, up, .. } = view.square;
         heights.extend(emits.outline.iter().flat_map(|outline| outline.on_plane([right, up])).map(|p| p.y));
         let bounds = [Vec3::new(1.0, 0.0, -low.x), Vec3::new(-1.0, 0.0, high.x)];
