@@ -6,8 +6,10 @@ use glam::{Vec2, Vec3};
 use lobe_core::Outline;
 use visibility_mask::{LitArea, Mask, UnitSquare};
 
-/// Trapezoids are found where at most this number of outlines is before the light: the time is that of each two of them.
-const MOST: usize = 512;
+/// Trapezoids are found where at most this number of outlines is before the light: the time is that of each two at one height.
+const MOST: usize = 1024;
+/// They are given up where all slabs together have more pieces than this.
+const MOST_CROSSED: usize = 800_000;
 /// Half the distance of the two points of Gauss and Legendre's rule, in heights of a slab.
 pub(crate) const GAUSS: f32 = 0.288_675_13;
 /// The sides of the light and its window divide slabs if they are at most this number: a round light has many short ones.
@@ -137,7 +139,9 @@ impl Trapezoids {
         let path = Path::new(view, emits.outline);
         self.gather(silhouettes, lit.hidden(), view, path);
         self.divide(view, emits, lit.rows());
-        self.fill(emits, narrowest);
+        if !self.fill(emits, narrowest) {
+            return false;
+        }
         let Self { found, .. } = self;
         let Some(least) = found.iter().map(|part| part.number).min() else { return true };
         let window = view.square.half.element_product();
@@ -260,13 +264,13 @@ impl Trapezoids {
         heights.sort_unstable_by(f32::total_cmp);
     }
 
-    /// Finds the trapezoids.
-    fn fill(&mut self, emits: &Emits<'_>, narrowest: f32) {
+    /// Finds the trapezoids. `false` where that takes too long.
+    fn fill(&mut self, emits: &Emits<'_>, narrowest: f32) -> bool {
         let Self { pieces, heights, path, active, crossed, found } = self;
         found.clear();
         active.clear();
         let (mut rest, mut next, mut on_path) = (0, 0, 0);
-        let mut least = i32::MAX;
+        let (mut least, mut all) = (i32::MAX, 0);
         for slab in heights.windows(2) {
             let height = slab[1] - slab[0];
             let y = slab[0] + 0.5 * height;
@@ -292,6 +296,10 @@ impl Trapezoids {
                 next += 1;
             }
             active.retain(|k| pieces[*k as usize].heights[1] > y);
+            all += active.len();
+            if all > MOST_CROSSED {
+                return false;
+            }
             let mut number = on_path;
             crossed.clear();
             for k in &*active {
@@ -319,5 +327,6 @@ impl Trapezoids {
                 left = right;
             }
         }
+        true
     }
 }
