@@ -99,6 +99,12 @@ pub(super) struct Emits<'a> {
 }
 
 impl Emits<'_> {
+    /// From where to where the light emits at a height.
+    fn at(&self, y: f32) -> [f32; 2] {
+        let [from, to] = self.mask.emits_at(y, self.facet);
+        if from < to { [from, to] } else { [0.5 * (from + to); 2] }
+    }
+
     fn half_planes(&self) -> impl Iterator<Item = Vec3> + '_ {
         self.mask.half_planes().chain(self.facet)
     }
@@ -269,16 +275,12 @@ impl Trapezoids {
         let Self { pieces, heights, path, active, crossed, found } = self;
         found.clear();
         active.clear();
-        let (mut rest, mut next, mut on_path) = (0, 0, 0);
-        let (mut least, mut all) = (i32::MAX, 0);
+        let (mut rest, mut next, mut on_path, mut all, mut least) = (0, 0, 0, 0, i32::MAX);
         for slab in heights.windows(2) {
             let height = slab[1] - slab[0];
             let y = slab[0] + 0.5 * height;
             // The mean of two places is that of a parabola, as which arcs are taken.
-            let [low, high] = [-GAUSS, GAUSS].map(|up| {
-                let [from, to] = emits.mask.emits_at(y + up * height, emits.facet);
-                if from < to { [from, to] } else { [0.5 * (from + to); 2] }
-            });
+            let [low, high] = [-GAUSS, GAUSS].map(|up| emits.at(y + up * height));
             let [first, last] = [0, 1].map(|side| 0.5 * (low[side] + high[side]));
             if height <= 1e-2 * narrowest || last - first < narrowest {
                 continue;
