@@ -222,10 +222,11 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
                 sum.seen += seen;
                 sum.all += all;
             }
-            let wide = own.iter().filter(|sum| level == 0 && sum.level == 0);
-            let [seen, all] = wide.fold([Vec3::ZERO; 2], |[seen, all], sum| [seen + sum.seen, all + sum.all]);
-            if seen.cmplt(MUCH * all).any() {
-                all_seen[number].is_small = view.is_small(table, receivers[place].normal);
+            if level == 0 {
+                let wide = own.iter().filter(|sum| sum.level == 0);
+                let [seen, all] = wide.fold([Vec3::ZERO; 2], |[seen, all], sum| [seen + sum.seen, all + sum.all]);
+                let may_be_small = seen.cmplt(MUCH * all).any();
+                all_seen[number].is_small = may_be_small && view.is_small(table, receivers[place].normal);
             }
             if level == 0 && own.iter().any(|sum| sum.level > 0) {
                 let lambert = Lobe::new(receivers[place].normal, 1.0, Vec3::ONE).into();

@@ -38,8 +38,12 @@ mod tests {
             ([127.5, 63.75, 191.25], Some("they are above 1: 255 is taken as 1")),
             ([32767.5, 16383.75, 49151.25], Some("they are above 1: 65535 is taken as 1")),
         ] {
-            let mut all = [Vec3::from_array(colors)];
-            assert_eq!(decode(&mut all), want.map(|text| format!("colours of vertices: {text}")));
+            let mut alone = [Vec3::from_array(colors)];
+            assert_eq!(decode(&mut alone), want.map(|text| format!("colours of vertices: {text}")));
+            let mut all = [Vec3::from_array(colors), Vec3::new(f32::NAN, -3.0, 0.0)];
+            let note = decode(&mut all).expect("a line");
+            assert!(note.contains("1 with negative") && want.is_none_or(|text| note.contains(text)), "{note}");
+            assert_eq!(all[1], Vec3::ZERO);
             assert!((all[0] - Vec3::new(0.21404, 0.05088, 0.52252)).length() < 1e-4, "{}", all[0]);
         }
     }

@@ -33,7 +33,7 @@ impl Default for LitArea {
 }
 
 impl LitArea {
-    /// Begins anew, with as many points in a row as an image has texels there, from 32 to 96.
+    /// Begins again. Rows have as many points as an image has texels there, from 32 to 96.
     pub(crate) fn begin(&mut self, image: Option<&LightImage>) {
         self.pieces = image.map_or(PIECES, |image| (0.5 * image.texels() as f32).clamp(PIECES, MOST_PIECES));
         self.points.clear();
@@ -154,7 +154,6 @@ impl LitArea {
 mod tests {
     use super::*;
 
-    /// A triangle in slabs of all widths: its area, and integrals of a smooth function against finer slabs.
     #[test]
     fn points_are_in_hidden_parts() {
         let mut lit = LitArea::default();
@@ -173,6 +172,7 @@ mod tests {
         }
     }
 
+    /// A triangle in slabs of all widths: its area, and integrals of a smooth function against finer slabs.
     #[test]
     fn trapezoids_have_their_area() {
         let window = UnitSquare::default();

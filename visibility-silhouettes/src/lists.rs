@@ -27,7 +27,7 @@ const NEARBY_TIMES: usize = 4;
 const ALONE: u32 = 16;
 /// A receiver that meets more leaves than this has no list, which would take 8 MB, and more time than rays through the samples of its mask.
 const MOST_LEAVES: usize = 1 << 14;
-/// Lists that are kept have at most so many edges together.
+/// The most edges of all lists that are kept.
 const KEPT_EDGES: usize = 1 << 18;
 /// More meshes than this have a hierarchy.
 const MANY: usize = 16;
@@ -269,7 +269,7 @@ impl Lists {
         }
     }
 
-    /// Whether a receiver meets so many leaves that rays are to tell what it sees.
+    /// Whether a receiver meets too many leaves: rays are to tell what it sees.
     pub(crate) fn is_too_long(&self) -> bool {
         self.is_too_long
     }

@@ -109,21 +109,20 @@ impl NearLight {
     fn new(shaft: &Shaft, visit: &mut impl FnMut(Sphere, &mut dyn FnMut(Triangle))) -> Self {
         let Shaft { light, extent, .. } = *shaft;
         let (mut triangles, mut cutting, mut is_clipped) = (Vec::new(), Vec::new(), false);
-        let around = AroundLight::new(light, &extent);
-        if extent.is_beyond_all {
-            return Self { light, extent, triangles, is_clipped, cutting, plane: None, cut: Vec::new() };
+        if !extent.is_beyond_all {
+            let around = AroundLight::new(light, &extent);
+            visit(around.sphere(), &mut |corners| {
+                if around.may_have(&corners) {
+                    triangles.push(corners);
+                }
+            });
+            visit(light, &mut |corners| {
+                is_clipped = true;
+                if LightSphere::may_clip(light, corners) {
+                    cutting.push(corners);
+                }
+            });
         }
-        visit(around.sphere(), &mut |corners| {
-            if around.may_have(&corners) {
-                triangles.push(corners);
-            }
-        });
-        visit(light, &mut |corners| {
-            is_clipped = true;
-            if LightSphere::may_clip(light, corners) {
-                cutting.push(corners);
-            }
-        });
         Self { light, extent, triangles, is_clipped, cutting, plane: None, cut: Vec::new() }
     }
 

@@ -69,7 +69,7 @@ struct Spot {
     excess: Vec3,
     mean: Vec3,
     is_bright: bool,
-    /// Whether it is too large for a sun: then the rest is not known.
+    /// Whether it is too large for a sun.
     is_large: bool,
 }
 

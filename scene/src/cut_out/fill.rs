@@ -43,8 +43,8 @@ pub(super) fn filled(outlines: &[Loop], sense: f64) -> Option<Filled> {
     for (_, lines) in &parts {
         let of = |line: fn(&Loop) -> &Vec<Corner>| part(lines.iter().map(|outline| line(outline)), sense);
         let (own, filling) = match of(|outline| &outline.simple)? {
-            found if found.2 <= LOST => (found.0, found.1),
-            _ => of(|outline| &outline.full).filter(|found| found.2 <= LOST).map(|found| (found.0, found.1))?,
+            (found, lost) if lost <= LOST => found,
+            _ => of(|outline| &outline.full).filter(|(_, lost)| *lost <= LOST)?.0,
         };
         let first = corners.len();
         corners.extend(own);
@@ -54,12 +54,12 @@ pub(super) fn filled(outlines: &[Loop], sense: f64) -> Option<Filled> {
 }
 
 /// The corners of a part and of its holes, its triangles, and how much of its area they miss.
-fn part<'a>(lines: impl Iterator<Item = &'a Vec<Corner>>, sense: f64) -> Option<(Vec<Corner>, Vec<[usize; 3]>, f64)> {
+fn part<'a>(lines: impl Iterator<Item = &'a Vec<Corner>>, sense: f64) -> Option<(Filled, f64)> {
     let (mut corners, mut holes) = (Vec::new(), Vec::new());
     for (k, line) in lines.enumerate() {
         match (k, line.len() < 3) {
             // Specks.
-            (0, true) => return Some((Vec::new(), Vec::new(), 0.0)),
+            (0, true) => return Some((Filled::default(), 0.0)),
             (_, true) => {}
             (_, false) => {
                 holes.extend((k > 0).then_some(corners.len()));
@@ -79,7 +79,7 @@ fn part<'a>(lines: impl Iterator<Item = &'a Vec<Corner>>, sense: f64) -> Option<
         if sense * (place(b) - place(a)).perp_dot(place(c) - place(a)) < 0.0 { [a, c, b] } else { [a, b, c] }
     };
     let triangles = numbers.as_chunks::<3>().0.iter().map(|triangle| turned(*triangle)).collect();
-    Some((corners, triangles, lost))
+    Some(((corners, triangles), lost))
 }
 
 /// By the sides that a ray to the right crosses.

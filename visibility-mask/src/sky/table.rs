@@ -31,7 +31,7 @@ pub struct SkyTable {
     is_uneven: bool,
 }
 
-/// Skies whose brightest sample is so many times as bright as the mean are uneven.
+/// Skies whose brightest sample is brighter than the mean by more than this factor are uneven.
 const UNEVEN: f32 = 4.0;
 /// Nearer to the axis samples are too small to tell.
 const LEAST_SIN: f32 = 0.1;

@@ -113,20 +113,23 @@ impl SkyView {
 
     /// Whether the visible part of an [uneven](SkyTable::is_uneven) sky is as small, whatever light it gives.
     pub fn is_small(&self, table: &SkyTable, normal: Vec3) -> bool {
+        if !table.is_uneven() || self.coverage() != Coverage::Partial {
+            return false;
+        }
         // Where a third of all rows is open, much is seen.
         let blocks = table.meridians().resolution().blocks();
         let open = (0..blocks).filter(|block| !self.buffer.is_crossed(*block)).count();
-        let is_much = !self.is_dark && self.buffer.open_part() > 0.99 && 3 * open > blocks;
-        table.is_uneven() && !is_much && self.coverage() == Coverage::Partial && {
-            let [seen, all] = dispatch!(Level::new(), simd => self.open(simd, table, normal));
-            seen < LITTLE * all
+        if self.buffer.open_part() > 0.99 && 3 * open > blocks {
+            return false;
         }
+        let [seen, all] = dispatch!(Level::new(), simd => self.open(simd, table, normal));
+        seen < LITTLE * all
     }
 
     /// A uniform sky's light by Lambert's lobe: the part that is seen, and all, in a unit of their own.
     #[inline(always)]
     fn open<S: Simd>(&self, simd: S, table: &SkyTable, normal: Vec3) -> [f32; 2] {
-        let Some(horizon) = self.horizon.filter(|_| !self.is_dark) else { return [0.0, 1.0] };
+        let Some(horizon) = self.horizon else { return [0.0, 1.0] };
         let zero = f32x8::splat(simd, 0.0);
         let [.., axis] = horizon.pole().frame();
         let (mut seen, mut all) = (zero, zero);

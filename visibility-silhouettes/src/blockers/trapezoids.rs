@@ -223,7 +223,7 @@ impl Trapezoids {
         });
     }
 
-    /// Lists the heights between which the order of pieces and bounds is one, and those between so many rows.
+    /// Lists the heights between which the order of pieces and bounds is one, and those between a number of rows.
     fn divide(&mut self, view: &View, emits: &Emits<'_>, rows: u32) {
         let Self { pieces, heights, .. } = self;
         let (low, high) = view.corners();
