@@ -7,7 +7,10 @@ use scene::Encoding;
 /// Makes sRGB colours linear ones in [0, 1]. Numbers above 1 are taken as bytes if they fit, else as 16 bits; fractions of which none is above 2 are a little
 /// too bright. Returns a line about what was done.
 pub(crate) fn decode(colors: &mut [Vec3]) -> Option<String> {
-    let numbers = || colors.iter().flat_map(|c| c.to_array()).filter(|x| x.is_finite());
+    let is_broken = |c: &Vec3| !(c.min_element() >= 0.0 && c.is_finite());
+    let broken = colors.iter().filter(|c| is_broken(c)).count();
+    // A broken colour tells nothing of the range.
+    let numbers = || colors.iter().filter(|c| !is_broken(c)).flat_map(|c| c.to_array());
     let largest = numbers().fold(0.0, f32::max);
     let has_fractions = || numbers().any(|x| x.fract() != 0.0);
     let one = if largest <= 1.0 || largest <= 2.0 && has_fractions() {
@@ -17,7 +20,6 @@ pub(crate) fn decode(colors: &mut [Vec3]) -> Option<String> {
     } else {
         65535.0
     };
-    let broken = colors.iter().filter(|c| !(c.min_element() >= 0.0 && c.is_finite())).count();
     colors.iter_mut().for_each(|c| *c = Vec3::from_array(c.to_array().map(|x| Encoding::Srgb.linear(unit(x / one)))));
     let above = (largest > 1.0).then(|| {
         if one == 1.0 { "those above 1 are cut".into() } else { format!("they are above 1: {one} is taken as 1") }
@@ -50,7 +52,7 @@ mod tests {
 
     #[test]
     fn fractions_a_little_above_one_are_cut() {
-        let mut all = [Vec3::new(0.5, 1.02, 0.0), Vec3::new(f32::NAN, -3.0, 0.5)];
+        let mut all = [Vec3::new(0.5, 1.02, 0.0), Vec3::new(f32::NAN, -3.0, 9.0)];
         let note = decode(&mut all).expect("a line");
         assert!(note.contains("above 1 are cut") && note.contains("1 with negative"), "{note}");
         assert!((all[0] - Vec3::new(0.21404, 1.0, 0.0)).length() < 1e-4);
