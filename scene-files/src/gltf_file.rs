@@ -166,11 +166,14 @@ fn document(
     let images = Images::new(&context.files, path, root);
     let mut reader = Reader::new(root, buffers, skeleton, extensions, images, &shown);
     let index = context.skeletons.len();
-    let (mut read, mut notes) = (Read::default(), Vec::new());
+    let (mut read, mut notes, mut cameras) = (Read::default(), Vec::new(), 0);
     for &(n, is_visible) in &shown {
         if let Some(which) = root.nodes[n].camera {
             match read_camera(root, which.value(), &reader.worlds[n])? {
-                Some(found) => reader.see(found, n, index, &mut read),
+                Some(found) => {
+                    cameras += 1;
+                    reader.see(found, n, index, &mut read);
+                }
                 None => context.warn(path, "a camera that is neither perspective nor orthographic was left out"),
             }
         }
@@ -186,7 +189,8 @@ fn document(
     if read.parts.is_empty() && shown.iter().any(|&(n, is_visible)| !is_visible && root.nodes[n].mesh.is_some()) {
         return Err("no triangles: its meshes are in nodes that are not visible".to_owned());
     }
-    notes.into_iter().chain(transform_notes(root)).for_each(|note| reader.note(note));
+    let cameras = (cameras > 1).then(|| format!("of its {cameras} cameras the first is taken"));
+    notes.into_iter().chain(transform_notes(root)).chain(cameras).for_each(|note| reader.note(note));
     reader.tell(path, context);
     keep_document(path, root, json, reader.buffers, context);
     if read.moves() {

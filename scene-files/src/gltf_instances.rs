@@ -7,8 +7,8 @@ use gltf::json::accessor::Type;
 use gltf::json::{Index, Value};
 use scene::{MAX_COORDINATE, Mesh};
 
-/// The matrices of a node's instances to the node: `T · R · S`, each part one a row of its accessor or none. Attributes of other names,
-/// which begin with `_`, are for programs.
+/// The matrices of a node's instances to the node: `T · R · S`, each part one a row of its accessor or none. Attributes of other names
+/// are for programs.
 pub(crate) fn read_instances(buffers: &Buffers<'_>, attributes: &Value) -> Result<Vec<Mat4>, String> {
     let fault = |name: &str, e: String| format!("instances: {name}: {e}");
     let rows = |name: &str, kind: Type| -> Result<Option<Vec<f32>>, String> {
@@ -41,10 +41,15 @@ pub(crate) fn read_instances(buffers: &Buffers<'_>, attributes: &Value) -> Resul
     Ok((0..count).map(matrix).collect())
 }
 
-/// The attributes of instances that mean something and are not read.
-pub(crate) fn unread_attributes(attributes: &Value) -> Vec<&str> {
-    let is_read = |name: &str| ["TRANSLATION", "ROTATION", "SCALE"].contains(&name) || name.starts_with('_');
-    attributes.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).filter(|name| !is_read(name)).collect()
+/// Lines about the attributes of instances that may mean something and are not read, and about instances without a place.
+pub(crate) fn attribute_notes(attributes: &Value) -> Vec<String> {
+    let is_read = |name: &str| ["TRANSLATION", "ROTATION", "SCALE"].contains(&name);
+    let names = || attributes.as_object().into_iter().flatten().map(|(name, _)| name.as_str());
+    // A program's own, but for colours, which some viewers show.
+    let is_unread = |name: &&str| !is_read(name) && (!name.starts_with('_') || name.starts_with("_COLOR"));
+    let unread = names().filter(is_unread).map(|name| format!("{name} of instances is not read"));
+    let placeless = (!names().any(is_read)).then(|| "instances without a place are one".to_owned());
+    unread.chain(placeless).collect()
 }
 
 /// The shapes at the place of each instance, as one.

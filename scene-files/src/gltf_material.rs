@@ -43,6 +43,9 @@ fn appearance(
 ) -> Result<Appearance, String> {
     let limit = alpha_limit(material, images)?;
     check_textures(material, images)?;
+    if has_strange_numbers(material) {
+        images.note("numbers of materials that are out of range are taken as the nearest that are not".to_owned());
+    }
     let pbr = &material.pbr_metallic_roughness;
     let extensions = material.extensions.as_ref();
     let color = images.map(buffers, pbr.base_color_texture.as_ref().map(Into::into), Encoding::Srgb)?;
@@ -113,6 +116,15 @@ fn check_textures(material: &Document, images: &Images<'_>) -> Result<(), String
         material.emissive_texture.as_ref().map(|t| t.index),
     ];
     textures.into_iter().flatten().try_for_each(|index| images.source(index.value()).map(|_| ()))
+}
+
+/// Whether a factor, which the format wants in [0, 1], is not there.
+fn has_strange_numbers(material: &Document) -> bool {
+    let pbr = &material.pbr_metallic_roughness;
+    let specular = material.extensions.as_ref().and_then(|e| e.specular.as_ref());
+    let factors = [pbr.metallic_factor.0, pbr.roughness_factor.0, specular.map_or(1.0, |s| s.specular_factor.0)];
+    let mut all = factors.iter().chain(&pbr.base_color_factor.0).chain(&material.emissive_factor.0);
+    all.any(|x| !(0.0..=1.0).contains(x))
 }
 
 /// The emission, limited to [`MAX_EMISSION`].

@@ -150,6 +150,24 @@ fn transforms_that_the_format_does_not_allow_give_a_line() {
     assert!(uneven.len() == 1 && uneven[0].contains("whose last row is not 0 0 0 1"), "{uneven:?}");
 }
 
+#[test]
+fn numbers_and_cameras_that_are_not_taken_are_told() {
+    let camera = r#", "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}]"#;
+    let text = |nodes: &str| triangle(nodes, camera);
+    let one = text(r#"[{"mesh": 0}, {"camera": 0}]"#);
+    assert!(parts_of(&one).1.is_empty());
+    let (_, two) = parts_of(&text(r#"[{"mesh": 0}, {"camera": 0}, {"camera": 0}]"#));
+    assert!(two.len() == 1 && two[0].contains("of its 2 cameras the first is taken"), "{two:?}");
+    for (from, to) in [
+        (r#""metallicFactor": 0"#, r#""metallicFactor": 1.5"#),
+        ("0.8, 0.4", "-0.8, 0.4"),
+        (r#""metallicFactor": 0}"#, r#""metallicFactor": 0}, "emissiveFactor": [2, 0, 0]"#),
+    ] {
+        let (_, told) = parts_of(&one.replace(from, to));
+        assert!(told.len() == 1 && told[0].contains("out of range"), "{to}: {told:?}");
+    }
+}
+
 /// With a copy of all nodes for each clip they take half a minute.
 #[test]
 fn many_clips_of_many_nodes_are_read_soon() {

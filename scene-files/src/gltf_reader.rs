@@ -6,7 +6,7 @@ use crate::gltf_buffers::Buffers;
 use crate::gltf_document::GltfPart;
 use crate::gltf_extensions::Extensions;
 use crate::gltf_file::Read;
-use crate::gltf_instances::{expanded, read_instances, unread_attributes};
+use crate::gltf_instances::{attribute_notes, expanded, read_instances};
 use crate::gltf_material::read_material;
 use crate::gltf_mesh::{Influences, Shapes, read_influences, read_primitive, read_skin, spare_indices};
 use crate::gltf_shared::{SharedMeshes, Shown};
@@ -161,9 +161,7 @@ impl Reader<'_> {
         let attributes = self.extensions.instances(n);
         let instances = attributes.map(|attributes| read_instances(&self.buffers, attributes)).transpose();
         let instances = instances.map_err(|e| format!("node {n}: {e}"))?;
-        for name in attributes.into_iter().flat_map(unread_attributes) {
-            self.images.note(format!("{name} of instances is not read"));
-        }
+        attributes.into_iter().flat_map(attribute_notes).for_each(|note| self.images.note(note));
         if skin.is_some() && instances.is_some() {
             self.images.note("instances of a mesh with a skin are one: the skin places it".to_owned());
         }

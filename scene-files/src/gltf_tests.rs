@@ -377,8 +377,15 @@ fn instances_stand_where_nodes_would() {
     }
     let other = text.replace("\"TRANSLATION\": 1", "\"TRANSLATION\": 7");
     assert!(parse(&other).err().unwrap().contains("node 1: instances: TRANSLATION: there is no accessor 7"));
-    let (_, warnings) = parts_of(&text.replace("_ID", "COLOR_0"));
-    assert!(warnings.len() == 1 && warnings[0].contains("COLOR_0 of instances is not read"), "{warnings:?}");
+    for name in ["COLOR_0", "_COLOR_0"] {
+        let (_, warnings) = parts_of(&text.replace("_ID", name));
+        let told = format!(" {name} of instances is not read");
+        assert!(warnings.len() == 1 && warnings[0].contains(&told), "{warnings:?}");
+    }
+    let placeless = text.replace("TRANSLATION", "_A").replace("ROTATION", "_B");
+    let (parts, warnings) = parts_of(&placeless);
+    assert_eq!(parts[0].mesh.triangles.len(), 1);
+    assert!(warnings.len() == 1 && warnings[0].contains("instances without a place are one"), "{warnings:?}");
     let uneven = text.replace("\"count\": 3, \"type\": \"VEC4\"", "\"count\": 2, \"type\": \"VEC4\"");
     assert!(parse(&uneven).err().unwrap().contains("different counts"));
 }

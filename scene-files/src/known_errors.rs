@@ -2,8 +2,8 @@
 
 use brdf::Material;
 use core::cell::OnceCell;
-use glam::Vec3;
-use lighting::Light;
+use glam::{Vec2, Vec3};
+use lighting::{FlatLight, Light};
 use lobe_core::Sphere;
 use scene::{Bounds, Scene};
 use shading::LightLobes;
@@ -19,7 +19,75 @@ const MOST: usize = 4096;
 /// One line for each kind of error in a scene.
 pub(crate) fn lines(scene: &Scene) -> Vec<String> {
     let metals = scene.materials.iter().enumerate().filter_map(|(i, material)| metal(i, material));
-    metals.chain(twice(&scene.lights)).chain(tiny(scene)).collect()
+    metals
+        .chain(twice(&scene.lights))
+        .chain(stacked(&scene.lights))
+        .chain(tiny(scene))
+        .chain(black(&scene.lights))
+        .collect()
+}
+
+/// Lights of which none shines.
+fn black(lights: &[Light]) -> Option<String> {
+    let is_black = !lights.is_empty() && lights.iter().all(|light| light.full_radiance() == Vec3::ZERO);
+    is_black.then(|| "all its lights are black: they light nothing".to_owned())
+}
+
+/// Flat lights that lie partly on others in one plane.
+fn stacked(lights: &[Light]) -> Option<String> {
+    let shines = |light: &&FlatLight| light.radiance != Vec3::ZERO;
+    let flat =
+        lights.iter().take(MOST).filter_map(|light| if let Light::Flat(flat) = light { Some(flat) } else { None });
+    let lights: Vec<&FlatLight> = flat.filter(shines).collect();
+    let covers = |i: &usize| lights[..*i].iter().any(|other| *other != lights[*i] && overlap(other, lights[*i]));
+    let count = (0..lights.len()).filter(covers).count();
+    let lie = if count == 1 { "1 flat light lies" } else { &format!("{count} flat lights lie") };
+    (count > 0).then(|| format!("{lie} partly on others in one plane: there the light is that of both"))
+}
+
+/// Whether two flat lights lie in one plane, shine to one side, and cover an area together.
+fn overlap(a: &FlatLight, b: &FlatLight) -> bool {
+    let cos = a.normal().dot(b.normal());
+    let is_one_side = cos > 0.0 || a.two_sided || b.two_sided;
+    let (near, far) = (a.bounds(), b.bounds());
+    let least = a.area().min(b.area());
+    // Of corners in single precision.
+    let is_flat = cos.abs() > 0.999_99 && (far.center - near.center).dot(a.normal()).abs() < 1e-3 * least.sqrt();
+    let is_near = near.center.distance(far.center) < near.radius + far.radius;
+    is_one_side && is_flat && is_near && common_area(&corners(a), &corners(b), a.normal()) > 1e-2 * least
+}
+
+/// The corners of a flat light; points of its rim for a disc.
+fn corners(light: &FlatLight) -> Vec<Vec3> {
+    const RIM: usize = 24;
+    let (center, Some(radius)) = light.as_disc() else { return light.corners().to_vec() };
+    let (u, v) = light.normal().any_orthonormal_pair();
+    let at = |k: usize| Vec2::from_angle(core::f32::consts::TAU * k as f32 / RIM as f32) * radius;
+    (0..RIM).map(|k| center + u * at(k).x + v * at(k).y).collect()
+}
+
+/// The area of a convex polygon within another in its plane, whose corners go counter-clockwise about the normal: one is clipped at the
+/// sides of the other.
+fn common_area(around: &[Vec3], polygon: &[Vec3], normal: Vec3) -> f32 {
+    let mut rest = polygon.to_vec();
+    for (i, &from) in around.iter().enumerate() {
+        let inward = normal.cross(around[(i + 1) % around.len()] - from);
+        let inside = |p: Vec3| (p - from).dot(inward);
+        let mut kept = Vec::with_capacity(rest.len() + 1);
+        for (k, &p) in rest.iter().enumerate() {
+            let next = rest[(k + 1) % rest.len()];
+            let (here, there) = (inside(p), inside(next));
+            if here >= 0.0 {
+                kept.push(p);
+            }
+            if here * there < 0.0 {
+                kept.push(p.lerp(next, here / (here - there)));
+            }
+        }
+        rest = kept;
+    }
+    let Some(&first) = rest.first() else { return 0.0 };
+    0.5 * rest[1..].windows(2).map(|p| (p[0] - first).cross(p[1] - first)).sum::<Vec3>().length()
 }
 
 /// The half-angle, in radians, from which on lights are exact: of flat ones and tubes, whose corners are rounded, and of spheres.
@@ -131,6 +199,36 @@ mod tests {
         assert!(tiny(&scene(flat(1e-5).expect("a rectangle").into())).is_some());
         assert!(tiny(&scene(flat(1e-2).expect("a rectangle").into())).is_none());
         assert!(tiny(&scene(sphere(1e-7).into())).is_some() && tiny(&scene(sphere(1e-4).into())).is_none());
+    }
+
+    #[test]
+    fn flat_lights_on_each_other_are_told() {
+        let at = |x: f32, y: f32, v: Vec3| FlatLight::rectangle(Vec3::new(x, y, 0.0), Vec3::X, v, Vec3::ONE);
+        let disc = |x: f32| FlatLight::disc(Vec3::new(x, 0.0, x), Vec3::NEG_Y, 1.0, Vec3::ONE);
+        for (a, b, is_told) in [
+            // Side by side, half on it, above it, facing the other way, and on it as two-sided ones.
+            (at(0.0, 0.0, Vec3::Z), at(2.0, 0.0, Vec3::Z), false),
+            (at(0.0, 0.0, Vec3::Z), at(1.0, 0.0, Vec3::Z), true),
+            (at(0.0, 0.0, Vec3::Z), at(1.0, 0.1, Vec3::Z), false),
+            (at(0.0, 0.0, Vec3::Z), at(1.0, 0.0, Vec3::NEG_Z), false),
+            (at(0.0, 0.0, Vec3::Z), at(1.0, 0.0, Vec3::NEG_Z).map(FlatLight::on_both_sides), true),
+            // Equal ones have a line of their own; discs do not reach the corners of their squares.
+            (at(0.0, 0.0, Vec3::Z), at(0.0, 0.0, Vec3::Z), false),
+            (disc(0.0), disc(1.5), false),
+            (disc(0.0), disc(1.2), true),
+        ] {
+            let lights: Vec<Light> = [a, b].map(|light| light.expect("a light").into()).into();
+            assert_eq!(stacked(&lights).is_some(), is_told, "{lights:?}");
+        }
+    }
+
+    #[test]
+    fn lights_that_are_all_black_are_told() {
+        let of = |radiance: f32| -> Light {
+            SphereLight::new(Sphere { center: Vec3::ZERO, radius: 1.0 }, Vec3::splat(radiance)).into()
+        };
+        assert!(black(&[of(0.0), of(0.0)]).is_some());
+        assert!(black(&[of(0.0), of(1.0)]).is_none() && black(&[]).is_none());
     }
 
     #[test]

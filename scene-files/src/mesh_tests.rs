@@ -106,6 +106,19 @@ fn ranges_of_images_that_are_not_read_are_told() {
 }
 
 #[test]
+fn numbers_out_of_range_and_materials_of_one_name_are_told() {
+    let told = |library: &str| with_library("a", library.as_bytes()).1;
+    assert!(told("newmtl a\nKd 1 0 0.5\nNs 50\nd 1\nnewmtl b\nKd 3 0 0\n").is_empty());
+    let strange = told("newmtl a\nKd -0.5 0 0.5\nPr 1.5\nNs -1\n");
+    assert!(strange.len() == 1 && strange[0].contains("3 numbers are negative or out of range"), "{strange:?}");
+    let twice = told("newmtl a\nKd 1 0 0\nnewmtl b\nnewmtl a\nKd 0 1 0\nnewmtl b\nnewmtl b\n");
+    assert!(twice.len() == 1 && twice[0].contains("material a (and 1 more) stands there more than once"), "{twice:?}");
+    let (parts, _) = with_library("a", b"newmtl a\nKd 1 0 0\nnewmtl a\nKd 0 1 0\n");
+    let (_, appearance) = parts[0].material.as_ref().expect("the material");
+    assert_eq!(appearance.material, Lambert { albedo: Vec3::Y }.into());
+}
+
+#[test]
 fn constant_colours_are_told() {
     let warnings = |illum: u32| with_library("a", format!("newmtl a\nKd 1 0 0\nillum {illum}\n").as_bytes()).1;
     assert!(warnings(0).iter().any(|w| w.contains("not read: illum 0")));
@@ -269,6 +282,22 @@ fn parts_of_ply_files_that_are_left_out_are_told() {
     for words in ["tristrips", "material_index"] {
         assert_eq!(context.warnings.iter().filter(|line| line.contains(words)).count(), 1, "{:?}", context.warnings);
     }
+}
+
+#[test]
+fn ply_files_with_more_than_their_header_says_are_told() {
+    let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+        element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    let told = |body: &str| {
+        let mut context = Context::default();
+        ply::parse(Path::new("m.ply"), format!("{header}{body}").as_bytes(), &mut context).unwrap();
+        context.warnings
+    };
+    assert!(told("0 0 0\n1 0 0\n0 1 0\n3 0 1 2 \n\n").is_empty());
+    let longer = told("0 0 0 7\n1 0 0 7\n0 1 0\n3 0 1 2\n");
+    assert!(longer.len() == 1 && longer[0].contains("2 lines have more numbers"), "{longer:?}");
+    let behind = told("0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 2 1 0\n");
+    assert!(behind.len() == 1 && behind[0].contains("7 bytes behind its last element"), "{behind:?}");
 }
 
 #[test]

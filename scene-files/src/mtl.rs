@@ -24,8 +24,9 @@ use std::path::{Path, PathBuf};
 /// a normal map where its colours are normals.
 pub(crate) fn parse(path: &Path, context: &mut Context) -> Result<HashMap<String, Appearance>, SceneError> {
     let text = decoded(&context.files.read(path)?);
-    let mut reader = Reader { path, context, textures: HashMap::new(), unread: Vec::new(), inverted: 0 };
+    let mut reader = Reader { path, context, textures: HashMap::new(), unread: Vec::new(), inverted: 0, strange: 0 };
     let (mut all, mut entry): (HashMap<String, Appearance>, Option<Entry>) = (HashMap::new(), None);
+    let mut twice = Vec::new();
     let unified = text.replace("\r\n", "\n").replace('\r', "\n");
     let mut lines = unified.split('\n').enumerate();
     while let Some((number, line)) = lines.next() {
@@ -39,19 +40,30 @@ pub(crate) fn parse(path: &Path, context: &mut Context) -> Result<HashMap<String
         if word.eq_ignore_ascii_case("newmtl") {
             all.extend(entry.take().map(|entry| reader.finish(entry)));
             let name = rest.split_whitespace().collect::<Vec<_>>().join(" ");
+            if all.contains_key(&name) && !twice.contains(&name) {
+                twice.push(name.clone());
+            }
             entry = Some(Entry { name, ..Entry::default() });
         } else if let Some(entry) = entry.as_mut().filter(|_| !word.is_empty()) {
             reader.line(entry, word, rest).map_err(|e| SceneError::at_line(path, number + 1, e))?;
         }
     }
     all.extend(entry.map(|entry| reader.finish(entry)));
-    let Reader { unread, inverted, .. } = reader;
+    let Reader { unread, inverted, strange, .. } = reader;
     if inverted > 0 {
         let names = if inverted == 1 { "a material says".to_owned() } else { format!("{inverted} materials say") };
         context.warn(path, format!("{names} `Tr 1` and no `d`: surfaces are opaque, not invisible"));
     }
     if all.values().any(|appearance| appearance.cut_out.is_some()) {
         context.warn(path, "surfaces that are not opaque are cut out where their opacity is below a half");
+    }
+    if let [first, others @ ..] = &twice[..] {
+        let more = if others.is_empty() { String::new() } else { format!(" (and {} more)", others.len()) };
+        context.warn(path, format!("material {first}{more} stands there more than once: the last is taken"));
+    }
+    if strange > 0 {
+        let are = if strange == 1 { "1 number is".to_owned() } else { format!("{strange} numbers are") };
+        context.warn(path, format!("{are} negative or out of range: the nearest that is not is taken"));
     }
     if !unread.is_empty() {
         context.warn(path, format!("not read: {}", unread.join(", ")));
@@ -109,13 +121,12 @@ impl Entry {
         }
         let is_metal =
             roughness.is_some() || metallic.is_some() || surface.roughness.is_some() || surface.metallic.is_some();
-        let unit = |x: f32| x.clamp(0.0, 1.0);
         let lambert: Material = Lambert { albedo: kd }.into();
         let material = if is_metal {
             // A map alone is the number.
             let metallic = metallic.unwrap_or(f32::from(u8::from(surface.metallic.is_some())));
             let base = kd.clamp(Vec3::ZERO, Vec3::ONE);
-            MetallicRoughness::new(base, unit(metallic), unit(roughness.unwrap_or(1.0))).map_or(lambert, Into::into)
+            MetallicRoughness::new(base, metallic, roughness.unwrap_or(1.0)).map_or(lambert, Into::into)
         } else if ks == Vec3::ZERO || is_matte {
             lambert
         } else {
@@ -123,7 +134,7 @@ impl Entry {
             let alone = if surface.exponent.is_some() { 1000.0 } else { 0.0 };
             Phong { kd: kd * FRAC_1_PI, ks: ks * FRAC_1_PI, exponent: ns.unwrap_or(alone) }.into()
         };
-        let factor = unit(opacity.unwrap_or(1.0 - transparency.unwrap_or(0.0)));
+        let factor = opacity.unwrap_or(1.0 - transparency.unwrap_or(0.0));
         let is_whole = opacity_map.is_none() && factor == 1.0;
         let cut_out = (!is_whole).then_some(CutOut { map: opacity_map, factor, limit: 0.5 });
         (name, Appearance { material, surface, cut_out })
@@ -138,6 +149,8 @@ struct Reader<'a> {
     unread: Vec<String>,
     /// Materials whose `Tr` is taken as an opacity.
     inverted: usize,
+    /// Numbers that are out of the format's range.
+    strange: usize,
 }
 
 /// The meaning of an image.
@@ -150,6 +163,7 @@ enum Use {
 }
 
 const MAX_EXPONENT: f32 = 1e7;
+const MAX_COLOR: f32 = 1e12;
 
 /// The words that are read, and those that change nothing. Some programs write them with other letters large.
 const KEYWORDS: [&str; 23] = [
@@ -201,9 +215,9 @@ impl Reader<'_> {
             "Kd" => entry.kd = self.color(word, rest)?,
             "Ks" => entry.ks = self.color(word, rest)?,
             "Ke" => surface.emission = self.color(word, rest)?.unwrap_or(Vec3::ZERO),
-            "Ns" => entry.ns = Some(number(word, rest)?.clamp(0.0, MAX_EXPONENT)),
-            "Pr" => entry.roughness = Some(number(word, rest)?),
-            "Pm" => entry.metallic = Some(number(word, rest)?),
+            "Ns" => entry.ns = Some(self.within(word, rest, MAX_EXPONENT)?),
+            "Pr" => entry.roughness = Some(self.within(word, rest, 1.0)?),
+            "Pm" => entry.metallic = Some(self.within(word, rest, 1.0)?),
             "illum" => {
                 entry.is_matte = matches!(rest, "0" | "1");
                 // A constant colour: some programs write it for what is meant to be lit.
@@ -227,9 +241,9 @@ impl Reader<'_> {
                 surface.normal = surface.normal.take().or(bump);
             }
             "map_d" => entry.opacity_map = self.map(rest, |o| Use::Opacity(o.source))?.map(|(map, _)| map),
-            "d" if !rest.starts_with("-halo") => entry.opacity = Some(number(word, rest)?),
+            "d" if !rest.starts_with("-halo") => entry.opacity = Some(self.within(word, rest, 1.0)?),
             // Some files mean the opposite by it: `d`, where it stands, is sure.
-            "Tr" => entry.transparency = Some(number(word, rest)?),
+            "Tr" => entry.transparency = Some(self.within(word, rest, 1.0)?),
             "Ka" | "map_Ka" | "Ni" | "sharpness" => {}
             _ => self.tell_unread(word),
         }
@@ -258,8 +272,17 @@ impl Reader<'_> {
             [r, g, b] => Vec3::new(r, g, b),
             _ => return Err(format!("{word}: expected one number or three")),
         };
-        let coefficient = |x: f32| if x > 0.0 { x.min(1e12) } else { 0.0 };
+        // Colours of other spaces may lie outside.
+        self.strange += usize::from(!is_xyz && (color.min_element() < 0.0 || color.max_element() > MAX_COLOR));
+        let coefficient = |x: f32| if x > 0.0 { x.min(MAX_COLOR) } else { 0.0 };
         Ok(Some(Vec3::from_array(color.to_array().map(coefficient))))
+    }
+
+    /// A number, kept in [0, `most`].
+    fn within(&mut self, word: &str, rest: &str, most: f32) -> Result<f32, String> {
+        let x = number(word, rest)?;
+        self.strange += usize::from(!(0.0..=most).contains(&x));
+        Ok(x.clamp(0.0, most))
     }
 
     /// The channel of an image that gives a number: red by default.

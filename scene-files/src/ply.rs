@@ -112,6 +112,8 @@ struct Body<'a> {
     line: usize,
     words: Vec<&'a [u8]>,
     next_word: usize,
+    /// Lines on which numbers were left when their element was read.
+    longer: usize,
 }
 
 impl<'a> Body<'a> {
@@ -131,6 +133,10 @@ impl<'a> Body<'a> {
                 return Ok(());
             }
         }
+    }
+
+    fn end_element(&mut self) {
+        self.longer += usize::from(self.next_word < self.words.len());
     }
 
     fn value(&mut self, kind: Kind) -> Result<f64, String> {
@@ -180,7 +186,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], context: &mut Context) -> Result<
         _ => SceneError::at_line(path, line, message),
     })?;
     let Header { format, elements, images } = header;
-    let mut body = Body { format, bytes: rest, line, words: Vec::new(), next_word: 0 };
+    let mut body = Body { format, bytes: rest, line, words: Vec::new(), next_word: 0, longer: 0 };
     let mut mesh = PlyMesh::new(images);
     for element in &elements {
         for i in 0..element.count {
@@ -189,8 +195,10 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], context: &mut Context) -> Result<
                 Format::Ascii => SceneError::at_line(path, body.line, message),
                 _ => SceneError::file(path, format!("{} {i}: {message}", element.name)),
             })?;
+            body.end_element();
         }
     }
+    tell_surplus(&body, path, context);
     let has_strips = elements.iter().any(|e| e.name == "tristrips" && e.count > 0);
     let is_empty = mesh.mesh.triangles.is_empty();
     if is_empty && has_strips {
@@ -205,6 +213,19 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], context: &mut Context) -> Result<
         context.warn(path, "material_index is not read: its faces have one material");
     }
     mesh.parts(path, context).map_err(|message| SceneError::file(path, message))
+}
+
+/// Warns of what the header does not announce: such a file is not what its header says.
+fn tell_surplus(body: &Body<'_>, path: &Path, context: &mut Context) {
+    match body.longer {
+        0 => {}
+        1 => context.warn(path, "a line has more numbers than its element: they are not read"),
+        lines => context.warn(path, format!("{lines} lines have more numbers than their element: they are not read")),
+    }
+    let behind = body.bytes.trim_ascii().len();
+    if behind > 0 {
+        context.warn(path, format!("{behind} bytes behind its last element are not read"));
+    }
 }
 
 struct Header {
