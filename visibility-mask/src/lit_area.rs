@@ -1,5 +1,6 @@
 //! The lit part of a window as trapezoids of exact area.
 
+use crate::lit_sums::Focus;
 use crate::{Mask, Raster, UnitSquare};
 use glam::{Vec2, Vec3};
 use lobe_core::LightImage;
@@ -9,18 +10,23 @@ const PIECES: f32 = 16.0;
 /// At most, where a light shows an image.
 const MOST_PIECES: f32 = 48.0;
 
+/// The size of parts about a peak, in its widths or in distances from it.
+const PART: f32 = 0.7;
+
 /// Half the distance of the two points of Gauss and Legendre's rule, in lengths of their piece.
 const GAUSS: f32 = 0.288_675_13;
 
 /// The lit part of a window, which blockers with exact outlines find: points of its plane with the areas that they stand for.
 ///
 /// The area is exact. Integrands are taken to be polynomials of third order along the rows of its pieces, of which a window has sixteen side by side (up to 48 before an image), and of first order across them. [`Blockers::find_lit`](crate::Blockers::find_lit) fills it.
+/// For highlights the trapezoids are divided about their peak instead.
 #[derive(Clone, Debug)]
 pub struct LitArea {
     /// Of a window's width.
     pieces: f32,
     /// `x`, `y`, area.
     points: Vec<Vec3>,
+    trapezoids: Vec<Trapezoid>,
     hidden: Vec<[Vec2; 2]>,
     /// The box in which alone it matters what is hidden: from, to.
     looked_at: Option<[Vec2; 2]>,
@@ -28,7 +34,7 @@ pub struct LitArea {
 
 impl Default for LitArea {
     fn default() -> Self {
-        Self { pieces: PIECES, points: Vec::new(), hidden: Vec::new(), looked_at: None }
+        Self { pieces: PIECES, points: Vec::new(), trapezoids: Vec::new(), hidden: Vec::new(), looked_at: None }
     }
 }
 
@@ -36,7 +42,7 @@ impl LitArea {
     /// Begins again. Rows have as many points as an image has texels there, from 32 to 96.
     pub(crate) fn begin(&mut self, image: Option<&LightImage>) {
         self.pieces = image.map_or(PIECES, |image| (0.5 * image.texels() as f32).clamp(PIECES, MOST_PIECES));
-        self.points.clear();
+        self.truncate(0);
         self.clear_hidden();
     }
 
@@ -100,6 +106,8 @@ impl LitArea {
 
     pub(crate) fn truncate(&mut self, count: usize) {
         self.points.truncate(count);
+        let kept = self.trapezoids.partition_point(|trapezoid| trapezoid.first < count);
+        self.trapezoids.truncate(kept);
     }
 
     /// Whether all samples of a mask that emit are lit beside all points from one on.
@@ -119,6 +127,7 @@ impl LitArea {
     /// Adds a trapezoid with two level sides, in plane coordinates of a window: the ends of the line halfway between these, by how much these ends move from the lower side to
     /// the higher one, and the height.
     pub fn add(&mut self, window: &UnitSquare, ends: [f32; 2], leans: [f32; 2], y: f32, height: f32) {
+        self.trapezoids.push(Trapezoid { ends, leans, y, height, first: self.points.len() });
         let pieces = |length: f32| (0.5 * self.pieces * length / window.half.x).ceil().clamp(1.0, self.pieces);
         let rows = pieces(leans[0].abs().max(leans[1].abs()));
         for row in 0..rows as u32 {
@@ -147,6 +156,69 @@ impl LitArea {
             }
             sums
         })
+    }
+
+    /// The same of weights with a peak: from there on points are the farther apart the farther they are from it.
+    pub(crate) fn integrals_about<const N: usize>(
+        &self,
+        focus: Focus,
+        weight: impl Fn(f32, f32, f32) -> [f32; N],
+    ) -> [f32; N] {
+        let mut sums = [0.0; N];
+        let mut add = |x: f32, y: f32, area: f32| {
+            for (sum, w) in sums.iter_mut().zip(weight(x, y, area)) {
+                *sum += if w > 0.0 { w * area } else { 0.0 };
+            }
+        };
+        self.trapezoids.iter().for_each(|trapezoid| trapezoid.each_point(focus, &mut add));
+        sums
+    }
+}
+
+/// A trapezoid with two level sides: the ends of the line halfway between these, how far these ends move from the lower side to the higher one,
+/// and the height.
+#[derive(Clone, Copy, Debug)]
+struct Trapezoid {
+    ends: [f32; 2],
+    leans: [f32; 2],
+    y: f32,
+    height: f32,
+    /// The number of its first point.
+    first: usize,
+}
+
+impl Trapezoid {
+    /// Calls `add` with the points and areas of Gauss's rule in parts that are as large as the peak, or in proportion to their distance from it.
+    fn each_point(&self, focus: Focus, add: &mut impl FnMut(f32, f32, f32)) {
+        let Self { ends: [from, to], leans, y, height, .. } = *self;
+        let lean = leans[0].abs().max(leans[1].abs());
+        let half = 0.5 * Vec2::new((to - from) + lean, height);
+        let beside = ((focus.place - Vec2::new(0.5 * (from + to), y)).abs() - half).max(Vec2::ZERO);
+        let most = PART * focus.width.max(focus.slope * beside.length());
+        let [tall, wide] = [lean.max(height) > most, to - from > most];
+        if tall && (!wide || lean.max(height) > to - from) {
+            return [-0.25, 0.25].into_iter().for_each(|at| self.level_half(at).each_point(focus, add));
+        } else if wide {
+            let (middle, lean) = (0.5 * (from + to), 0.5 * (leans[0] + leans[1]));
+            Self { ends: [from, middle], leans: [leans[0], lean], ..*self }.each_point(focus, add);
+            return Self { ends: [middle, to], leans: [lean, leans[1]], ..*self }.each_point(focus, add);
+        }
+        // One row of points does for a part that is much lower than it may be.
+        let rows: &[f32] = if 4.0 * lean.max(height) < most { &[0.0] } else { &[-GAUSS, GAUSS] };
+        for up in rows {
+            let [from, to] = [from + up * leans[0], to + up * leans[1]];
+            let area = 0.5 * (to - from) * height / rows.len() as f32;
+            for at in [-GAUSS, GAUSS] {
+                add(0.5 * (from + to) + at * (to - from), y + up * height, area);
+            }
+        }
+    }
+
+    /// The lower or the higher half, whose middle is so many heights above that of both.
+    fn level_half(&self, at: f32) -> Self {
+        let Self { ends, leans, y, height, .. } = *self;
+        let ends = [ends[0] + at * leans[0], ends[1] + at * leans[1]];
+        Self { ends, leans: leans.map(|lean| 0.5 * lean), y: y + at * height, height: 0.5 * height, ..*self }
     }
 }
 
@@ -194,5 +266,55 @@ mod tests {
         assert!((few / many - 1.0).abs() < 2e-4, "{few} {many}");
         // Where the weight is negative nothing is.
         assert_eq!(triangle(20).integrals(|_, _, _| [-1.0]), [0.0]);
+    }
+
+    /// Peaks in a triangle and beside it: about their place few points are as good as many rows of narrow pieces.
+    #[test]
+    fn peaks_are_integrated_about_their_place() {
+        let window = UnitSquare { half: Vec2::splat(2.0), ..UnitSquare::default() };
+        let triangle = |slabs: u32| {
+            let mut lit = LitArea::default();
+            let height = 1.2 / slabs as f32;
+            for k in 0..slabs {
+                let y = -0.6 + (k as f32 + 0.5) * height;
+                lit.add(&window, [-0.5 + 0.6 * y, 0.1 - 0.5 * y], [0.6 * height, -0.5 * height], y, height);
+            }
+            lit
+        };
+        let few = triangle(5);
+        let many = |place: Vec2, weight: &dyn Fn(f32, f32) -> f32| {
+            // Rows through the lines halfway up thousands of slabs, by the integral's own rule.
+            let rows = 6000;
+            let height = 1.2 / f64::from(rows);
+            (0..rows)
+                .map(|k| {
+                    let y = (-0.6 + (f64::from(k) + 0.5) * height) as f32;
+                    let row = Trapezoid {
+                        ends: [-0.5 + 0.6 * y, 0.1 - 0.5 * y],
+                        leans: [0.0; 2],
+                        y,
+                        height: height as f32,
+                        first: 0,
+                    };
+                    let mut sum = 0.0;
+                    row.each_point(Focus { place, width: 1e-3, slope: 1.0 }, &mut |x, y, area| {
+                        sum += f64::from(weight(x, y) * area)
+                    });
+                    sum
+                })
+                .sum::<f64>()
+        };
+        for (x, y, width) in [(0.0, 0.0, 0.3), (0.05, 0.1, 0.02), (-0.9, 0.2, 0.01), (-0.52, -0.04, 0.005)] {
+            let place = Vec2::new(x, y);
+            let weight = |x: f32, y: f32| (1.0 + Vec2::new(x, y).distance_squared(place) / (width * width)).powi(-2);
+            let focus = Focus { place, width, slope: 1.0 };
+            let mut points = 0;
+            few.trapezoids.iter().for_each(|t| t.each_point(focus, &mut |_, _, _| points += 1));
+            let [sum] = few.integrals_about(focus, |x, y, _| [weight(x, y)]);
+            let want = many(place, &weight);
+            assert!((f64::from(sum) / want - 1.0).abs() < 3e-3, "{place} {width}: {sum} {want}");
+            assert!(points < 1500, "{points}");
+            println!("{place} {width}: {:.5}, {points} points", f64::from(sum) / want);
+        }
     }
 }

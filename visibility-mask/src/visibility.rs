@@ -3,7 +3,8 @@ use crate::contour;
 use crate::counts::Counts;
 use crate::near_masks::is_faint;
 use crate::spread::{Spread, along};
-use crate::window_masks::{WindowMasks, image_fractions, microfacet_fractions};
+use crate::square::WIDEST_TAN;
+use crate::window_masks::{SeenFacets, WindowMasks, image_fractions};
 use crate::{Blockers, Edges, Fineness, LitArea, MAX_DEPTH, Mask, MaskLobes, UnitSquare};
 use glam::{UVec2, Vec3};
 use lobe_core::{BrdfLobe, Cone, LightImage, Lobe, Microfacets, Outline, Receiver, Schlick, Sphere, is_lambert};
@@ -146,12 +147,16 @@ impl<B: Blockers> MaskVisibility<B> {
         &self,
         query: &VisibilityQuery<'_>,
         facets: &Microfacets,
+        unshadowed: f32,
         scratch: &mut MaskScratch<B::Scratch>,
     ) -> Vec3 {
-        if let (Schlick::F90, Some((exponent, fraction))) = (facets.part, scratch.edge.take())
+        if let (Schlick::F90, Some((exponent, seen))) = (facets.part, scratch.seen.take())
             && exponent == facets.exponent
         {
-            return unit(fraction);
+            return unit(seen.fraction(facets.part, unshadowed));
+        }
+        if scratch.full.is_lit_known() {
+            return Self::facets_fraction([true, false], query, facets, unshadowed, scratch);
         }
         let [broad, narrow] = [self.broad(query), self.narrow(query)];
         let highlight = facets.highlight(query.at.normal);
@@ -162,10 +167,7 @@ impl<B: Blockers> MaskVisibility<B> {
             self.draw_narrow(&whole, query, scratch);
             scratch.own.set_spread(None);
             scratch.is_whole = false;
-            let both @ [_, edge] =
-                microfacet_fractions(&scratch.own, None, query.at, facets, scratch.counts.each_mut());
-            scratch.edge = (facets.part == Schlick::F0).then_some((facets.exponent, edge));
-            return unit(facets.part.of(both));
+            return Self::facets_fraction([false, false], query, facets, unshadowed, scratch);
         }
         let cells = UVec2::from(broad.grid) * UVec2::new(broad.columns(), 1 << self.depth(query));
         let near = whole.highlight(highlight, query.at.normal, cells, query.accuracy.tolerance, query.outline);
@@ -177,15 +179,25 @@ impl<B: Blockers> MaskVisibility<B> {
             }
             scratch.is_whole = finer;
         }
-        let whole = if finer { &scratch.own } else { &scratch.full };
-        let near = near.map(|_| &scratch.own);
-        let [counts, own_counts] = &mut scratch.counts;
+        Self::facets_fraction([!finer, near.is_some()], query, facets, unshadowed, scratch)
+    }
+
+    /// The fraction by the masks of the whole light, coarse ones or own ones, and those of the highlight's window.
+    fn facets_fraction(
+        [is_full, has_near]: [bool; 2],
+        query: &VisibilityQuery<'_>,
+        facets: &Microfacets,
+        unshadowed: f32,
+        scratch: &mut MaskScratch<B::Scratch>,
+    ) -> Vec3 {
+        let MaskScratch { full, own, counts: [counts, own_counts], .. } = scratch;
+        let (whole, near) = (if is_full { &*full } else { &*own }, has_near.then_some(&*own));
         if let Some(shown) = shown(query) {
             return image_fractions(whole, near, query.at, &BrdfLobe::Microfacets(*facets), shown, counts);
         }
-        let both @ [_, edge] = microfacet_fractions(whole, near, query.at, facets, [counts, own_counts]);
-        scratch.edge = (facets.part == Schlick::F0).then_some((facets.exponent, edge));
-        unit(facets.part.of(both))
+        let seen = SeenFacets::new(whole, near, query.at, facets, [counts, own_counts]);
+        scratch.seen = (facets.part == Schlick::F0).then_some((facets.exponent, seen));
+        unit(seen.fraction(facets.part, unshadowed))
     }
 
     /// Whether the lobe has masks of its own, `scratch.own`, which are then drawn; otherwise it uses those of the whole light,
@@ -268,7 +280,8 @@ impl<B: Blockers> MaskVisibility<B> {
         let mut find = |mask: &Mask, lit: &mut LitArea| self.blockers.find_lit(query, blockers, mask, narrowest, lit);
         // Of an image that is seen through an opening each texel counts.
         let image = query.image.filter(|_| counts.are_little() && masks.is_opening());
-        if (seeks || is_few) && masks.find_lit(image, &mut find) {
+        let holds_light = query.outline.is_some() || query.cone.tan() < WIDEST_TAN;
+        if (seeks || is_few) && holds_light && masks.find_lit(image, &mut find) {
             return;
         }
         let are_known = seeks && masks.mark(|mask| self.blockers.mark_openings(query, blockers, mask, narrowest));
@@ -326,8 +339,8 @@ pub struct MaskScratch<S> {
     /// Whether `own` shows the whole light of the query.
     is_whole: bool,
     counts: [Counts; 2],
-    /// The visible fraction of the microfacets' edge lobe, which follows, and its exponent.
-    edge: Option<(f32, f32)>,
+    /// What is seen of microfacets' light, of whose two lobes the second one follows, and their exponent.
+    seen: Option<(f32, SeenFacets)>,
 }
 
 impl<B: Blockers> Visibility for MaskVisibility<B> {
@@ -340,7 +353,7 @@ impl<B: Blockers> Visibility for MaskVisibility<B> {
             own: WindowMasks::default(),
             is_whole: false,
             counts: Default::default(),
-            edge: None,
+            seen: None,
         }
     }
 
@@ -367,7 +380,7 @@ impl<B: Blockers> Visibility for MaskVisibility<B> {
         }
         let square = Self::whole(query, self.across(query, &scratch.blockers));
         scratch.is_whole = false;
-        scratch.edge = None;
+        scratch.seen = None;
         let spread = query.outline.and_then(|outline| Spread::of_outline(outline, &square));
         scratch.full.set_spread(spread.filter(|_| !self.is_single));
         let fineness = [self.broad(query), Fineness::broad(evenly(query))];
@@ -375,12 +388,12 @@ impl<B: Blockers> Visibility for MaskVisibility<B> {
         scratch.full.coverage()
     }
 
-    fn fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, _: f32, scratch: &mut Self::Scratch) -> Vec3 {
-        let own = usize::from(self.draw_own(query, brdf, scratch));
+    fn fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, unshadowed: f32, scratch: &mut Self::Scratch) -> Vec3 {
+        let own = usize::from(!scratch.full.is_lit_known() && self.draw_own(query, brdf, scratch));
         let masks = [&scratch.full, &scratch.own][own];
         let counts = &mut scratch.counts[own];
         match shown(query) {
-            None => unit(masks.fraction(query.at, brdf, counts)),
+            None => unit(masks.fraction(query.at, brdf, unshadowed, counts)),
             Some(shown) => image_fractions(masks, None, query.at, &BrdfLobe::Cosine(*brdf), shown, counts),
         }
     }
@@ -389,10 +402,10 @@ impl<B: Blockers> Visibility for MaskVisibility<B> {
         &self,
         query: &VisibilityQuery<'_>,
         facets: &Microfacets,
-        _: f32,
+        unshadowed: f32,
         scratch: &mut Self::Scratch,
     ) -> Vec3 {
-        self.microfacets(query, facets, scratch)
+        self.microfacets(query, facets, unshadowed, scratch)
     }
 }
 

@@ -220,13 +220,8 @@ fn by_texel<S: Simd, const B: usize>(
 }
 
 /// Whether a point of a mask is outside a window.
-fn outside(mask: &Mask, skip: Option<&UnitSquare>) -> impl Fn(f32, f32) -> bool {
-    outside_of(mask.square(), skip)
-}
-
-/// Whether a point in the coordinates of a square is outside a window.
-pub(crate) fn outside_of(square: &UnitSquare, skip: Option<&UnitSquare>) -> impl Fn(f32, f32) -> bool + use<> {
-    let turn = skip.map_or(Vec2::X, |skip| skip.turn_to(square));
+fn outside(mask: &Mask, skip: Option<&UnitSquare>) -> impl Fn(f32, f32) -> bool + use<> {
+    let turn = skip.map_or(Vec2::X, |skip| skip.turn_to(mask.square()));
     let none = [Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY)];
     let [low, high] = skip.map_or(none, |skip| [skip.center - skip.half, skip.center + skip.half]);
     move |x, y| {
@@ -360,17 +355,17 @@ fn glossy<S: Simd, const B: usize>(
 }
 
 /// The peak of a lobe's weights in a window: the point of the light nearest to the lobe's axis.
-pub(crate) struct Peak {
+struct Peak {
     place: Vec2,
     /// The scalar product of the lobe's axis and the point `p`, and `1/p²`.
-    pub(crate) along: f32,
-    pub(crate) over: f32,
+    along: f32,
+    over: f32,
     /// Whether the logarithm of weights, in units of the peak's, is of second order.
-    pub(crate) is_smooth: bool,
+    is_smooth: bool,
 }
 
 impl Peak {
-    pub(crate) fn new(window: &UnitSquare, lobe: &Lobe) -> Self {
+    fn new(window: &UnitSquare, lobe: &Lobe) -> Self {
         let axis = window.local(lobe.axis);
         let e = lobe.exponent;
         let m = e + 3.0;

@@ -5,9 +5,8 @@ use crate::places;
 use crate::spread::Spread;
 use crate::visible_fraction::{MIRROR, Shown, Sums, image_sums, microfacet_sums, narrowest, sums};
 use crate::{Fineness, LitArea, Mask, UnitSquare};
-use core::f32::consts::PI;
 use glam::{UVec2, Vec3};
-use lobe_core::{BrdfLobe, LightImage, Lobe, Microfacets, Outline, Receiver, is_lambert, light_image_integral};
+use lobe_core::{BrdfLobe, LightImage, Lobe, Microfacets, Outline, Receiver, Schlick, light_image_integral};
 use shading::Coverage;
 
 /// The masks of a window: one, or several side by side if the tolerance needs more samples; and, if the lit part is small, that part as it is, or masks
@@ -104,6 +103,11 @@ impl WindowMasks {
         self.masks().iter().any(|mask| !mask.openings().is_empty())
     }
 
+    /// Whether the lit part is known as it is.
+    pub(crate) fn is_lit_known(&self) -> bool {
+        self.is_lit_known
+    }
+
     /// Whether the lit part is known apart from the masks of the whole window.
     pub(crate) fn has_near(&self) -> bool {
         self.is_lit_known || !self.near.masks().is_empty()
@@ -167,12 +171,8 @@ impl WindowMasks {
     }
 
     /// The sums of all masks, in units of solid angle or in samples of the masks of the whole window. If there are masks around the
-    /// lit part, these give the lit sums; if that part is known as it is, `lit` does, in the same units.
-    fn total<const N: usize>(
-        &self,
-        mut sums: impl FnMut(&Mask, bool) -> [Sums; N],
-        lit: impl FnOnce(&LitArea) -> [f32; N],
-    ) -> [Sums; N] {
+    /// lit part, these give the lit sums.
+    fn total<const N: usize>(&self, mut sums: impl FnMut(&Mask, bool) -> [Sums; N]) -> [Sums; N] {
         let mut total = [Sums::default(); N];
         let mut add = |mask: &Mask, near: bool, part: fn(Sums) -> Sums| {
             for (total, sums) in total.iter_mut().zip(sums(mask, near)) {
@@ -185,11 +185,6 @@ impl WindowMasks {
         }
         for mask in near {
             add(mask, true, Sums::lit);
-        }
-        if self.is_lit_known {
-            for (total, lit) in total.iter_mut().zip(lit(&self.lit)) {
-                total.lit += lit;
-            }
         }
         total
     }
@@ -211,45 +206,64 @@ impl WindowMasks {
         self.masks().first().map_or(MIRROR, narrowest)
     }
 
-    /// The visible fraction of the lobe.
-    pub(crate) fn fraction(&self, at: &Receiver, lobe: &Lobe, counts: &mut Counts) -> f32 {
+    /// The visible fraction of the lobe, whose integral of flux 1 over all of the light is `unshadowed`.
+    pub(crate) fn fraction(&self, at: &Receiver, lobe: &Lobe, unshadowed: f32, counts: &mut Counts) -> f32 {
         let lobe = Lobe { exponent: lobe.exponent.min(self.narrowest()), ..*lobe };
+        if self.is_lit_known {
+            // By what the light is integrated with, whose error then goes.
+            let lit = lit_sums::of_cosine(&self.lit, &self.window, at, &lobe);
+            return Sums { lit, all: unshadowed }.ratio(|| self.lit_fraction());
+        }
         let whole = self.masks().first().map_or(1.0, Mask::sample_area);
         let is_uneven = self.is_uneven();
-        let [total] = self.total(
-            |mask, near| {
-                let sums = sums(mask, &self.window, at, &lobe, counts);
-                [if near || is_uneven { sums * (mask.sample_area() / whole) } else { sums }]
-            },
-            |lit| [lit_sums::integral(lit, &self.window, at, &lobe) / whole],
-        );
+        let [total] = self.total(|mask, near| {
+            let sums = sums(mask, &self.window, at, &lobe, counts);
+            [if near || is_uneven { sums * (mask.sample_area() / whole) } else { sums }]
+        });
         total.ratio(|| self.lit_fraction())
     }
 }
 
-/// The visible fractions of microfacets' light from the masks of the whole light and, if given, those `near` of a part, which count
-/// instead.
-pub(crate) fn microfacet_fractions(
-    whole: &WindowMasks,
-    near: Option<&WindowMasks>,
-    at: &Receiver,
-    facets: &Microfacets,
-    counts: [&mut Counts; 2],
-) -> [f32; 2] {
-    let [whole_counts, near_counts] = counts;
-    let skip = near.map(WindowMasks::window);
-    let mut total = whole.total(
-        |mask, _| microfacet_sums(mask, at, facets, skip, whole_counts),
-        |lit| lit_sums::microfacet_integrals(lit, &whole.window, at, facets, skip),
-    );
-    if let Some(near) = near {
-        let sums = near.total(
-            |mask, _| microfacet_sums(mask, at, facets, None, near_counts),
-            |lit| lit_sums::microfacet_integrals(lit, &near.window, at, facets, None),
-        );
-        total = [total[0] + sums[0], total[1] + sums[1]];
+/// The light of both parts of microfacets that is seen: a fraction of all of it, or, if the lit part is known as it is, its integral.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum SeenFacets {
+    Fractions([f32; 2]),
+    Integrals([f32; 2]),
+}
+
+impl SeenFacets {
+    /// From the masks of the whole light and, if given, those `near` of a part, which count instead.
+    pub(crate) fn new(
+        whole: &WindowMasks,
+        near: Option<&WindowMasks>,
+        at: &Receiver,
+        facets: &Microfacets,
+        counts: [&mut Counts; 2],
+    ) -> Self {
+        if whole.is_lit_known {
+            return Self::Integrals(lit_sums::of_microfacets(&whole.lit, &whole.window, at, facets));
+        }
+        let [whole_counts, near_counts] = counts;
+        let skip = near.map(WindowMasks::window);
+        let mut total = whole.total(|mask, _| microfacet_sums(mask, at, facets, skip, whole_counts));
+        if let Some(near) = near {
+            let mut sums = near.total(|mask, _| microfacet_sums(mask, at, facets, None, near_counts));
+            if near.is_lit_known {
+                let lit = lit_sums::of_microfacets(&near.lit, &near.window, at, facets);
+                sums.iter_mut().zip(lit).for_each(|(sums, lit)| sums.lit = lit);
+            }
+            total = [total[0] + sums[0], total[1] + sums[1]];
+        }
+        Self::Fractions(total.map(|sums| sums.ratio(|| whole.lit_fraction())))
     }
-    total.map(|sums| sums.ratio(|| whole.lit_fraction()))
+
+    /// The visible fraction of a part whose integral over all of the light is `unshadowed`.
+    pub(crate) fn fraction(self, part: Schlick, unshadowed: f32) -> f32 {
+        match self {
+            Self::Fractions(both) => part.of(both),
+            Self::Integrals(both) => Sums { lit: part.of(both), all: unshadowed }.ratio(|| 0.0),
+        }
+    }
 }
 
 /// The visible fraction of an image's light, by channel: from the masks of the whole light and, if given, those `near` of a part,
@@ -271,25 +285,21 @@ pub(crate) fn image_fractions(
     };
     let skip = near.map(WindowMasks::window);
     let of_whole = lobe(whole);
-    let mut total = whole.total(
-        |mask, _| image_sums(mask, at, &of_whole, &shown, skip, counts),
-        |lit| lit_sums::image_integrals(lit, &whole.window, at, &of_whole, &shown, skip),
-    );
-    if whole.is_lit_known
-        && near.is_none()
-        && let BrdfLobe::Cosine(lobe) = &of_whole
-        && is_lambert(at, lobe)
-    {
+    let integrals = |masks: &WindowMasks, of: &BrdfLobe| lit_sums::of_image(&masks.lit, &masks.window, at, of, &shown);
+    let mut total = if whole.is_lit_known {
         // By what the light is integrated with, whose error then goes.
-        let all = PI * light_image_integral(at, &of_whole, outline, image);
-        total.iter_mut().zip(all.to_array()).for_each(|(sums, all)| sums.all = all);
-    }
+        let all = light_image_integral(at, &of_whole, outline, image).to_array();
+        let lit = integrals(whole, &of_whole);
+        core::array::from_fn(|k| Sums { lit: lit[k], all: all[k] })
+    } else {
+        whole.total(|mask, _| image_sums(mask, at, &of_whole, &shown, skip, counts))
+    };
     if let Some(near) = near {
         let of_near = lobe(near);
-        let sums = near.total(
-            |mask, _| image_sums(mask, at, &of_near, &shown, None, counts),
-            |lit| lit_sums::image_integrals(lit, &near.window, at, &of_near, &shown, None),
-        );
+        let mut sums = near.total(|mask, _| image_sums(mask, at, &of_near, &shown, None, counts));
+        if near.is_lit_known {
+            sums.iter_mut().zip(integrals(near, &of_near)).for_each(|(sums, lit)| sums.lit = lit);
+        }
         total = core::array::from_fn(|k| total[k] + sums[k]);
     }
     Vec3::from_array(total.map(|sums| sums.ratio(|| whole.lit_fraction())))
@@ -334,7 +344,7 @@ mod tests {
                         mask.block_span(j, f32::NEG_INFINITY, edge + slope * y);
                     }
                 });
-                (drawn.coverage(), drawn.fraction(&at, &lobe, &mut Counts::default()))
+                (drawn.coverage(), drawn.fraction(&at, &lobe, 1.0, &mut Counts::default()))
             };
             let [one, many] = [fraction([1, 1]), fraction([3, 2])];
             if one.0 == Coverage::Partial {
