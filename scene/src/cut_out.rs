@@ -20,18 +20,24 @@ pub struct CutOut {
     pub limit: f32,
 }
 
-/// Triangles and halves that are looked at of a mesh, unless it had a quarter as many: outlines are followed by texels, else by twos, fours …
+/// The longest side of the small triangles along an outline, in texels: a single texel is a square or, where texels are blended, round.
+const FINEST: f32 = 0.5;
+
+/// Triangles and halves that are looked at of a mesh, unless it had a quarter as many: outlines are followed by halves of texels, else by whole ones, twos …
 const MOST_TRIANGLES: usize = 1 << 20;
 
 /// Outlines keep within this of alpha's line, in texels, and leave as much on one side of it as on the other.
 const TOLERANCE: f64 = 0.15;
+
+/// Steps to where texels that are not blended meet between two vertices.
+const BISECTIONS: u32 = 12;
 
 /// Alphas that are equal but for rounding count as equal to the limit.
 const ROUNDING: f32 = 1e-6;
 
 impl CutOut {
     /// Cuts a mesh, whose vertices have these alphas: one each, or none. Triangles are halved along their longest side in the image until
-    /// each is inside, outside or smaller than a texel. The small ones are cut along alpha's line, as those without an image are. Halves
+    /// each is inside, outside or smaller than half a texel. The small ones are cut along alpha's line, as those without an image are. Halves
     /// that are wholly inside stay whole. Of what is left of each triangle the outline is simplified by 0.15 texels, and filled with as few
     /// triangles as it needs. Looks at no more than `most` triangles and halves. Returns false and leaves the mesh unchanged
     /// where an image is repeated too often for that. `bounds` are those of the image.
@@ -43,7 +49,7 @@ impl CutOut {
         let most = MOST_TRIANGLES.max(4 * mesh.triangles.len()).min(most);
         let limit = self.limit / self.factor.max(f32::MIN_POSITIVE);
         let size = bounds.map_or([1.0; 2], |bounds| bounds.size);
-        let mut cell = 1.0;
+        let mut cell = FINEST;
         loop {
             let own = Mesh { triangles: Vec::new(), ..mesh.clone() };
             let mut cutter = Cutter {
@@ -70,13 +76,48 @@ impl CutOut {
                 return true;
             }
             cell *= 2.0;
-            // Cells as large as the image follow nothing of it.
-            if cell > f32::max(size[0], size[1]) {
+            // Cells as large as the image follow nothing of it, and those that are larger than its parts make others of them.
+            if cell > f32::max(size[0], size[1]) || cell > 1.0 && self.blurred(mesh, alphas, size, cell) > MOST_BLURRED
+            {
                 return false;
             }
         }
     }
+
+    /// The part of a mesh on which the mean alpha of a cell is on the other side of the limit than the alpha there.
+    fn blurred(&self, mesh: &Mesh, alphas: &[f32], size: [f32; 2], cell: f32) -> f64 {
+        let Some(map) = &self.map else { return 0.0 };
+        let Some(uvs) = mesh.uv_sets.get(map.uv_set) else { return 0.0 };
+        let footprint = [Vec2::X * (cell / size[0]), Vec2::Y * (cell / size[1])];
+        let areas: Vec<f64> = mesh.triangles.iter().map(|t| f64::from(mesh.face_cross(*t).length())).collect();
+        let step = areas.iter().sum::<f64>() / f64::from(SAMPLES);
+        let (mut wrong, mut count, mut left) = (0_u32, 0_u32, 0.5 * step);
+        for (triangle, area) in mesh.triangles.iter().zip(&areas) {
+            left += area;
+            while left >= step && step > 0.0 {
+                left -= step;
+                count += 1;
+                // Points of a lattice that fills the unit square evenly, folded into the triangle.
+                let [u, v] = [0.754_877_666_2, 0.569_840_291].map(|x| (f64::from(count) * x).fract() as f32);
+                let [u, v] = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
+                let mix = |[a, b, c]: [f32; 3]| a + u * (b - a) + v * (c - a);
+                let own = if alphas.is_empty() { 1.0 } else { mix(triangle.map(|i| alphas[i as usize])) };
+                let [a, b, c] = triangle.map(|i| map.transform.transform_point2(uvs[i as usize]));
+                let is_kept = |footprint| {
+                    let texel =
+                        map.texture.sample(a + u * (b - a) + v * (c - a), footprint, map.wrap, map.is_pixelated)[3];
+                    own * self.factor * texel >= self.limit
+                };
+                wrong += u32::from(is_kept([Vec2::ZERO; 2]) != is_kept(footprint));
+            }
+        }
+        f64::from(wrong) / f64::from(count.max(1))
+    }
 }
+
+/// Points of a mesh at which cells are compared with texels, and the part of them that may differ.
+const SAMPLES: u32 = 1 << 16;
+const MOST_BLURRED: f64 = 0.1;
 
 impl Mesh {
     /// Takes the parts away where an image's alpha, its fourth channel, is below a limit in (0, 1]; along the line at which it is, so that
@@ -164,6 +205,10 @@ impl Cutter<'_> {
     /// Keeps the part of a small triangle on the inner side of alpha's line.
     fn follow(&mut self, corners: [u32; 3]) {
         let alpha = corners.map(|i| self.alpha(i) - self.limit);
+        // A corner or a side on alpha's line is no piece: it would bridge what is cut away on both sides of it.
+        if alpha.iter().all(|alpha| *alpha <= 0.0) {
+            return;
+        }
         let mut kept = Vec::with_capacity(4);
         for k in 0..3 {
             let (here, next) = (k, (k + 1) % 3);
@@ -171,16 +216,31 @@ impl Cutter<'_> {
                 kept.push(corners[here]);
             }
             if (alpha[here] >= 0.0) != (alpha[next] >= 0.0) {
-                let t = alpha[here] / (alpha[here] - alpha[next]);
                 // The same from both sides.
-                let (p, q) = (corners[here], corners[next]);
-                let (p, q, t) = if p < q { (p, q, t) } else { (q, p, 1.0 - t) };
-                kept.push(self.between(p, q, false, t));
+                let order = if corners[here] < corners[next] { [here, next] } else { [next, here] };
+                let t = self.crossing(order.map(|k| corners[k]), order.map(|k| alpha[k]));
+                kept.push(self.between(corners[order[0]], corners[order[1]], false, t));
             }
         }
         for k in 2..kept.len() {
             self.out.push([kept[0], kept[k - 1], kept[k]]);
         }
+    }
+
+    /// Where between two vertices of these alphas, less the limit, alpha's line crosses.
+    fn crossing(&self, [p, q]: [u32; 2], alpha: [f32; 2]) -> f32 {
+        let even = alpha[0] / (alpha[0] - alpha[1]);
+        let Some((map, _)) = self.image.filter(|(map, _)| map.is_pixelated && self.cell <= 1.0) else { return even };
+        // Where texels are not blended it steps.
+        let [(a, own_a), (b, own_b)] = [p, q].map(|vertex| (self.uv(vertex), self.own_alpha(vertex)));
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..BISECTIONS {
+            let t = 0.5 * (low + high);
+            let texel = map.texture.sample(a.lerp(b, t), [Vec2::ZERO; 2], map.wrap, true)[3];
+            let is_inside = (own_a + t * (own_b - own_a)) * texel >= self.limit;
+            if is_inside == (alpha[0] >= 0.0) { low = t } else { high = t }
+        }
+        0.5 * (low + high)
     }
 
     /// The triangles, without vertices that were only on the way to them; the `first` ones were there before.
@@ -225,7 +285,7 @@ impl Cutter<'_> {
         }
         let pieces =
             Pieces { triangle, pieces: &self.out[first..], made: &self.made, parents: &self.parents, place: &place };
-        let outlines = pieces.outlines(TOLERANCE * f64::from(self.cell));
+        let outlines = pieces.outlines(TOLERANCE * f64::from(self.cell.max(1.0)));
         let Some((corners, triangles)) = outlines.and_then(|outlines| filled(&outlines, area.signum())) else { return };
         let weights = |p: DVec2| [p.perp_dot(c) / area, b.perp_dot(p) / area];
         let numbers: Vec<u32> = corners

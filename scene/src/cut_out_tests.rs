@@ -207,3 +207,60 @@ fn noise_is_cut_as_it_is() {
     println!("{} triangles, area {:.5} of {:.5}", left.triangles.len(), left.area(), 4.0 * part);
     assert!((left.area() / (4.0 * part) - 1.0).abs() < 0.01);
 }
+
+/// Columns and rows of one texel, whose edges meet the triangles' common side: cut away, or left alone.
+#[test]
+fn lines_of_one_texel_are_cut_through() {
+    for n in [4, 5, 8] {
+        for (k, is_column) in (0..n).flat_map(|k| [(k, true), (k, false)]) {
+            let texel = |i: u32, inside: bool| {
+                let place = if is_column { i % n } else { i / n };
+                [255, 255, 255, if (place == k) == inside { 255 } else { 0 }]
+            };
+            for (is_pixelated, inside) in [(false, false), (false, true), (true, false), (true, true)] {
+                let texels = (0..n * n).map(|i| texel(i, inside)).collect();
+                let mut map = TextureMap::new(Texture::new("line", [n; 2], texels, Encoding::Srgb));
+                (map.is_pixelated, map.wrap) = (is_pixelated, [Wrap::Clamp; 2]);
+                let left = cut(map, &Mesh::quad(Vec3::ZERO, Vec3::X, Vec3::Y));
+                let line = 4.0 / f64::from(n);
+                let want = if inside { line } else { 4.0 - line };
+                assert!(
+                    (left.area() - want).abs() < 1e-2 * line,
+                    "{n} {k} {is_column} {inside}: {} {want}",
+                    left.area()
+                );
+            }
+        }
+    }
+}
+
+/// An island and a hole of one texel: a square, or, where texels are blended, what bilinear alpha leaves of it.
+#[test]
+fn single_texels_have_their_area() {
+    for (is_pixelated, want, tolerance) in [(true, 1.0, 0.08), (false, 4.0 * (0.5 - 0.5 * 2.0_f64.ln()), 0.03)] {
+        for inside in [true, false] {
+            let texel = |i: u32| [255, 255, 255, if (i == 3 * 8 + 4) == inside { 255 } else { 0 }];
+            let mut map = TextureMap::new(Texture::new("dot", [8; 2], (0..64).map(texel).collect(), Encoding::Srgb));
+            map.is_pixelated = is_pixelated;
+            let left = cut(map, &Mesh::quad(Vec3::ZERO, Vec3::X, Vec3::Y)).area() * 16.0;
+            let dot = if inside { left } else { 64.0 - left };
+            println!("{is_pixelated} {inside}: {dot} of {want}");
+            assert!((dot - want).abs() < tolerance, "{is_pixelated} {inside}: {dot} {want}");
+        }
+    }
+}
+
+/// A checker that repeats until cells would have to be as large as its squares: opaque, not nothing.
+#[test]
+fn patterns_that_repeat_too_often_stay_opaque() {
+    let map = image(64, |x, y| f32::from(u8::from((8.0 * x) as u32 % 2 == (8.0 * y) as u32 % 2)));
+    for times in [5.0_f32, 20.0, 100.0, 400.0] {
+        let mut map = map.clone();
+        map.transform = glam::Affine2::from_scale(Vec2::splat(times));
+        let mut mesh = Mesh::quad(Vec3::ZERO, Vec3::X, Vec3::Y);
+        let is_cut = cut_by(&CutOut { map: Some(map), factor: 1.0, limit: 0.5 }, &mut mesh, &[]);
+        println!("{times}: {is_cut}, {} triangles, area {}", mesh.triangles.len(), mesh.area());
+        assert_eq!(is_cut, times < 50.0);
+        assert!((mesh.area() - if is_cut { 2.0 } else { 4.0 }).abs() < 0.1, "{times}: {}", mesh.area());
+    }
+}
