@@ -25,5 +25,7 @@ mod world;
 
 pub use crate::gbuffer::{GBuffer, PixelSamples, TILE};
 pub use crate::sphere_hierarchy::SphereHierarchy;
+#[doc(hidden)]
+pub use crate::world::binary_hierarchy;
 pub use crate::world::{Hierarchy, Primitive, Region, TriangleList, Update, World, mapped_normal, vertex_tangents};
 pub use glam;

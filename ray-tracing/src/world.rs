@@ -17,6 +17,8 @@ mod triangle_packet;
 
 pub(crate) use self::appearance::varied;
 pub use self::appearance::{mapped_normal, vertex_tangents};
+#[doc(hidden)]
+pub use self::build::binary_hierarchy;
 pub(crate) use self::build::build;
 pub(crate) use self::camera_rays::{Bundle, Rays, SIDE};
 pub use self::hierarchy::{Hierarchy, Update};

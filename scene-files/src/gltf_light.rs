@@ -31,6 +31,16 @@ pub(crate) struct PlacedLight {
     pub(crate) mover: Option<(usize, usize)>,
 }
 
+impl PlacedLight {
+    /// Whether a floor at a height would hide it from all above.
+    pub(crate) fn is_below(&self, height: f32) -> bool {
+        match self.light {
+            NodeLight::Point(..) | NodeLight::Spot(..) => self.world.w_axis.y < height,
+            NodeLight::Sun(_) => self.world.z_axis.truncate().normalize_or_zero().y < -1e-3,
+        }
+    }
+}
+
 /// The light of a node, if it has one. Appends a note for each of its numbers that is replaced.
 pub(crate) fn read_light(root: &Root, node: usize, notes: &mut Vec<String>) -> Result<Option<NodeLight>, String> {
     let Some(named) = root.nodes[node].extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref()) else {

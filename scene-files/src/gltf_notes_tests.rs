@@ -168,6 +168,27 @@ fn numbers_and_cameras_that_are_not_taken_are_told() {
     }
 }
 
+/// A floor would hide such a light.
+#[test]
+fn no_floor_is_added_above_a_light() {
+    let lights = r#", "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "directional"}, {"type": "point"}]}}"#;
+    let folder = tempfile::tempdir().unwrap();
+    let read = |place: &str, light: u32| {
+        let of = format!(r#""extensions": {{"KHR_lights_punctual": {{"light": {light}}}}}"#);
+        let path = folder.path().join("m.gltf");
+        std::fs::write(&path, triangle(&format!(r#"[{{"mesh": 0}}, {{{place}, {of}}}]"#), lights)).unwrap();
+        let (scene, warnings) = crate::load_with_warnings(&path).unwrap();
+        (scene.objects.len(), warnings.iter().any(|w| w.contains("no floor is added")))
+    };
+    // Sideways, down and up; beside and below.
+    assert_eq!(read(r#""translation": [0, 0, 0]"#, 0), (2, false));
+    assert_eq!(read(r#""rotation": [-0.5, 0, 0, 0.8660254]"#, 0), (2, false));
+    assert_eq!(read(r#""rotation": [0.5, 0, 0, 0.8660254]"#, 0), (1, true));
+    assert_eq!(read(r#""translation": [3, 0.5, 0]"#, 1), (2, false));
+    assert_eq!(read(r#""translation": [0, -2, 0]"#, 1), (1, true));
+}
+
 /// With a copy of all nodes for each clip they take half a minute.
 #[test]
 fn many_clips_of_many_nodes_are_read_soon() {

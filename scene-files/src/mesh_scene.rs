@@ -102,9 +102,13 @@ pub(crate) fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Re
     let radius = bounds.radius();
     let (width, height) = DEFAULT_SIZE;
     let is_kept = context.document.is_some();
-    if !is_kept {
-        // A little below the lowest point: a model with a floor of its own must not lie in ours.
-        let ground = Vec3::new(bounds.center().x, bounds.min.y - 1e-3 * radius, bounds.center().z);
+    // A little below the lowest point: a model with a floor of its own must not lie in ours.
+    let ground = Vec3::new(bounds.center().x, bounds.min.y - 1e-3 * radius, bounds.center().z);
+    let is_below = own.iter().any(|light| light.is_below(ground.y));
+    if is_below && !is_kept {
+        context.warn(path, "a light of its own shines from below: no floor is added, which would hide it");
+    }
+    if !is_kept && !is_below {
         let half = 60.0 * radius;
         let floor = Mesh::quad(ground, Vec3::X * half, Vec3::NEG_Z * half);
         objects.insert(0, Object::mesh("floor", floor, 0, Proxy::None));

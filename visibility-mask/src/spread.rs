@@ -93,7 +93,8 @@ pub(crate) fn along(outline: &Outline, across: glam::Vec3) -> Option<glam::Vec3>
     let corners = outline.corners();
     let middle = outline.middle();
     let reach = corners.iter().map(|p| p.distance_squared(middle)).fold(0.0, f32::max).sqrt();
-    if outline.has_sides() || reach < NARROW * outline.height() || outline.roundness() > SLENDER {
+    let is_thread = outline.roundness() < THREAD;
+    if outline.has_sides() || !is_thread && reach < NARROW * outline.height() || outline.roundness() > SLENDER {
         return None;
     }
     // Both ways from the farthest corner.
@@ -111,6 +112,8 @@ pub(crate) fn along(outline: &Outline, across: glam::Vec3) -> Option<glam::Vec3>
 
 /// The roundness of a light from which on it is not long.
 const SLENDER: f32 = 0.15;
+/// Of such a thin one rows go along it however little of the view it takes: across it they would see it as so many steps.
+const THREAD: f32 = 0.01;
 
 #[cfg(test)]
 mod tests {

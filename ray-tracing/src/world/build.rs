@@ -10,29 +10,84 @@ use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::ploc::PlocBuilder;
 use obvhs::{Boundable, BvhBuildParams};
 
-/// From this number of primitives on, boxes that each fill this part of all space in the mean are crowded: none is nearer to one than to the others, so
-/// that each pass over all of them joins a few, and none has a better place elsewhere.
+/// From this number of primitives on it is tried on so many of them that are near each other, in so many places, whether obvhs's builder joins them in a tree
+/// that is not much deeper than it must be. It looks for the nearest of all boxes: where most boxes have the same nearest one, as in a fan around a
+/// corner, each pass over all of them joins a few.
 const MANY: usize = 8192;
-const CROWDED: f32 = 1.0 / 32.0;
+const TRIED: usize = 1024;
+const PLACES: usize = 8;
+/// Ten levels are enough for them.
+const DEEP: usize = 64;
 
 /// A hierarchy over primitives, of which there is one at least.
 pub(crate) fn build<T: Boundable>(primitives: &[T]) -> CwBvh {
+    let most = BvhBuildParams::medium_build().max_prims_per_leaf.clamp(1, 3);
+    bvh2_to_cwbvh(&binary_hierarchy(primitives), most, true, false)
+}
+
+/// A hierarchy of two children a node over primitives, of which there is one at least.
+#[doc(hidden)]
+#[must_use]
+pub fn binary_hierarchy<T: Boundable>(primitives: &[T]) -> Bvh2 {
+    if is_crowded(primitives) {
+        return halved(primitives);
+    }
+    let mut binary = joined(primitives);
+    ReinsertionOptimizer::default().run(&mut binary, BvhBuildParams::medium_build().reinsertion_batch_ratio, None);
+    binary
+}
+
+/// From the leaves up.
+fn joined<T: Boundable>(primitives: &[T]) -> Bvh2 {
     let of = BvhBuildParams::medium_build();
-    let binary = if is_crowded(primitives) {
-        halved(primitives)
-    } else {
-        let numbers = (0..primitives.len() as u32).collect();
-        let mut binary = PlocBuilder::with_capacity(primitives.len()).build(
-            of.ploc_search_distance,
-            primitives,
-            numbers,
-            of.sort_precision,
-            of.search_depth_threshold,
-        );
-        ReinsertionOptimizer::default().run(&mut binary, of.reinsertion_batch_ratio, None);
-        binary
-    };
-    bvh2_to_cwbvh(&binary, of.max_prims_per_leaf.clamp(1, 3), true, false)
+    let numbers = (0..primitives.len() as u32).collect();
+    PlocBuilder::with_capacity(primitives.len()).build(
+        of.ploc_search_distance,
+        primitives,
+        numbers,
+        of.sort_precision,
+        of.search_depth_threshold,
+    )
+}
+
+/// Whether the tree over those near each other is deep in some place.
+fn is_crowded<T: Boundable>(primitives: &[T]) -> bool {
+    if primitives.len() < MANY {
+        return false;
+    }
+    let boxes: Vec<Aabb> = primitives.iter().map(Boundable::aabb).collect();
+    let mut parts = vec![(0..primitives.len() as u32).collect::<Vec<u32>>()];
+    while parts.len() < PLACES {
+        parts = parts.into_iter().flat_map(|part| parted(&boxes, part)).collect();
+    }
+    parts.into_iter().enumerate().any(|(place, mut part)| {
+        while part.len() > TRIED {
+            // Another half in each place.
+            let [one, other] = parted(&boxes, part);
+            part = if (place + other.len()) % 2 == 0 { one } else { other };
+        }
+        let near: Vec<Aabb> = part.iter().map(|i| boxes[*i as usize]).collect();
+        joined(&near).depth(0) > DEEP
+    })
+}
+
+/// Two halves of equal numbers on both sides of a plane.
+fn parted(boxes: &[Aabb], mut part: Vec<u32>) -> [Vec<u32>; 2] {
+    let rest = halve(|i| boxes[i as usize].center(), &mut part);
+    let rest = part.split_off(rest);
+    [part, rest]
+}
+
+/// Puts those with the smaller middles, along the longest side of the box around all middles, into the first half.
+fn halve(middle: impl Fn(u32) -> Vec3A, part: &mut [u32]) -> usize {
+    let around = part.iter().fold(Aabb::empty(), |all, i| {
+        let p = middle(*i);
+        all.union(&Aabb::new(p, p))
+    });
+    let (axis, half) = (around.diagonal().max_position(), part.len() / 2);
+    let along = |i: &u32| middle(*i)[axis];
+    part.select_nth_unstable_by(half, |a, b| along(a).total_cmp(&along(b)).then(a.cmp(b)));
+    half
 }
 
 /// By their middles, in halves of equal numbers.
@@ -48,13 +103,7 @@ fn halved<T: Boundable>(primitives: &[T]) -> Bvh2 {
             tree.nodes[node] = Bvh2Node::new(primitives[*only as usize].aabb(), 1, range.start as u32);
             continue;
         }
-        let around = part.iter().fold(Aabb::empty(), |all, i| {
-            let p = middles[*i as usize];
-            all.union(&Aabb::new(p, p))
-        });
-        let (axis, half) = (around.diagonal().max_position(), part.len() / 2);
-        let along = |i: &u32| middles[*i as usize][axis];
-        part.select_nth_unstable_by(half, |a, b| along(a).total_cmp(&along(b)).then(a.cmp(b)));
+        let half = halve(|i| middles[i as usize], part);
         tree.nodes[node].make_inner(next as u32);
         open.extend([(next, range.start..range.start + half), (next + 1, range.start + half..range.end)]);
         next += 2;
@@ -62,21 +111,6 @@ fn halved<T: Boundable>(primitives: &[T]) -> Bvh2 {
     tree.primitive_indices = order;
     tree.refit_all();
     tree
-}
-
-/// Without those that are far larger than most: a floor.
-fn is_crowded<T: Boundable>(primitives: &[T]) -> bool {
-    if primitives.len() < MANY {
-        return false;
-    }
-    let areas = || primitives.iter().map(|p| p.aabb().half_area());
-    let most = 16.0 * areas().map(f64::from).sum::<f64>() / primitives.len() as f64;
-    let (mut all, mut sum, mut count) = (Aabb::empty(), 0.0, 0.0);
-    for bounds in primitives.iter().map(Boundable::aabb).filter(|bounds| f64::from(bounds.half_area()) <= most) {
-        all = all.union(&bounds);
-        (sum, count) = (sum + f64::from(bounds.half_area()), count + 1.0);
-    }
-    sum > f64::from(CROWDED * all.half_area()) * count
 }
 
 #[cfg(test)]
@@ -103,14 +137,18 @@ mod tests {
         }
     }
 
-    /// Boxes that begin in one point, of which each pass of obvhs's own builder would join two, on a floor.
+    /// Boxes that begin in one point, of which each pass of obvhs's own builder would join two: on a floor, and a small part of a scene.
     #[test]
     fn a_fan_is_built_at_once() {
-        let mut boxes: Vec<Aabb> =
-            (0..100_000).map(|i| Aabb::new(Vec3A::ZERO, Vec3A::new(1.0, 1e-5 * i as f32, 1e-3))).collect();
-        boxes.push(Aabb::new(Vec3A::splat(-60.0), Vec3A::new(60.0, -60.0, 60.0)));
-        let before = Instant::now();
-        assert_eq!(build(&boxes).primitive_indices.len(), boxes.len());
-        assert!(before.elapsed() < Duration::from_mins(1));
+        let fan = (0..100_000).map(|i| Aabb::new(Vec3A::ZERO, Vec3A::new(1.0, 1e-5 * i as f32, 1e-3)));
+        let floor = Aabb::new(Vec3A::splat(-60.0), Vec3A::new(60.0, -60.0, 60.0));
+        let far = [-1e3, 1e3].map(|x| Aabb::new(Vec3A::splat(x), Vec3A::splat(x + 1.0)));
+        for others in [&[floor][..], &far] {
+            let boxes: Vec<Aabb> = fan.clone().chain(others.iter().copied()).collect();
+            let before = Instant::now();
+            let built = build(&boxes);
+            assert_eq!(built.primitive_indices.len(), boxes.len());
+            assert!(before.elapsed() < Duration::from_mins(1));
+        }
     }
 }

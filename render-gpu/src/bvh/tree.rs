@@ -9,7 +9,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::leaf_collapser::collapse;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
-use obvhs::ploc::PlocBuilder;
+use ray_tracing::binary_hierarchy;
 
 /// `BvhNode` of bvh.wgsl.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -26,19 +26,10 @@ pub(crate) struct GpuNode {
 /// Runs the steps of obvhs's own builder, which reads a clock that not every target has.
 fn build(boxes: &[Aabb]) -> Bvh2 {
     let of = BvhBuildParams::medium_build();
-    let numbers = (0..boxes.len() as u32).collect();
-    let mut bvh = PlocBuilder::with_capacity(boxes.len()).build(
-        of.ploc_search_distance,
-        boxes,
-        numbers,
-        of.sort_precision,
-        of.search_depth_threshold,
-    );
-    let mut optimizer = ReinsertionOptimizer::default();
-    optimizer.run(&mut bvh, of.reinsertion_batch_ratio, None);
+    let mut bvh = binary_hierarchy(boxes);
     collapse(&mut bvh, of.max_prims_per_leaf.clamp(1, 255), of.collapse_traversal_cost);
     let ratio = of.reinsertion_batch_ratio * of.post_collapse_reinsertion_batch_ratio_multiplier;
-    optimizer.run(&mut bvh, ratio, None);
+    ReinsertionOptimizer::default().run(&mut bvh, ratio, None);
     bvh
 }
 

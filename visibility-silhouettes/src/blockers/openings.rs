@@ -50,21 +50,33 @@ pub(crate) struct Openings {
 /// Sorts the crossings of a row from left to right; returns by how much the number of surfaces falls at those where it does.
 fn sort(active: &mut [(f32, u32)], crossings: &[Crossing], row: usize) -> i32 {
     let mut falls = 0;
-    for i in 0..active.len() {
-        let (_, k) = active[i];
-        let c = &crossings[k as usize];
-        let at = c.at(row);
+    for (at, k) in &mut *active {
+        let c = &crossings[*k as usize];
+        *at = c.at(row);
         falls += (-c.step).max(0);
-        // The order changes little from row to row.
+    }
+    // The order changes little from row to row, but where they are many.
+    let mut moves = MOVES * active.len();
+    for i in 0..active.len() {
+        let moved = active[i];
         let mut j = i;
-        while j > 0 && active[j - 1].0 > at {
+        while j > 0 && active[j - 1].0 > moved.0 {
             active[j] = active[j - 1];
             j -= 1;
         }
-        active[j] = (at, k);
+        active[j] = moved;
+        if i - j > moves {
+            // Both ways leave equal ones in the order in which they were.
+            active.sort_by(|a, b| a.0.total_cmp(&b.0));
+            break;
+        }
+        moves -= i - j;
     }
     falls
 }
+
+/// Moves for each crossing of a row beyond which another way to sort them is faster.
+const MOVES: usize = 16;
 
 impl Openings {
     /// The intervals with the fewest surfaces among those that are at least `narrowest` samples wide, in the emitting samples of each row. `starts` has the numbers of surfaces left of all crossings, as
