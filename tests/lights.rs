@@ -335,12 +335,10 @@ fn parts_of_lights_inside_blockers_give_nothing() {
 /// A light by its middle and its size.
 type Case<'a> = &'a dyn Fn(Vec3, f32) -> Light;
 
-/// Lights that are much longer than far are as exact as the same lights in short pieces, which together are as bright.
+/// Lights that are much longer than far, and thin ones of a few units, are as exact as the same lights in short pieces, which together are as bright.
 #[test]
 fn long_lights_are_those_of_their_pieces() {
-    let (middle, half, pieces) = (Vec3::new(0.0, 2.2, 0.5), 100.0, 200);
-    let length = 2.0 * half / pieces as f32;
-    let center = |k: usize| middle + Vec3::X * ((k as f32 + 0.5) * length - half);
+    let (middle, pieces) = (Vec3::new(0.0, 2.2, 0.5), 200);
     let strip = |at: Vec3, half: f32| -> Light {
         FlatLight::rectangle(at, Vec3::X * half, Vec3::Z * 0.05, Vec3::splat(9.0)).expect("a rectangle").into()
     };
@@ -348,10 +346,16 @@ fn long_lights_are_those_of_their_pieces() {
         TubeLight { ends: [at - Vec3::X * half, at + Vec3::X * half], radius, radiance: Vec3::splat(0.3 / radius) }
             .into()
     };
-    let cases: [(&str, Case<'_>); 3] =
-        [("strip", &strip), ("tube", &|at, half| tube(at, half, 1e-3)), ("thread", &|at, half| tube(at, half, 1e-4))];
+    let cases: [(&str, f32, Case<'_>); 4] = [
+        ("strip", 100.0, &strip),
+        ("tube", 100.0, &|at, half| tube(at, half, 1e-3)),
+        ("thread", 100.0, &|at, half| tube(at, half, 1e-4)),
+        ("thread of 6", 3.0, &|at, half| tube(at, half, 2e-3)),
+    ];
     let gold = MetallicRoughness::new(Vec3::new(1.0, 0.8, 0.3), 1.0, 0.35).expect("a metal");
-    for (name, light) in cases {
+    for (name, half, light) in cases {
+        let length = 2.0 * half / pieces as f32;
+        let center = |k: usize| middle + Vec3::X * ((k as f32 + 0.5) * length - half);
         for (of, material) in [("Lambert", Material::lambert(Vec3::splat(0.6))), ("gold", gold.clone().into())] {
             // A highlight on a thread is beyond single precision: 1.5 % in the mean.
             if (name, of) == ("thread", "gold") {

@@ -76,7 +76,7 @@ fn sort(active: &mut [(f32, u32)], crossings: &[Crossing], row: usize) -> i32 {
 }
 
 /// Moves for each crossing of a row beyond which another way to sort them is faster.
-const MOVES: usize = 16;
+const MOVES: usize = 6;
 
 impl Openings {
     /// The intervals with the fewest surfaces among those that are at least `narrowest` samples wide, in the emitting samples of each row. `starts` has the numbers of surfaces left of all crossings, as

@@ -14,6 +14,8 @@ const MOST_CROSSED: usize = 800_000;
 pub(crate) const GAUSS: f32 = 0.288_675_13;
 /// The sides of the light and its window divide slabs if they are at most this number: a round light has many short ones.
 const SIDES: usize = 10;
+/// Where they are more, those do that are not shorter than this part of the longest, if there are a few: the two along a tube.
+const SHORT: f32 = 0.25;
 /// Numbers of surfaces that may be those of slivers alone, which rounding leaves between outlines that coincide.
 const DOUBTFUL: i32 = 3;
 
@@ -232,8 +234,13 @@ impl Trapezoids {
         let UnitSquare { right, up, .. } = view.square;
         heights.extend(emits.outline.iter().flat_map(|outline| outline.on_plane([right, up])).map(|p| p.y));
         let bounds = [Vec3::new(1.0, 0.0, -low.x), Vec3::new(-1.0, 0.0, high.x)];
-        let sides: Vec<Vec3> = bounds.into_iter().chain(emits.half_planes()).collect();
-        let sides = if sides.len() > SIDES { &sides[..3] } else { &sides[..] };
+        let mut sides: Vec<Vec3> = bounds.into_iter().chain(emits.half_planes()).collect();
+        if sides.len() > SIDES {
+            // Bounds and horizon come first.
+            let others = sides.split_off(3);
+            let corners: Vec<Vec2> = emits.outline.iter().flat_map(|outline| outline.on_plane([right, up])).collect();
+            sides.extend(long_sides(&others, &corners));
+        }
         for (k, side) in sides.iter().enumerate() {
             heights.extend(sides[..k].iter().map(|other| {
                 let p = side.cross(*other);
@@ -251,7 +258,7 @@ impl Trapezoids {
                     heights.push(y);
                 }
             };
-            for side in sides {
+            for side in &sides {
                 meet(-(side.x * start + side.z) / (side.x * slope + side.y));
             }
             // |(s + t y, y) - middle| = radius
@@ -331,4 +338,23 @@ impl Trapezoids {
         }
         true
     }
+}
+
+/// Those half-planes whose side between corners is long; none where they are not few.
+fn long_sides(half_planes: &[Vec3], corners: &[Vec2]) -> Vec<Vec3> {
+    let length = |side: &Vec3| {
+        let away = |p: &Vec2| (side.truncate().dot(*p) + side.z).abs();
+        let mut near: Vec<Vec2> = corners.to_vec();
+        near.sort_unstable_by(|p, q| away(p).total_cmp(&away(q)));
+        if let [p, q, ..] = near[..] { p.distance(q) } else { 0.0 }
+    };
+    let lengths: Vec<f32> = half_planes.iter().map(length).collect();
+    let longest = lengths.iter().copied().fold(0.0, f32::max);
+    let long: Vec<Vec3> = half_planes
+        .iter()
+        .zip(&lengths)
+        .filter(|(_, length)| **length >= SHORT * longest)
+        .map(|(side, _)| *side)
+        .collect();
+    if long.len() > SIDES - 3 { Vec::new() } else { long }
 }
