@@ -1,8 +1,9 @@
 //! A closed room with one opening: each point sees a small part of a large light, and its radiance is right as a part of itself.
 
+use brdf::{Brdf, Material, MetallicRoughness, ModifiedPhong};
 use core::f64::consts::PI;
 use glam::{DVec2, DVec3, UVec2, Vec3};
-use lighting::{Environment, EnvironmentMap, FlatLight, Light, SphereLight};
+use lighting::{Environment, EnvironmentMap, FlatLight, Light, SphereLight, TubeLight};
 use lobe_core::{NO_OBJECT, Receiver, Sphere};
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
 use scene::{Frame, Scene, Shade};
@@ -353,5 +354,70 @@ fn slits_before_narrow_lights_are_found() {
         let [mean, p99, dark] = own_errors(&room(opening, emits), &outside);
         println!("slit, {name}: own error {mean:.5}, 99 % {p99:.4}, darkened {dark:.4}");
         assert!(mean < 0.006 && p99 < 0.02 && dark == 0.0, "{name}: {mean} {p99} {dark}");
+    }
+}
+
+/// A tube crosses a slit at an angle: its two long sides, not its round ends, bound what is seen.
+#[test]
+fn tubes_behind_slits_are_seen() {
+    const ENDS: [DVec3; 2] = [DVec3::new(-5.0, 1.5, -6.0), DVec3::new(4.0, -0.5, -7.0)];
+    fn seen<const TENTHS: u32>(x: DVec3) -> Vec<DVec3> {
+        ENDS.into_iter().flat_map(|end| rim_seen(end, 0.1 * f64::from(TENTHS), x)).collect()
+    }
+    let opening = [-0.02, 0.02, -1.3, 1.0];
+    for (radius, light) in [(0.1, seen::<1> as Seen), (0.4, seen::<4>)] {
+        let emits = TubeLight { ends: ENDS.map(|end| end.as_vec3()), radius, radiance: Vec3::ONE };
+        let outside = Outside { openings: vec![opening], light, blocker: Vec::new(), round: None };
+        let [mean, p99, dark] = own_errors(&room(opening, emits.into()), &outside);
+        println!("slit, tube of {radius}: own error {mean:.5}, 99 % {p99:.4}, darkened {dark:.4}");
+        assert!(mean < 0.004 && p99 < 0.03 && dark < 0.01, "{radius}: {mean} {p99} {dark}");
+    }
+}
+
+/// Metals and glossy lobes see a window in the wall as it is, in its highlight and beside that: by points of the window.
+#[test]
+fn windows_are_seen_by_all_lobes() {
+    const POINTS: [u32; 2] = [360, 300];
+    let opening = [-0.6, 0.6, -0.2, 0.8];
+    let [left, right, low, high] = opening.map(f64::from);
+    let metal = |roughness| MetallicRoughness::new(Vec3::ONE, 1.0, roughness).expect("a metal").into();
+    let glossy = |exponent| ModifiedPhong { kd: Vec3::splat(0.3), ks: Vec3::splat(0.4), exponent }.into();
+    let materials: [(&str, Material); 4] = [
+        ("metal of 0.2", metal(0.2)),
+        ("metal of 0.5", metal(0.5)),
+        ("modified Phong 40", glossy(40.0)),
+        ("modified Phong 400", glossy(400.0)),
+    ];
+    for (name, material) in materials {
+        for (light, emits) in [("square", square(SQUARES[4])), ("sphere", sphere(SPHERES[0]))] {
+            let is_lit = |from: DVec3, v: DVec3| {
+                let to = LIGHT - from;
+                light == "square" || to.length_squared() - to.dot(v).powi(2) < SPHERES[0] * SPHERES[0]
+            };
+            let seen = |at: &Receiver| {
+                let x = at.position.as_dvec3();
+                let area = (right - left) * (high - low) / f64::from(POINTS[0] * POINTS[1]);
+                let point = |k: u32| {
+                    let [i, j] = [k % POINTS[0], k / POINTS[0]].map(|i| f64::from(i) + 0.5);
+                    let (px, py) = (i / f64::from(POINTS[0]), j / f64::from(POINTS[1]));
+                    let to = DVec3::new(left + px * (right - left), low + py * (high - low), f64::from(-ROOM.z)) - x;
+                    let distance = to.length();
+                    let v = to / distance;
+                    let solid = area * -v.z / (distance * distance);
+                    let cos = v.dot(at.normal.as_dvec3());
+                    if cos <= 0.0 || solid <= 0.0 || !is_lit(x, v) {
+                        return 0.0;
+                    }
+                    f64::from(material.eval(at, v.as_vec3()).x) * solid
+                };
+                (0..POINTS[0] * POINTS[1]).map(point).sum::<f64>()
+            };
+            let mut scene = room(opening, emits);
+            scene.materials = vec![material.clone()];
+            (scene.width, scene.height) = (18, 12);
+            let [mean, p99, _] = errors_beside(&scene, None, seen);
+            println!("{name}, {light}: own error {mean:.5}, 99 % {p99:.4}");
+            assert!(mean < 0.004 && p99 < 0.03, "{name}, {light}: {mean} {p99}");
+        }
     }
 }
