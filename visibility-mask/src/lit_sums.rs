@@ -90,7 +90,7 @@ impl Focus {
         // Half vectors that turn aside turn the mirror's direction by less.
         let cos = at.normal.dot(facets.view).clamp(0.0, 1.0);
         let slope = if facets.grain.is_some() { NARROWEST_SLOPE } else { cos.max(NARROWEST_SLOPE) };
-        Self::new(window.local(mirror), alpha, slope)
+        Self::new(window.local(mirror), alpha, 0.5 * slope)
     }
 }
 

@@ -7,6 +7,8 @@ use lobe_core::{Outline, orthonormal_basis};
 
 /// Edges count as far beside an outline as this part of its size, a sample and a half of 64 from its middle: [`Outline::BEYOND`] holds them.
 pub(crate) const MARGIN: f32 = 0.046_875;
+/// Sides that are shorter than this part of the margin bound nothing.
+pub(crate) const SHORTEST: f32 = 1e-3;
 /// Outlines of more corners stand in a polygon of so many.
 pub(crate) const MOST: usize = 8;
 
@@ -46,8 +48,10 @@ impl Beside {
         for i in 0..out.count {
             let (p, q) = (out.corners[i], out.corners[(i + 1) % out.count]);
             let normal = p.cross(q - p);
-            let aside = (normal - axis * axis.dot(normal)).length().max(f32::MIN_POSITIVE);
-            out.planes[i] = normal / aside + axis * out.margin;
+            let aside = (normal - axis * axis.dot(normal)).length();
+            // The direction of a shorter side is rounding.
+            let normal = if aside > SHORTEST * out.margin { normal / aside } else { Vec3::ZERO };
+            out.planes[i] = normal + axis * out.margin;
         }
         out
     }

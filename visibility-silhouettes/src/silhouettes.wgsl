@@ -70,7 +70,10 @@ fn silhouettes_set_outline() {
         let q = silhouettes_corners[select(i + 1u, 0u, i + 1u == count)];
         let normal = cross(p, q - p);
         let aside = normal - axis * dot(axis, normal);
-        silhouettes_planes[i] = normal / max(sqrt(dot(aside, aside)), 1.1754944e-38) + axis * silhouettes_margin;
+        let length = sqrt(dot(aside, aside));
+        // The direction of a shorter side is rounding.
+        let bounds = length > SILHOUETTES_SHORTEST * silhouettes_margin;
+        silhouettes_planes[i] = select(vec3f(0.0), normal / max(length, 1.1754944e-38), bounds) + axis * silhouettes_margin;
     }
 }
 

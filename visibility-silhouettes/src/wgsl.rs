@@ -18,6 +18,7 @@ static SILHOUETTES: Piece = Piece::new(include_str!("silhouettes.wgsl"))
         SILHOUETTES_AROUND = select::AROUND,
         SILHOUETTES_AROUND_SQ = select::AROUND_SQ,
         SILHOUETTES_MARGIN = beside::MARGIN,
+        SILHOUETTES_SHORTEST = beside::SHORTEST,
         SILHOUETTES_CORNERS = beside::MOST,
     ])
     .needs(&[&SIDES, &FACET]);
