@@ -339,7 +339,7 @@ pub struct MaskScratch<S> {
     /// Whether `own` shows the whole light of the query.
     is_whole: bool,
     counts: [Counts; 2],
-    /// What is seen of microfacets' light, of whose two lobes the second one follows, and their exponent.
+    /// The light of microfacets that is seen, of whose two lobes the second one follows, and their exponent.
     seen: Option<(f32, SeenFacets)>,
 }
 
