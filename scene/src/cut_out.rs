@@ -89,7 +89,7 @@ impl CutOut {
         let Some(map) = &self.map else { return 0.0 };
         let Some(uvs) = mesh.uv_sets.get(map.uv_set) else { return 0.0 };
         let footprint = [Vec2::X * (cell / size[0]), Vec2::Y * (cell / size[1])];
-        let areas: Vec<f64> = mesh.triangles.iter().map(|t| f64::from(mesh.face_cross(*t).length())).collect();
+        let areas: Vec<f64> = mesh.triangles.iter().map(|t| mesh.face_cross(*t).length()).collect();
         let step = areas.iter().sum::<f64>() / f64::from(SAMPLES);
         let (mut wrong, mut count, mut left) = (0_u32, 0_u32, 0.5 * step);
         for (triangle, area) in mesh.triangles.iter().zip(&areas) {
