@@ -199,7 +199,7 @@ fn by_default(
         *failed += 1;
         let percent = 100.0 * error;
         return Err(format!(
-            "spheres and tubes in its place are {percent:.0} % off (`light = true` in a scene file takes them)"
+            "spheres and tubes in its place are {percent:.1} % off (`light = true` in a scene file takes them)"
         ));
     }
     if lamp.lights.len() > room {

@@ -9,7 +9,8 @@ use std::collections::{HashMap, HashSet};
 pub(crate) fn smoothing_group<'w>(mut words: impl Iterator<Item = &'w str>) -> u32 {
     match words.next() {
         Some("on") => 1,
-        Some(word) => word.parse().unwrap_or(0),
+        // Some programs write numbers that are negative or have more than 32 bits.
+        Some(word) => word.parse().map_or(0, |n: i64| u32::try_from(n.unsigned_abs()).unwrap_or(u32::MAX)),
         None => 0,
     }
 }

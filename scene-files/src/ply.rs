@@ -212,6 +212,9 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], context: &mut Context) -> Result<
     if properties.any(|property| property.name == "material_index") {
         context.warn(path, "material_index is not read: its faces have one material");
     }
+    if elements.iter().flat_map(|e| &e.properties).any(|property| property.name == "f_dc_0") {
+        context.warn(path, "Gaussian splats are not read: only its faces are");
+    }
     mesh.parts(path, context).map_err(|message| SceneError::file(path, message))
 }
 

@@ -128,9 +128,16 @@ fn files_without_normals_mean_what_their_formats_say() {
         (tilts(&scene), warnings)
     };
     let plain = |_: usize, f: String| format!("f {f}\n");
-    for (lines, flat) in
-        [("", true), ("s off\n", true), ("s 0\n", true), ("s\n", true), ("s 1\n", false), ("s on\n", false)]
-    {
+    for (lines, flat) in [
+        ("", true),
+        ("s off\n", true),
+        ("s 0\n", true),
+        ("s\n", true),
+        ("s 1\n", false),
+        ("s on\n", false),
+        ("s -1\n", false),
+        ("s 4294967296\n", false),
+    ] {
         let (tilts, warnings) = read("c.obj", &obj(lines, plain));
         assert!(if flat { is_flat(tilts) } else { is_round(tilts) }, "{lines:?}: {tilts:?}");
         assert!(warnings.is_empty(), "{warnings:?}");
