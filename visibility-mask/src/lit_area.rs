@@ -16,10 +16,10 @@ const PART: f32 = 0.7;
 /// Half the distance of the two points of Gauss and Legendre's rule, in lengths of their piece.
 const GAUSS: f32 = 0.288_675_13;
 
-/// The lit part of a window, which blockers with exact outlines find: points of its plane with the areas that they stand for.
+/// The lit part of a window, which blockers with exact outlines find: trapezoids of its plane. [`Blockers::find_lit`](crate::Blockers::find_lit) fills it.
 ///
-/// The area is exact. Integrands are taken to be polynomials of third order along the rows of its pieces, of which a window has sixteen side by side (up to 48 before an image), and of first order across them. [`Blockers::find_lit`](crate::Blockers::find_lit) fills it.
-/// For highlights the trapezoids are divided about their peak instead.
+/// The area is exact. A lobe is integrated over parts of the trapezoids that grow with the distance from its peak: it is taken to be a polynomial of third order in each. Diffuse ones before an
+/// image are over points at even distances, of which a window has 32 to 96 a row.
 #[derive(Clone, Debug)]
 pub struct LitArea {
     /// Of a window's width.
