@@ -193,8 +193,8 @@ impl Trapezoid {
         let Self { ends: [from, to], leans, y, height, .. } = *self;
         let lean = leans[0].abs().max(leans[1].abs());
         let half = 0.5 * Vec2::new((to - from) + lean, height);
-        let beside = ((focus.place - Vec2::new(0.5 * (from + to), y)).abs() - half).max(Vec2::ZERO);
-        let most = PART * focus.width.max(focus.slope * beside.length());
+        let beside = |p: Vec2| ((p - Vec2::new(0.5 * (from + to), y)).abs() - half).max(Vec2::ZERO).length();
+        let most = PART * focus.size(beside(focus.place)).min(Focus::FOOT.size(beside(Vec2::ZERO)));
         let [tall, wide] = [lean.max(height) > most, to - from > most];
         if tall && (!wide || lean.max(height) > to - from) {
             return [-0.25, 0.25].into_iter().for_each(|at| self.level_half(at).each_point(focus, add));

@@ -71,7 +71,12 @@ const NARROWEST_SLOPE: f32 = 0.3;
 
 impl Focus {
     /// The foot of the perpendicular: beside it solid angles and the receiver's cosine fall.
-    const FOOT: Self = Self { place: Vec2::ZERO, width: 0.4, slope: 0.4 };
+    pub(crate) const FOOT: Self = Self { place: Vec2::ZERO, width: 0.4, slope: 0.4 };
+
+    /// The scale on which it varies at a distance from there.
+    pub(crate) fn size(&self, beside: f32) -> f32 {
+        self.width.max(self.slope * beside)
+    }
 
     /// The place of a direction in the frame of the window, and a width in radians there.
     fn new(direction: Vec3, width: f32, slope: f32) -> Self {
