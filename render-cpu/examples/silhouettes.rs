@@ -7,7 +7,7 @@
 use brdf::Material;
 use glam::Vec3;
 use lighting::{Light, SphereLight};
-use lobe_core::{Lobe, Receiver, Sphere, Tile};
+use lobe_core::{Lobe, Receiver, Sphere, Tile, cap_integral};
 use render_cpu::{GBuffer, SceneSilhouettes, SurfaceHits, World};
 use scene::{GROUP, Mesh, Scene, Shape};
 use scene_files::load_animated;
@@ -179,7 +179,8 @@ fn look<B: Blockers>(
     let cone = light.cone(at);
     let mut visit = LightVisibility::alone(visibility, LightId(0), Accuracy::new(TOLERANCE), scratch);
     let LightCoverage::Partial(seen) = visit.coverage(at, &cone, None) else { return None };
-    let fraction = visit.fraction(&seen, Lobe::new(at.normal, 1.0, Vec3::ONE), 1.0).x;
+    let lobe = Lobe::new(at.normal, 1.0, Vec3::ONE);
+    let fraction = visit.fraction(&seen, lobe, cap_integral(at, lobe, &cone)).x;
     (0.01..0.99).contains(&fraction).then_some(fraction)
 }
 

@@ -85,7 +85,8 @@ struct Opened {
 
 fn open(path: &Path) -> Opened {
     let (scene, animation, warnings) = scene_files::load_animated(path).unwrap();
-    assert!(warnings.is_empty(), "{warnings:?}");
+    // Lights that are added are all in one place.
+    assert!(warnings.iter().all(|line| line.contains("partly on others")), "{warnings:?}");
     let session = Session::new(Renderer::new(scene, animation, Settings::default()).unwrap());
     drop(session.finished());
     let mut editor = Editor::new(session);

@@ -66,7 +66,7 @@ fn a_disc_hides_its_part_of_a_light_all_around() {
                 let visibility = MaskVisibility::new(disc);
                 let mut scratch = visibility.scratch();
                 assert_eq!(visibility.coverage(&query, &mut scratch), Coverage::Partial);
-                let error = (visibility.fraction(&query, &lobe, 1.0, &mut scratch).x / want - 1.0).abs();
+                let error = (visibility.fraction(&query, &lobe, all, &mut scratch).x / want - 1.0).abs();
                 sum += error;
                 worst = worst.max(error);
                 count += 1.0;

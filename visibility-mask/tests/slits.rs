@@ -3,7 +3,7 @@
 
 use core::f32::consts::FRAC_1_SQRT_2;
 use glam::{Vec2, Vec3};
-use lobe_core::{Cone, Lobe, Microfacets, Receiver};
+use lobe_core::{Cone, Lobe, Microfacets, Receiver, cap_integral};
 use shading::{Accuracy, Coverage, LightId, Visibility, VisibilityQuery};
 use visibility_mask::{Blockers, Edges, LitArea, Mask, MaskVisibility, Mixture, UnitSquare};
 
@@ -120,12 +120,15 @@ fn fractions(blockers: impl Blockers) -> Vec<f32> {
     assert_eq!(visibility.coverage(&query, &mut scratch), Coverage::Partial);
     let glossy = |exponent: f32| Lobe::new(Vec3::new(0.1, 0.2, 1.0).normalize(), exponent, Vec3::ONE).times_cosine();
     let mut all: Vec<f32> = [Lobe::new(normal, 1.0, Vec3::ONE), glossy(4.0), glossy(30.0)]
-        .map(|lobe| visibility.fraction(&query, &lobe, 1.0, &mut scratch).x)
+        .map(|lobe| visibility.fraction(&query, &lobe, cap_integral(&at, lobe, &cone), &mut scratch).x)
         .to_vec();
     for alpha in [0.5, 0.1] {
         let view = Vec3::new(-0.5, 0.1, 0.8).normalize();
         let parts = Microfacets::new(view, alpha, [Vec3::ONE; 2]);
-        all.extend(parts.map(|part| visibility.microfacets_fraction(&query, &part, 1.0, &mut scratch).x));
+        let part = |part: Microfacets| {
+            visibility.microfacets_fraction(&query, &part, cap_integral(&at, part, &cone), &mut scratch).x
+        };
+        all.extend(parts.map(part));
     }
     all
 }

@@ -2,7 +2,7 @@
 
 use crate::common::{Rays, Soup, globe};
 use glam::Vec3;
-use lobe_core::{Cone, FlatShape, Lobe, Outline, Receiver, Sphere};
+use lobe_core::{Cone, FlatShape, Lobe, Outline, Receiver, Sphere, cap_integral, light_integral};
 use shading::{Accuracy, LightCoverage, LightExtent, LightId, LightVisibility, Shaft, Visibility};
 use visibility_mask::MaskVisibility;
 use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
@@ -48,7 +48,7 @@ fn shares(blockers: SilhouetteBlockers<'_>, groups: &[Vec<Receiver>], tolerance:
             for at in part {
                 let cone = Cone::of_sphere(at.position, LIGHT);
                 let lobe = Lobe::new(at.normal, 1.0, Vec3::ONE);
-                out.push(visit.visible_fraction(at, &cone, &lobe, 1.0).x);
+                out.push(visit.visible_fraction(at, &cone, &lobe, cap_integral(at, lobe, &cone)).x);
             }
         }
     }
@@ -131,7 +131,10 @@ fn lights_that_cut_a_body_see_its_exact_outlines() {
             out.push(match visit.coverage(at, &cone, outline.as_ref()) {
                 LightCoverage::Lit => 1.0,
                 LightCoverage::Dark => 0.0,
-                LightCoverage::Partial(penumbra) => visit.fraction(&penumbra, lobe, 1.0).x,
+                LightCoverage::Partial(penumbra) => {
+                    let all = light_integral(at, &lobe.into(), &cone, penumbra.outline);
+                    visit.fraction(&penumbra, lobe, all).x
+                }
             });
         }
         out

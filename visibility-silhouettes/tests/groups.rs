@@ -4,7 +4,7 @@ use crate::common::{Rays, Soup, cuboid};
 use core::sync::atomic::{AtomicU32, Ordering};
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
-use lobe_core::{Cone, Lobe, Receiver, Sphere};
+use lobe_core::{Cone, Lobe, Receiver, Sphere, cap_integral};
 use shading::{Accuracy, Coverage, LightId, LightVisibility, Shaft, Visibility, VisibilityQuery};
 use visibility_mask::{Blockers, MaskVisibility};
 use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
@@ -182,7 +182,8 @@ fn more_edges_than_are_listed() {
         let of = |k: i16| {
             let at = Receiver::on_surface(Vec3::new(0.05 * f32::from(k), 0.0, 0.02), Vec3::Y, Vec3::Y);
             let cone = Cone::of_sphere(at.position, light);
-            visit.visible_fraction(&at, &cone, &Lobe::new(at.normal, 1.0, Vec3::ONE), 1.0).x
+            let lobe = Lobe::new(at.normal, 1.0, Vec3::ONE);
+            visit.visible_fraction(&at, &cone, &lobe, cap_integral(&at, lobe, &cone)).x
         };
         (-9..10).map(of).collect()
     };
