@@ -188,3 +188,8 @@ pub(crate) fn counted(count: usize, noun: &str, why: &str) -> String {
         _ => format!("{count} {noun}s left out for {why}"),
     }
 }
+
+/// Behind the name of the first of several things: how many others there are; empty for none.
+pub(crate) fn and_others(count: usize) -> String {
+    if count == 0 { String::new() } else { format!(" (and {count} more)") }
+}

@@ -1,6 +1,6 @@
 //! Objects that emit, as lights.
 
-use crate::context::Context;
+use crate::context::{Context, and_others};
 use crate::scene_file::place_of;
 use glam::{Mat4, Vec3};
 use lighting::{EnclosedLight, Light, SphereLight, emissive_mesh};
@@ -160,10 +160,6 @@ pub(crate) fn light_up(path: &Path, scene: &mut Scene, animation: &mut Animation
         let more = and_others(others.len());
         context.warn(path, format!("object \"{first}\"{more} emits, but lights no other: {reason}"));
     }
-}
-
-fn and_others(count: usize) -> String {
-    if count == 0 { String::new() } else { format!(" (and {count} more)") }
 }
 
 /// The lights of an object for which its file requests none.

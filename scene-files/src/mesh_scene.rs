@@ -104,8 +104,8 @@ pub(crate) fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Re
     let is_kept = context.document.is_some();
     // A little below the lowest point: a model with a floor of its own must not lie in ours.
     let ground = Vec3::new(bounds.center().x, bounds.min.y - 1e-3 * radius, bounds.center().z);
-    let is_below = own.iter().any(|light| light.is_below(ground.y));
-    if is_below && !is_kept {
+    let is_below = !is_kept && own.iter().any(|light| light.is_below(ground.y));
+    if is_below {
         context.warn(path, "a light of its own shines from below: no floor is added, which would hide it");
     }
     if !is_kept && !is_below {

@@ -1,7 +1,7 @@
 //! Wavefront MTL: the materials of OBJ files.
 
 use crate::appearance::Appearance;
-use crate::context::Context;
+use crate::context::{Context, and_others};
 use crate::files::extension;
 use crate::hdr_header::RGB_OF_XYZ;
 use crate::height::{self, Source};
@@ -58,7 +58,7 @@ pub(crate) fn parse(path: &Path, context: &mut Context) -> Result<HashMap<String
         context.warn(path, "surfaces that are not opaque are cut out where their opacity is below a half");
     }
     if let [first, others @ ..] = &twice[..] {
-        let more = if others.is_empty() { String::new() } else { format!(" (and {} more)", others.len()) };
+        let more = and_others(others.len());
         context.warn(path, format!("material {first}{more} stands there more than once: the last is taken"));
     }
     if strange > 0 {

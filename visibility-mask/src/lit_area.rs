@@ -214,7 +214,7 @@ impl Trapezoid {
         }
     }
 
-    /// The lower or the higher half, whose middle is so many heights above that of both.
+    /// The lower or the higher half, whose middle is a part `at` of the height above that of both.
     fn level_half(&self, at: f32) -> Self {
         let Self { ends, leans, y, height, .. } = *self;
         let ends = [ends[0] + at * leans[0], ends[1] + at * leans[1]];

@@ -112,7 +112,7 @@ pub(crate) fn along(outline: &Outline, across: glam::Vec3) -> Option<glam::Vec3>
 
 /// The roundness of a light from which on it is not long.
 const SLENDER: f32 = 0.15;
-/// Of such a thin one rows go along it however little of the view it takes: across it they would see it as so many steps.
+/// Rows go along a light that is as thin as this, however little of the view it takes: rows across it would see steps.
 const THREAD: f32 = 0.01;
 
 #[cfg(test)]

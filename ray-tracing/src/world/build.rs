@@ -10,8 +10,8 @@ use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::ploc::PlocBuilder;
 use obvhs::{Boundable, BvhBuildParams};
 
-/// From this number of primitives on it is tried on so many of them that are near each other, in so many places, whether obvhs's builder joins them in a tree
-/// that is not much deeper than it must be. It looks for the nearest of all boxes: where most boxes have the same nearest one, as in a fan around a
+/// From this number of primitives on obvhs's builder is tried on a number of them that are near each other, in a number of places: whether their tree is not
+/// much deeper than it must be. It looks for the nearest of all boxes: where most boxes have the same nearest one, as in a fan around a
 /// corner, each pass over all of them joins a few.
 const MANY: usize = 8192;
 const TRIED: usize = 1024;
