@@ -58,8 +58,9 @@ pub(crate) enum Thing {
 /// The effect of a drag of the pointer.
 #[derive(Debug)]
 pub(crate) enum Motion {
-    Orbit(Camera),
-    Pan(Camera),
+    /// The camera as it was, and where the pointer began.
+    Orbit(Camera, Vec2),
+    Pan(Camera, Vec2),
     /// A light by a handle: as it was.
     Light(LightHandle, Box<Light>, Drag),
     /// An object by a handle: where it was.

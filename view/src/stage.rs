@@ -192,7 +192,7 @@ impl Hands {
 
     fn follow(&self, ui: &Ui, response: &Response, desk: &mut Desk) {
         self.begin(ui, response, desk);
-        self.go_on(response, desk);
+        self.go_on(ui, response, desk);
         if response.drag_stopped() {
             match desk.motion.take() {
                 Some(Motion::Split) | None => {}
@@ -218,7 +218,7 @@ impl Hands {
         let camera = desk.editor.scene().camera;
         let is_first = response.drag_started_by(PointerButton::Primary);
         if !is_first || ui.input(|input| input.modifiers.shift) {
-            desk.motion = Some(Motion::Pan(camera));
+            desk.motion = Some(Motion::Pan(camera, from));
             return;
         }
         let grip = self.handles(desk).and_then(|handles| Some((handles, handles.hit(from)?)));
@@ -235,10 +235,10 @@ impl Hands {
                             let middle = handles.middle().filter(|middle| middle.distance(from) > MARK);
                             self.take(desk, thing, handles, (Grip::Middle, middle.unwrap_or(from)))
                         }
-                        None => Motion::Orbit(camera),
+                        None => Motion::Orbit(camera, from),
                     }
                 }
-                None => Motion::Orbit(camera),
+                None => Motion::Orbit(camera, from),
             },
         });
     }
@@ -253,24 +253,22 @@ impl Hands {
                 desk.editor.object(handle).map(|item| Motion::Object(handle, item.transform, drag))
             }
         };
-        before.unwrap_or(Motion::Orbit(*self.projection.camera()))
+        before.unwrap_or(Motion::Orbit(*self.projection.camera(), from))
     }
 
-    fn go_on(&self, response: &Response, desk: &mut Desk) {
-        let (Some(pointer), Some(total)) = (response.interact_pointer_pos(), response.total_drag_delta()) else {
-            return;
-        };
-        if response.drag_delta() == eframe::egui::Vec2::ZERO {
+    /// Also in the frame that the button is released in: a slow frame holds the last moves as well, which are not a drag to egui.
+    fn go_on(&self, ui: &Ui, response: &Response, desk: &mut Desk) {
+        let Some(pointer) = response.interact_pointer_pos() else { return };
+        if ui.input(|input| input.pointer.delta()) == eframe::egui::Vec2::ZERO {
             return;
         }
-        let total = glam(total);
         match &desk.motion {
-            Some(Motion::Orbit(before)) => {
-                let camera = orbited(*before, total * (TURN / self.rect.height()));
+            Some(Motion::Orbit(before, from)) => {
+                let camera = orbited(*before, (self.local(pointer) - *from) * (TURN / self.rect.height()));
                 desk.set_camera(camera);
             }
-            Some(Motion::Pan(before)) => {
-                let camera = panned(*before, glam(self.rect.size()), total);
+            Some(Motion::Pan(before, from)) => {
+                let camera = panned(*before, glam(self.rect.size()), self.local(pointer) - *from);
                 desk.set_camera(camera);
             }
             Some(Motion::Split) => {
@@ -345,8 +343,8 @@ impl Hands {
         let is_on_line = pointer.is_some_and(|pointer| self.is_on_line(desk, pointer));
         let is_on_mark = pointer.is_some_and(|pointer| self.mark(desk, pointer).is_some());
         let cursor = match &desk.motion {
-            Some(Motion::Pan(_)) => CursorIcon::Move,
-            Some(Motion::Orbit(_)) => CursorIcon::Grabbing,
+            Some(Motion::Pan(..)) => CursorIcon::Move,
+            Some(Motion::Orbit(..)) => CursorIcon::Grabbing,
             Some(Motion::Split) => CursorIcon::ResizeHorizontal,
             None if is_on_line => CursorIcon::ResizeHorizontal,
             _ if hovered.is_some() || is_on_mark => CursorIcon::Grab,

@@ -108,7 +108,7 @@ pub(crate) fn follows_a_hand() -> Result<(), Failed> {
     let path = folder.path().join("scene.toml");
     std::fs::write(&path, SCENE)?;
     let mut program = display.program(folder.path()).arg(&path).spawn()?;
-    let tried = try_all(&display, &path);
+    let tried = try_all(&display, program.id(), &path);
     let ended = program.try_wait()?;
     program.kill()?;
     program.wait()?;
@@ -117,8 +117,8 @@ pub(crate) fn follows_a_hand() -> Result<(), Failed> {
     Ok(())
 }
 
-fn try_all(display: &Display, path: &Path) -> Result<(), Failed> {
-    let mut hand = Hand::new(&display.number)?;
+fn try_all(display: &Display, program: u32, path: &Path) -> Result<(), Failed> {
+    let mut hand = Hand::new(&display.number, program)?;
     let is_there = |screen: &Screen| Stage::of(screen).is_some_and(|stage| stage.colors(screen) > 200);
     let first = hand.wait_for(WHOLE, Duration::from_secs(1), "the picture", is_there)?;
     let stage = Stage::of(&first).ok_or("no picture")?;

@@ -29,11 +29,15 @@ pub(crate) const Z: u8 = 52;
 /// Some frames of the window, even on a busy machine.
 const FRAMES: Duration = Duration::from_millis(100);
 
+const PATIENCE: Duration = Duration::from_secs(120);
+
 pub(crate) struct Hand {
     stream: UnixStream,
     root: u32,
     /// The number of XTEST's requests.
     test: u8,
+    /// The process that owns the window.
+    program: u32,
 }
 
 /// A part of the screen.
@@ -50,7 +54,7 @@ impl Screen {
 }
 
 impl Hand {
-    pub(crate) fn new(display: &str) -> io::Result<Self> {
+    pub(crate) fn new(display: &str, program: u32) -> io::Result<Self> {
         let mut stream = UnixStream::connect(format!("/tmp/.X11-unix/X{display}"))?;
         stream.set_read_timeout(Some(Duration::from_secs(30)))?;
         // Little endian, version 11.0, no name of an authorisation.
@@ -65,7 +69,7 @@ impl Hand {
         // Behind the names of the vendor and the formats of pixels comes the first screen.
         let vendor = usize::from(u16::from_le_bytes([setup[16], setup[17]])).next_multiple_of(4);
         let root = number(&setup, 32 + vendor + 8 * usize::from(setup[21]));
-        let mut hand = Self { stream, root, test: 0 };
+        let mut hand = Self { stream, root, test: 0, program };
         let mut ask = vec![QUERY_EXTENSION, 0, 4, 0, 5, 0, 0, 0];
         ask.extend_from_slice(b"XTEST\0\0\0");
         let (answer, _) = hand.ask(&ask)?;
@@ -133,18 +137,45 @@ impl Hand {
         self.release(1)
     }
 
-    /// Drags with the left button, in steps. The window sees the beginning and the end in frames of their own, as of a person's hand.
+    /// Drags with the left button, in steps. The window sees the beginning in frames of its own, as of a person's hand.
     pub(crate) fn drag(&mut self, from: [f32; 2], to: [f32; 2]) -> io::Result<()> {
         self.move_to(from)?;
-        thread::sleep(FRAMES);
+        self.rest(FRAMES)?;
         self.press(1)?;
-        thread::sleep(FRAMES);
+        self.rest(FRAMES)?;
         for step in 1..=12_u8 {
             let part = f32::from(step) / 12.0;
             self.move_to([from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1])])?;
+            if step == 1 {
+                self.rest(FRAMES)?;
+            }
         }
-        thread::sleep(FRAMES);
         self.release(1)
+    }
+
+    /// Waits until the program has nothing to do for some time, on a busy machine as well.
+    fn rest(&self, time: Duration) -> io::Result<()> {
+        let start = Instant::now();
+        let mut since = Instant::now();
+        while since.elapsed() < time && start.elapsed() < PATIENCE {
+            thread::sleep(Duration::from_millis(10));
+            if self.is_busy()? {
+                since = Instant::now();
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a thread of the program runs, or would if it had a processor.
+    fn is_busy(&self) -> io::Result<bool> {
+        for thread in std::fs::read_dir(format!("/proc/{}/task", self.program))? {
+            // A thread may end meanwhile. Its state follows its name, which is in brackets.
+            let state = std::fs::read_to_string(thread?.path().join("stat")).unwrap_or_default();
+            if state.rsplit(") ").next().is_some_and(|rest| rest.starts_with(['R', 'D'])) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Presses a key while others are held.
@@ -189,10 +220,10 @@ impl Hand {
         let start = Instant::now();
         let mut last = self.look(size)?;
         let mut since = Instant::now();
-        while start.elapsed() < Duration::from_secs(60) {
+        while start.elapsed() < PATIENCE {
             thread::sleep(Duration::from_millis(30));
             let now = self.look(size)?;
-            if now != last {
+            if now != last || self.is_busy()? {
                 (last, since) = (now, Instant::now());
             }
             if since.elapsed() >= still && is_wanted(&last) {
