@@ -1,16 +1,20 @@
 //! Lights of all kinds on small pictures: against Monte Carlo of their true shapes, by silhouettes, spheres and rays, and as they move.
 
+use core::f32::consts::PI;
 use cosine_lobes::ShadowErrors;
 use cosine_lobes::brdf::{Material, MetallicRoughness, ModifiedPhong};
 use cosine_lobes::lighting::{
     AmbientLight, Environment, EnvironmentMap, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight,
 };
-use cosine_lobes::lobe_core::{LightImage, Sphere};
+use cosine_lobes::lobe_core::{LightImage, Random, Sphere};
 use cosine_lobes::pictures::Picture;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Geometry, RayShader, Reference, ReferenceJob};
 use cosine_lobes::render_cpu::{CpuShader, SceneSilhouettes, SurfaceHits};
-use cosine_lobes::scene::{BlockerSet, Camera, Frame, Mesh, Object, Projection, Proxy, Scene, Shade};
+use cosine_lobes::renderer::{Renderer, Settings};
+use cosine_lobes::scene::{
+    Animation, BlockerSet, Camera, Frame, Instances, Mesh, Object, Projection, Proxy, Scene, Shade, Shape,
+};
 use cosine_lobes::shading::{Accuracy, Visibility};
 use cosine_lobes::visibility_mask::{MaskVisibility, Mixture};
 use cosine_lobes::visibility_rays::RayBlockers;
@@ -374,6 +378,56 @@ fn long_lights_are_those_of_their_pieces() {
             assert!(average < 0.004 && p99 < 0.05, "{name}, {of}: {average} {p99}");
         }
     }
+}
+
+/// A sphere of 1058 triangles.
+fn round() -> Mesh {
+    const AROUND: u16 = 23;
+    let place = |ring: u16, k: u16| {
+        let [theta, phi] = [f32::from(ring) / f32::from(AROUND) * PI, f32::from(k) / f32::from(AROUND) * 2.0 * PI];
+        let (across, up) = if ring == AROUND { (0.0, -1.0) } else { theta.sin_cos() };
+        Vec3::new(across * phi.cos(), up, across * phi.sin())
+    };
+    let positions = (0..=AROUND).flat_map(|ring| (0..AROUND).map(move |k| place(ring, k))).collect();
+    let at = |ring: u16, k: u16| u32::from(ring * AROUND + k % AROUND);
+    let face = |(ring, k): (u16, u16)| {
+        let [a, b, c, d] = [at(ring, k), at(ring, k + 1), at(ring + 1, k), at(ring + 1, k + 1)];
+        [[a, b, c], [b, d, c]]
+    };
+    let triangles = (0..AROUND).flat_map(|ring| (0..AROUND).map(move |k| (ring, k))).flat_map(face).collect();
+    let mut mesh = Mesh { positions, triangles, ..Mesh::default() };
+    mesh.remove_degenerate();
+    mesh
+}
+
+/// Small meshes that stand at many places have simplified forms, which hide as much as they do, and openings between them are counted.
+#[test]
+fn crowds_of_copies_stand_before_a_sky() {
+    let mut random = Random::new(4);
+    let mut place = || {
+        let [x, z, size] = [(-6.0, 6.0), (-9.0, 3.0), (0.1, 0.3)].map(|(low, high)| random.between(low, high) as f32);
+        Mat4::from_scale_rotation_translation(Vec3::splat(size), Quat::IDENTITY, Vec3::new(x, 0.9 * size, z))
+    };
+    let instances = Instances::new(Arc::new(round()), (0..900).map(|_| place()).collect()).expect("places");
+    let mut scene = scene(Vec::new(), Material::lambert(Vec3::splat(0.6)));
+    scene.objects.truncate(1);
+    let rounds = Object::mesh("rounds", Mesh::default(), 0, Proxy::None);
+    scene.objects.push(Object { shape: Shape::Instances(instances), ..rounds });
+    [scene.width, scene.height] = [24, 15];
+    let map = EnvironmentMap::new(UVec2::new(8, 4), vec![Vec3::ONE; 32]).expect("a map");
+    let sky = Environment::new(map, 6, Sphere { center: Vec3::ZERO, radius: 40.0 });
+    scene.lights = sky.lights().to_vec();
+    scene.environment = Some(Arc::new(sky));
+    let gbuffer = GBuffer::new(&World::new(&scene), scene.width, scene.height, 1);
+    let [truth, _] = truth(&scene, 8192);
+    let truth = gbuffer.resolve(&truth, Vec3::ZERO);
+    let mut renderer = Renderer::new(scene, Animation::default(), Settings::default()).expect("a scene");
+    let picture = renderer.render().expect("a picture").radiance;
+    let off: Vec<f32> = picture.iter().zip(&truth).filter(|(_, t)| t.x > 0.0).map(|(p, t)| p.x / t.x - 1.0).collect();
+    let count = off.len() as f32;
+    let (mean, bias) = (off.iter().map(|e| e.abs()).sum::<f32>() / count, off.iter().sum::<f32>() / count);
+    println!("{count} points: own radiance errs by {mean}, {bias} with its sign");
+    assert!(mean < 0.003 && bias.abs() < 0.0015, "{mean} {bias}");
 }
 
 /// Through the horizon, through the floor and through objects, which the light's plane then cuts: outlines and spheres

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use visibility_silhouettes::{SharedMesh, SilhouetteInstances, SilhouetteMesh};
 
-/// Meshes from so many triangles on have simplified forms: the outlines of smaller ones are few anyway.
+/// Meshes from so many triangles on, at all their places, have simplified forms: the outlines of smaller ones are few anyway.
 const LARGE: usize = 20_000;
 
 /// Simplified forms of a mesh take as long as they save for this number of receivers a triangle, before a light of a half-angle of 5°.
@@ -27,9 +27,9 @@ impl Looks {
         Self(receivers)
     }
 
-    /// Whether a mesh with this number of triangles gets simplified forms.
-    fn are_worth(self, triangles: usize) -> bool {
-        triangles >= LARGE && self.0 >= WORTH * triangles as f64
+    /// Whether a mesh with this number of triangles gets simplified forms, which stands at a number of places.
+    fn are_worth(self, triangles: usize, places: usize) -> bool {
+        triangles * places >= LARGE && self.0 >= WORTH * triangles as f64
     }
 }
 
@@ -51,8 +51,8 @@ pub struct SceneSilhouettes {
     /// The revision of each mesh's object.
     revisions: Vec<Revision>,
     instances: SilhouetteInstances,
-    /// The meshes that these were prepared from.
-    shared: Vec<Arc<Mesh>>,
+    /// The meshes that these were prepared from, and whether with simplified forms.
+    shared: Vec<(Arc<Mesh>, bool)>,
     /// Objects that the instances were made of, with their numbers.
     instanced: Vec<(u32, Revision)>,
     are_copied: bool,
@@ -127,8 +127,8 @@ impl SceneSilhouettes {
                 Shape::Instances(all) if are_copied => all.triangle_count(),
                 Shape::Instances(_) | Shape::Spheres(_) => return None,
             };
-            let is_worth = looks.are_worth(triangles);
-            let old = old.filter(|_| is_worth == before.are_worth(triangles));
+            let is_worth = looks.are_worth(triangles, 1);
+            let old = old.filter(|_| is_worth == before.are_worth(triangles, 1));
             let (made, done) = follow(object, shape, &revision, (old, is_worth));
             Some((made, (revision, done)))
         };
@@ -162,12 +162,8 @@ impl SceneSilhouettes {
                 _ => None,
             });
         let all: Vec<(u32, Revision, &Instances)> = all.collect();
-        let is_as_worth = |mesh: &Mesh| {
-            let triangles = mesh.triangles.len();
-            looks.are_worth(triangles) == before.are_worth(triangles)
-        };
         let names = all.iter().map(|(number, revision, _)| (*number, *revision));
-        if all.iter().all(|(.., all)| is_as_worth(all.mesh())) && names.eq(self.instanced.iter().copied()) {
+        if looks == before && names.eq(self.instanced.iter().copied()) {
             return 0;
         }
         let mut meshes: Vec<&Arc<Mesh>> = Vec::new();
@@ -185,19 +181,21 @@ impl SceneSilhouettes {
             positions: &mesh.positions,
             triangles: &mesh.triangles,
             places,
-            is_coarse: looks.are_worth(mesh.triangles.len()),
+            is_coarse: looks.are_worth(mesh.triangles.len(), places.len()),
         });
         let shared: Vec<SharedMesh<'_>> = shared.collect();
         let old = core::mem::take(&mut self.instances).into_meshes();
-        let old = core::mem::take(&mut self.shared).into_iter().zip(old).filter(|(mesh, _)| is_as_worth(mesh));
-        let mut old: Vec<(Arc<Mesh>, SilhouetteMesh)> = old.collect();
+        let mut old: Vec<_> = core::mem::take(&mut self.shared).into_iter().zip(old).collect();
         let earlier = |number: usize| {
-            let found = old.iter().position(|(mesh, _)| Arc::ptr_eq(mesh, meshes[number]));
-            found.map(|place| old.swap_remove(place).1)
+            let is_it = |((mesh, is_coarse), _): &((Arc<Mesh>, bool), SilhouetteMesh)| {
+                Arc::ptr_eq(mesh, meshes[number]) && *is_coarse == shared[number].is_coarse
+            };
+            let place = old.iter().position(is_it)?;
+            Some(old.swap_remove(place).1)
         };
         let (instances, made) = SilhouetteInstances::with_earlier(&shared, earlier);
         self.instances = instances;
-        self.shared = meshes.into_iter().cloned().collect();
+        self.shared = meshes.iter().zip(&shared).map(|(mesh, shared)| (Arc::clone(mesh), shared.is_coarse)).collect();
         self.instanced = all.iter().map(|(number, revision, _)| (*number, *revision)).collect();
         made
     }
@@ -210,7 +208,7 @@ impl SceneSilhouettes {
             if let Some(mesh) = scene.objects[object as usize].shape.mesh()
                 && !kept.refit(&mesh.positions)
             {
-                *kept = prepare(object, &mesh, looks.are_worth(mesh.triangles.len()));
+                *kept = prepare(object, &mesh, looks.are_worth(mesh.triangles.len(), 1));
             }
         });
     }

@@ -152,6 +152,8 @@ struct Seen {
     is_little: bool,
     /// So little of a sky that is uneven, whatever light that gives.
     is_small: bool,
+    /// The part of the light below which it is little.
+    little: f32,
 }
 
 /// Where so much of a sky's light is seen, it does not matter how much of the sky that is.
@@ -161,8 +163,12 @@ impl Seen {
     /// Whether lobes of so much light, seen and whole, are better left to patches. Narrow ones see little of a wide sky where they reflect something else;
     /// their samples are fine enough for that.
     fn leaves(self, is_narrow: bool, sum: &Contribution) -> bool {
-        let is_little = self.is_small || SkyView::is_little(sum.radiance, sum.unshadowed);
+        let is_little = self.is_small || self.are_little([sum.radiance, sum.unshadowed]);
         is_little && !self.is_shut && (!is_narrow || self.is_little)
+    }
+
+    fn are_little(self, [seen, whole]: [Vec3; 2]) -> bool {
+        seen.max_element() < self.little * whole.max_element()
     }
 }
 
@@ -214,7 +220,7 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
                     view.settle(table, in_doubt, |v| self.blockers.hides(&tile, place, v, blockers));
                     if level == 0 {
                         observer.coverage(view.coverage());
-                        all_seen[number].is_shut = view.is_shut();
+                        (all_seen[number].is_shut, all_seen[number].little) = (view.is_shut(), view.little());
                     }
                     observer.end(Stage::Mask);
                 }
@@ -230,8 +236,8 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
             }
             if level == 0 && own.iter().any(|sum| sum.level > 0) {
                 let lambert = Lobe::new(receivers[place].normal, 1.0, Vec3::ONE).into();
-                let [seen, all] = view.integrals(table, &receivers[place], &lambert);
-                all_seen[number].is_little = SkyView::is_little(seen, all);
+                let integrals = view.integrals(table, &receivers[place], &lambert);
+                all_seen[number].is_little = all_seen[number].are_little(integrals);
             }
             observer.end(Stage::Integration);
         }

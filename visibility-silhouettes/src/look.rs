@@ -161,9 +161,10 @@ impl<T: Space> Looker<'_, T> {
         }
         out.reserve(8);
         let name = f32x8::splat(simd, f32::from_bits(name));
-        let end = |first| self.space.vector(vectors(simd, block, first).minus(x));
-        out.put3(0, keep, end(ENDS[0]));
-        out.put3(3, keep, end(ENDS[1]));
+        // Closures would be compiled without wide instructions.
+        let [a, b] = [vectors(simd, block, ENDS[0]), vectors(simd, block, ENDS[1])];
+        out.put3(0, keep, self.space.vector(a.minus(x)));
+        out.put3(3, keep, self.space.vector(b.minus(x)));
         out.put(STEP, keep, in_halves(simd, step, name));
         out.put(NAME, keep, name);
         out.end(keep);

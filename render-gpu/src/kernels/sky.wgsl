@@ -115,7 +115,8 @@ fn sky_point(lane: u32, point: u32) {
     if (lane > 0u) {
         return;
     }
-    let is_little = max(max(lit.x, lit.y), lit.z) < SKY_LITTLE * max(max(unshadowed.x, unshadowed.y), unshadowed.z);
+    let little = select(SKY_LITTLE, SKY_CROWD_LITTLE, sky_is_crowd);
+    let is_little = max(max(lit.x, lit.y), lit.z) < little * max(max(unshadowed.x, unshadowed.y), unshadowed.z);
     if (is_little && !(is_dark && sky_is_empty())) {
         sky_leave(point, all_lobes);
         return;

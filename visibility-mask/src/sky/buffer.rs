@@ -106,6 +106,11 @@ impl SkyBuffer {
         Crowd::is_of(self.crossings, resolution) != self.crowd.is_on
     }
 
+    /// Whether it counts a crowd.
+    pub(super) const fn is_crowd(&self) -> bool {
+        self.crowd.is_on
+    }
+
     /// Begins the receiver again, with a crowd if it had none, or the reverse: so do the receivers after it.
     pub(super) fn begin_again(&mut self, resolution: SkyResolution) {
         let crowd = Crowd::new(!self.crowd.is_on, 0);

@@ -14,6 +14,8 @@ use shading::Coverage;
 pub(crate) const STEPS: f32 = 1.5;
 /// Less than this part of a sky is seen through few samples: a room lit through its window.
 pub(crate) const LITTLE: f32 = 1.0 / 8.0;
+/// And less than this of a crowd's: its openings are many and small, masks count them no better, and a crowd's samples are finer (measured).
+pub(crate) const CROWD_LITTLE: f32 = 1.0 / 64.0;
 /// Of a lobe what is below this part of its peak is left out.
 const NOTHING: f32 = 1e-5;
 /// Below this cosine to the pole a normal's horizon may cross meridians near their beginning.
@@ -105,10 +107,10 @@ impl SkyView {
         self.is_dark && self.buffer.is_empty()
     }
 
-    /// Whether the visible part of a sky that is not [shut](Self::is_shut) is so small that samples are too coarse for it, and finer masks are needed.
+    /// The part of a sky that is not [shut](Self::is_shut) below which samples are too coarse for what is seen of it, and finer masks are needed.
     #[must_use]
-    pub fn is_little(seen: Vec3, whole: Vec3) -> bool {
-        seen.max_element() < LITTLE * whole.max_element()
+    pub const fn little(&self) -> f32 {
+        if self.buffer.is_crowd() { CROWD_LITTLE } else { LITTLE }
     }
 
     /// Whether the visible part of an [uneven](SkyTable::is_uneven) sky is as small, whatever light it gives.
@@ -123,7 +125,7 @@ impl SkyView {
             return false;
         }
         let [seen, all] = dispatch!(Level::new(), simd => self.open(simd, table, normal));
-        seen < LITTLE * all
+        seen < self.little() * all
     }
 
     /// A uniform sky's light by Lambert's lobe: the part that is seen, and all, in a unit of their own.
