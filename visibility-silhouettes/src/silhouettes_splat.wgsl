@@ -210,9 +210,9 @@ fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask
                 silhouettes_open = select(0u, 1u, silhouettes_sees(eye, place));
             }
             is_open = workgroupUniformLoad(&silhouettes_open) != 0u;
-            // The order of two edges that coincide to the last digit may be wrong, and a few samples between them, or a sliver, then have too small
-            // a number.
-            let is_sliver = is_area && !is_open && sums.x < SILHOUETTES_SLIVER * f32(SIDE) * 0x1p20f;
+            // The order of two edges that coincide to the last digit may be wrong, and a few samples between them, or a sliver, open or not, then
+            // have too small a number.
+            let is_sliver = is_area && sums.x < SILHOUETTES_SLIVER * f32(SIDE) * 0x1p20f;
             is_done = select(u32(sums.x) >= u32(sums.y) / SILHOUETTES_FEW, !is_sliver, is_area);
             above = least;
         }
