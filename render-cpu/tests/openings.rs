@@ -13,6 +13,8 @@ use visibility_mask::{MaskVisibility, Mixture};
 use visibility_silhouettes::SilhouetteBlockers;
 use visibility_spheres::SphereBlockers;
 
+mod blades;
+
 const LIGHT: DVec3 = DVec3::new(0.0, 0.3, -12.5);
 /// Half a side of squares of light, and the radii of spheres: wide ones, and those that a room sees as 9° and 15° to each side; squares that fill most of a hemisphere.
 const SQUARES: [f64; 5] = [11.0, 15.0, 2.0, 30.0, 60.0];

@@ -19,6 +19,7 @@ use visibility_mask::{Blockers, Edges, LitArea, Mask, asks_for_openings, facet_c
 
 mod openings;
 mod scratch;
+mod sweep;
 pub(crate) mod trapezoids;
 
 pub use scratch::SilhouetteScratch;

@@ -1,5 +1,6 @@
 //! The lit part of a window between outlines, as trapezoids.
 
+use super::sweep::{Event, Sweep, SweepMemory};
 use crate::project::{View, ends_of, line_through};
 use crate::select::{STEP, Silhouettes};
 use glam::{Vec2, Vec3};
@@ -7,9 +8,9 @@ use lobe_core::Outline;
 use visibility_mask::{LitArea, Mask, UnitSquare};
 
 /// Trapezoids are found where at most this number of outlines is before the light: the time is that of each two at one height.
-const MOST: usize = 1024;
-/// They are given up where all slabs together have more pieces than this.
-const MOST_CROSSED: usize = 800_000;
+const MOST: usize = 4096;
+/// They are given up where pieces begin, end and cross more often than this.
+const MOST_EVENTS: usize = 100_000;
 /// Half the distance of the two points of Gauss and Legendre's rule, in heights of a slab.
 pub(crate) const GAUSS: f32 = 0.288_675_13;
 /// The sides of the light and its window divide slabs if they are at most this number: a round light has many short ones.
@@ -17,7 +18,7 @@ const SIDES: usize = 10;
 /// Where they are more, those do that are not shorter than this part of the longest, if there are a few: the two along a tube.
 const SHORT: f32 = 0.25;
 /// Numbers of surfaces that may be those of slivers alone, which rounding leaves between outlines that coincide.
-const DOUBTFUL: usize = 3;
+pub(super) const DOUBTFUL: usize = 3;
 
 /// A part of a window that may be slivers alone.
 pub(crate) const SLIVER: f32 = 1e-6;
@@ -27,29 +28,34 @@ const SECOND: f32 = 0.01;
 
 /// A piece of an outline.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
+pub(super) struct Piece {
     /// Between which heights it is, and its line `x = s + t y`.
-    heights: [f32; 2],
+    pub(super) heights: [f32; 2],
     line: [f32; 2],
     /// Between which places it is.
-    places: [f32; 2],
+    pub(super) places: [f32; 2],
     /// The growth of the number of surfaces to its right.
-    step: i32,
+    pub(super) step: i32,
     /// Whether each end, the lower one first, is left of the path, and the height at which it crosses that if both are not.
     is_left: [bool; 2],
-    crosses: f32,
+    pub(super) crosses: f32,
 }
 
 impl Piece {
-    fn at(&self, y: f32) -> f32 {
+    pub(super) fn at(&self, y: f32) -> f32 {
         let [start, slope] = self.line;
         // The line of one that is nearly level is ill-conditioned.
         (start + slope * y).max(self.places[0]).min(self.places[1])
     }
 
     /// Whether it is left of the path at a height.
-    fn is_left_at(&self, y: f32) -> bool {
+    pub(super) fn is_left_at(&self, y: f32) -> bool {
         self.is_left[usize::from(self.is_left[0] != self.is_left[1] && y >= self.crosses)]
+    }
+
+    /// The growth of the number of surfaces on the path where it crosses that upward.
+    pub(super) fn step_on_path(&self) -> i32 {
+        if self.is_left[0] { -self.step } else { self.step }
     }
 }
 
@@ -72,14 +78,14 @@ impl Path {
 
 /// A trapezoid between two outlines, with level sides.
 #[derive(Clone, Copy, Debug)]
-struct Trapezoid {
+pub(super) struct Trapezoid {
     /// The line halfway between its level sides, and by how much its ends move from the lower one to the higher one.
-    ends: [f32; 2],
-    leans: [f32; 2],
-    y: f32,
-    height: f32,
+    pub(super) ends: [f32; 2],
+    pub(super) leans: [f32; 2],
+    pub(super) y: f32,
+    pub(super) height: f32,
     /// The surfaces before it, but for a constant.
-    number: i32,
+    pub(super) number: i32,
 }
 
 impl Trapezoid {
@@ -102,7 +108,7 @@ pub(super) struct Emits<'a> {
 
 impl Emits<'_> {
     /// From where to where the light emits at a height.
-    fn at(&self, y: f32) -> [f32; 2] {
+    pub(super) fn at(&self, y: f32) -> [f32; 2] {
         let [from, to] = self.mask.emits_at(y, self.facet);
         if from < to { [from, to] } else { [0.5 * (from + to); 2] }
     }
@@ -115,18 +121,12 @@ impl Emits<'_> {
 /// The lit part of a window, and working memory.
 ///
 /// # Method
-/// Pieces of outlines end, and cross each other and the bounds of the light, at heights; between two neighbouring heights they follow each other from left
-/// to right in one order, so that the parts between them are trapezoids with one number of surfaces each. The number grows at pieces by what each of them adds; the fewest are
-/// none if one ray meets nothing.
+/// Pieces of outlines end, and cross each other and the bounds of the light, at heights. A [`Sweep`] over these finds the parts between them, trapezoids with one number
+/// of surfaces each. The fewest are none if one ray meets nothing.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Trapezoids {
     pieces: Vec<Piece>,
-    heights: Vec<f32>,
-    /// The heights at which pieces cross the path, and the growth of the number there.
-    path: Vec<(f32, i32)>,
-    /// The pieces at a height, and their places there.
-    active: Vec<u32>,
-    crossed: Vec<(f32, u32)>,
+    sweep: SweepMemory,
     found: Vec<Trapezoid>,
 }
 
@@ -146,10 +146,12 @@ impl Trapezoids {
         }
         let path = Path::new(view, emits.outline);
         self.gather(silhouettes, lit.hidden(), view, path);
-        self.divide(view, emits, lit.rows());
-        if !self.fill(emits, narrowest) {
+        if !self.divide(view, emits, lit.rows()) {
             return false;
         }
+        self.found.clear();
+        let (low, high) = view.corners();
+        Sweep::new(&self.pieces, emits, [low.x, high.x], narrowest, &mut self.found).run(&mut self.sweep);
         let slivers = narrowest * narrowest + SLIVER * view.square.half.element_product();
         let mut is_open = |p: Vec2| !lit.is_hidden(p) && is_open(p);
         let Some(open) = open_numbers(&self.found, slivers, &mut is_open) else { return false };
@@ -162,7 +164,6 @@ impl Trapezoids {
     /// Projects outlines, and takes the sides of what is hidden besides.
     fn gather(&mut self, silhouettes: &Silhouettes, hidden: &[[Vec2; 2]], view: &View, path: Path) {
         self.pieces.clear();
-        self.path.clear();
         for k in 0..silhouettes.len() {
             let end = |first: usize| Vec3::from_array(core::array::from_fn(|axis| silhouettes.get(first + axis, k)));
             let step = silhouettes.get(STEP, k) as i32;
@@ -177,7 +178,6 @@ impl Trapezoids {
             self.add([*a, *b], [a.x - slope * a.y, slope], -1, path);
         }
         self.pieces.sort_unstable_by(|a, b| a.heights[0].total_cmp(&b.heights[0]));
-        self.path.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     }
 
     /// Adds a piece.
@@ -190,7 +190,6 @@ impl Trapezoids {
         if is_left[0] != is_left[1] {
             let at = ends[0].y + (ends[1].y - ends[0].y) * (beside[0] / (beside[0] - beside[1]));
             crosses = at.clamp(low.y, high.y);
-            self.path.push((crosses, if is_left[0] { -step } else { step }));
         }
         self.pieces.push(Piece {
             heights: [low.y, high.y],
@@ -202,117 +201,65 @@ impl Trapezoids {
         });
     }
 
-    /// Lists the heights between which the order of pieces and bounds is one, and those between a number of rows.
-    fn divide(&mut self, view: &View, emits: &Emits<'_>, rows: u32) {
-        let Self { pieces, heights, .. } = self;
+    /// Lists the heights at which the order of pieces and bounds changes, and those between a number of rows. `false` if they are too many.
+    fn divide(&mut self, view: &View, emits: &Emits<'_>, rows: u32) -> bool {
+        let Self { pieces, sweep: SweepMemory { events, .. }, .. } = self;
         let (low, high) = view.corners();
-        heights.clear();
-        heights.extend((1..rows).map(|k| low.y + (high.y - low.y) * (k as f32 / rows as f32)));
+        events.clear();
+        let of_rows = (1..rows).map(|k| low.y + (high.y - low.y) * (k as f32 / rows as f32));
         let UnitSquare { right, up, .. } = view.square;
-        heights.extend(emits.outline.iter().flat_map(|outline| outline.on_plane([right, up])).map(|p| p.y));
+        let corners: Vec<Vec2> = emits.outline.iter().flat_map(|outline| outline.on_plane([right, up])).collect();
+        events.extend(of_rows.chain(corners.iter().map(|p| p.y)).map(Event::of_all));
         let bounds = [Vec3::new(1.0, 0.0, -low.x), Vec3::new(-1.0, 0.0, high.x)];
         let mut sides: Vec<Vec3> = bounds.into_iter().chain(emits.half_planes()).collect();
         if sides.len() > SIDES {
             // Bounds and horizon come first.
             let others = sides.split_off(3);
-            let corners: Vec<Vec2> = emits.outline.iter().flat_map(|outline| outline.on_plane([right, up])).collect();
             sides.extend(long_sides(&others, &corners));
         }
         for (k, side) in sides.iter().enumerate() {
-            heights.extend(sides[..k].iter().map(|other| {
+            events.extend(sides[..k].iter().map(|other| {
                 let p = side.cross(*other);
-                p.y / p.z
+                Event::of_all(p.y / p.z)
             }));
         }
         let (middle, radius) = emits.mask.circle();
         let is_inside = |piece: &Piece| piece.places[1] > low.x && piece.places[0] < high.x;
-        for (k, piece) in pieces.iter().enumerate().filter(|(_, piece)| is_inside(piece)) {
+        for (k, piece) in pieces.iter().enumerate() {
             let [from, to] = piece.heights;
             let [start, slope] = piece.line;
-            heights.extend([from, to]);
-            let mut meet = |y: f32| {
+            let own = [k as u32; 2];
+            events.push(Event { y: to, pieces: own });
+            if !is_inside(piece) {
+                continue;
+            }
+            events.push(Event { y: from, pieces: own });
+            let mut meet = |y: f32, pieces: [u32; 2]| {
                 if y > from && y < to {
-                    heights.push(y);
+                    events.push(Event { y, pieces });
                 }
             };
             for side in &sides {
-                meet(-(side.x * start + side.z) / (side.x * slope + side.y));
+                meet(-(side.x * start + side.z) / (side.x * slope + side.y), own);
             }
             // |(s + t y, y) - middle| = radius
             let (a, b, c) = (1.0 + slope * slope, slope * (start - middle.x) - middle.y, start - middle.x);
             let root = (b * b - a * (c * c + middle.y * middle.y - radius * radius)).sqrt();
-            [-root, root].iter().for_each(|root| meet((root - b) / a));
-            for other in pieces[k + 1..].iter().take_while(|other| other.heights[0] < to) {
+            [-root, root].iter().for_each(|root| meet((root - b) / a, own));
+            let others = (own[0] + 1..).zip(&pieces[k + 1..]).take_while(|(_, other)| other.heights[0] < to);
+            for (number, other) in others.filter(|(_, other)| is_inside(other)) {
                 let y = (other.line[0] - start) / (slope - other.line[1]);
                 if y < other.heights[1] && y > other.heights[0] {
-                    meet(y);
+                    meet(y, [own[0], number]);
                 }
             }
-        }
-        heights.retain(|y| *y > low.y && *y < high.y);
-        heights.extend([low.y, high.y]);
-        heights.sort_unstable_by(f32::total_cmp);
-    }
-
-    /// Finds the trapezoids. `false` where that takes too long.
-    fn fill(&mut self, emits: &Emits<'_>, narrowest: f32) -> bool {
-        let Self { pieces, heights, path, active, crossed, found } = self;
-        found.clear();
-        active.clear();
-        let (mut rest, mut next, mut on_path, mut all, mut least) = (0, 0, 0, 0, i32::MAX);
-        for slab in heights.windows(2) {
-            let height = slab[1] - slab[0];
-            let y = slab[0] + 0.5 * height;
-            // The mean of two places is that of a parabola, as which arcs are taken.
-            let [low, high] = [-GAUSS, GAUSS].map(|up| emits.at(y + up * height));
-            let [first, last] = [0, 1].map(|side| 0.5 * (low[side] + high[side]));
-            if height <= 1e-2 * narrowest || last - first < narrowest {
-                continue;
-            }
-            while let Some(piece) = pieces.get(rest)
-                && piece.heights[0] <= y
-            {
-                active.push(rest as u32);
-                rest += 1;
-            }
-            while let Some((at, step)) = path.get(next)
-                && *at <= y
-            {
-                on_path += step;
-                next += 1;
-            }
-            active.retain(|k| pieces[*k as usize].heights[1] > y);
-            all += active.len();
-            if all > MOST_CROSSED {
+            if events.len() > MOST_EVENTS {
                 return false;
             }
-            let mut number = on_path;
-            crossed.clear();
-            for k in &*active {
-                let piece = &pieces[*k as usize];
-                crossed.push((piece.at(y), *k));
-                number -= if piece.is_left_at(y) { piece.step } else { 0 };
-            }
-            crossed.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-            let of_light = [0, 1].map(|side| (high[side] - low[side]) / (2.0 * GAUSS));
-            let mut left = (f32::NEG_INFINITY, None);
-            for k in 0..=crossed.len() {
-                let (to, piece) =
-                    crossed.get(k).map_or((f32::INFINITY, None), |(to, k)| (*to, Some(&pieces[*k as usize])));
-                let right = (to, piece);
-                let ends = [left.0.max(first), right.0.min(last)];
-                if ends[1] - ends[0] >= narrowest && number < least.saturating_add(DOUBTFUL as i32) {
-                    least = least.min(number);
-                    let lean = |(at, piece): (f32, Option<&Piece>), side: usize| match piece {
-                        Some(piece) if at == ends[side] => piece.at(slab[1]) - piece.at(slab[0]),
-                        _ => of_light[side],
-                    };
-                    found.push(Trapezoid { ends, leans: [lean(left, 0), lean(right, 1)], y, height, number });
-                }
-                number += piece.map_or(0, |piece| piece.step);
-                left = right;
-            }
         }
+        events.retain(|event| event.y > low.y && event.y < high.y);
+        events.extend([low.y, high.y].map(Event::of_all));
+        events.sort_unstable_by(|a, b| a.y.total_cmp(&b.y));
         true
     }
 }
