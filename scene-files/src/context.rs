@@ -76,10 +76,13 @@ impl Context {
         }
     }
 
-    /// Warns of normals without a direction.
-    pub(crate) fn tell_broken(&mut self, path: &Path, count: usize) {
-        if count > 0 {
-            self.warn(path, format!("{count} normals have no direction: smooth ones replace them"));
+    /// Warns of a number of normals without a direction, and of texture coordinates that are not finite.
+    pub(crate) fn tell_broken(&mut self, path: &Path, [normals, uvs]: [usize; 2]) {
+        if normals > 0 {
+            self.warn(path, format!("{normals} normals have no direction: smooth ones replace them"));
+        }
+        if uvs > 0 {
+            self.warn(path, format!("{uvs} texture coordinates are NaN, infinite or too large: 0 replaces them"));
         }
     }
 

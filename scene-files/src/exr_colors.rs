@@ -52,15 +52,21 @@ impl ExrColors {
     /// line about what is not as the file says.
     pub(crate) fn convert(self, texels: &mut [Vec3]) -> Option<String> {
         let Some(matrix) = self.matrix else { return self.note };
-        let mut beyond = 0;
-        for texel in texels.iter_mut().filter(|texel| texel.is_finite() && texel.min_element() >= 0.0) {
-            let color = matrix * *texel;
-            beyond += usize::from(color.min_element() < -WORTH * color.max_element());
-            *texel = color.max(Vec3::ZERO);
-        }
-        (beyond > 0)
-            .then(|| format!("{beyond} of {} pixels have colours that sRGB lacks: the nearest are taken", texels.len()))
+        to_srgb(matrix, texels)
     }
+}
+
+/// Multiplies colours, of which those that sRGB lacks are cut at its border; numbers that are infinite or negative stay as they are.
+/// Returns a line about those that are cut.
+pub(crate) fn to_srgb(matrix: Mat3, texels: &mut [Vec3]) -> Option<String> {
+    let mut beyond = 0;
+    for texel in texels.iter_mut().filter(|texel| texel.is_finite() && texel.min_element() >= 0.0) {
+        let color = matrix * *texel;
+        beyond += usize::from(color.min_element() < -WORTH * color.max_element());
+        *texel = color.max(Vec3::ZERO);
+    }
+    (beyond > 0)
+        .then(|| format!("{beyond} of {} pixels have colours that sRGB lacks: the nearest are taken", texels.len()))
 }
 
 fn places(named: &Chromaticities) -> [[f64; 2]; 4] {

@@ -18,8 +18,8 @@ pub(crate) struct Shapes {
     pub(crate) morphs: Morphs,
     /// Whether the mesh has been moved by its targets, so that `morphs` has none.
     pub(crate) is_morphed: bool,
-    /// Normals that had no direction.
-    pub(crate) broken: usize,
+    /// How many normals had no direction, and how many texture coordinates were not finite.
+    pub(crate) broken: [usize; 2],
 }
 
 /// The joints that carry the vertices of a primitive.
@@ -80,12 +80,17 @@ pub(crate) fn read_primitive(
     if let Some(bad) = mesh.positions.iter().position(|p| !p.is_finite()) {
         return Err(format!("position {bad} is not finite"));
     }
-    let broken = mesh.repair_normals();
+    let broken = [mesh.repair_normals(), repair_uvs(mesh.uv_sets.iter_mut().flatten())];
     let morphs = match weights {
         Some(weights) => Morphs::apply(buffers, primitive, weights, &mut mesh)?,
         None => Morphs::read(buffers, primitive, &mesh)?,
     };
     Ok(Some(Shapes { mesh, alphas, morphs, is_morphed: weights.is_some(), broken }))
+}
+
+/// Takes 0 for texture coordinates that are not finite. How many these are.
+pub(crate) fn repair_uvs<'a>(uvs: impl Iterator<Item = &'a mut Vec2>) -> usize {
+    uvs.filter(|uv| !uv.is_finite()).map(|uv| *uv = Vec2::ZERO).count()
 }
 
 /// Vectors of an accessor.

@@ -9,7 +9,7 @@ use crate::gltf_file::Read;
 use crate::gltf_instances::{attribute_notes, expanded, read_instances};
 use crate::gltf_material::read_material;
 use crate::gltf_mesh::{Influences, Shapes, read_influences, read_primitive, read_skin, spare_indices};
-use crate::gltf_shared::{SharedMeshes, Shown};
+use crate::gltf_shared::{SharedMeshes, Shown, sum};
 use crate::gltf_texture::Images;
 use crate::part::Part;
 use glam::Mat4;
@@ -39,7 +39,7 @@ struct Notes {
     reduced: usize,
     uneven: usize,
     unbound: usize,
-    broken: usize,
+    broken: [usize; 2],
 }
 
 /// Reads the meshes of nodes.
@@ -111,7 +111,7 @@ impl Reader<'_> {
     /// Tells what was left out or changed.
     pub(crate) fn tell(&self, path: &Path, context: &mut Context) {
         let Notes { skipped, reduced, uneven, unbound, broken } = self.notes;
-        context.tell_broken(path, broken + self.shared.broken);
+        context.tell_broken(path, sum(broken, self.shared.broken));
         if skipped > 0 {
             context.warn(
                 path,
@@ -338,7 +338,7 @@ impl Reader<'_> {
     ) -> Result<(Mesh, Option<(Deformer, Carrier)>), String> {
         let bone = &self.skeleton.bones[n];
         let Shapes { mut mesh, morphs, is_morphed, broken, .. } = shapes;
-        self.notes.broken += broken;
+        self.notes.broken = sum(self.notes.broken, broken);
         if morphs.count() != bone.rest_weights.len() {
             let (k, first) = (morphs.count(), bone.rest_weights.len());
             return Err(format!("{k} morph targets, the first primitive has {first}"));

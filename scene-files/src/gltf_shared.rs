@@ -24,12 +24,17 @@ pub(crate) const fn is_worth_sharing(triangles: usize, copies: usize) -> bool {
     triangles >= SMALLEST && triangles.saturating_mul(copies.saturating_sub(1)) >= WORTH
 }
 
+/// The sums of two pairs.
+pub(crate) fn sum([a, b]: [usize; 2], [c, d]: [usize; 2]) -> [usize; 2] {
+    [a + c, b + d]
+}
+
 /// Primitives that are shared, by mesh and number; none for those that cannot be.
 #[derive(Default)]
 pub(crate) struct SharedMeshes {
     known: HashMap<(usize, usize), Option<Arc<Mesh>>>,
-    /// Normals without direction so far.
-    pub(crate) broken: usize,
+    /// Normals without direction so far, and texture coordinates that are not finite.
+    pub(crate) broken: [usize; 2],
 }
 
 /// A primitive, and what shows it.
@@ -99,7 +104,7 @@ impl SharedMeshes {
             return Ok((None, Repaired::default()));
         }
         context.files.budget.take_mesh(&part.mesh, 1, shown.name)?;
-        self.broken += shapes.broken;
+        self.broken = sum(self.broken, shapes.broken);
         if let Some(cut_out) = shown.material.and_then(|(_, appearance)| appearance.cut_out.as_ref()) {
             context.cut_out(shown.path, shown.name, cut_out, (&mut part.mesh, &shapes.alphas), false);
         }

@@ -2,6 +2,7 @@
 //!
 //! Greg Ward, "Real Pixels", Graphics Gems II (1991), and the format's text: pixels are radiance times all that EXPOSURE and COLORCORR say.
 
+use crate::exr_colors::to_srgb;
 use glam::{Mat3, UVec2, Vec3};
 
 /// Linear sRGB of CIE XYZ: IEC 61966-2-1.
@@ -103,11 +104,11 @@ impl HdrHeader {
         Ok([lines, pixels])
     }
 
-    /// Radiance, the top row first, of pixels in the order of the file.
-    pub(crate) fn radiance(&self, pixels: &[Vec3]) -> (UVec2, Vec<Vec3>) {
+    /// Radiance, the top row first, of pixels in the order of the file, and a line about what is not as the file says.
+    pub(crate) fn radiance(&self, mut pixels: Vec<Vec3>) -> (UVec2, Vec<Vec3>, Option<String>) {
         let UVec2 { x: width, y: height } = self.size;
+        let note = if self.is_xyz { to_srgb(RGB_OF_XYZ, &mut pixels) } else { None };
         let scale = self.factor.recip();
-        let color = |c: Vec3| if self.is_xyz { (RGB_OF_XYZ * c).max(Vec3::ZERO) * scale } else { c * scale };
         let [bottom_up, right_to_left] = self.is_flipped;
         let place = |x: u32, y: u32| {
             let x = if right_to_left { width - 1 - x } else { x };
@@ -115,7 +116,7 @@ impl HdrHeader {
             if self.by_columns { (x * height + y) as usize } else { (y * width + x) as usize }
         };
         let all = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        (self.size, all.map(|(x, y)| color(pixels[place(x, y)])).collect())
+        (self.size, all.map(|(x, y)| pixels[place(x, y)] * scale).collect(), note)
     }
 }
 
@@ -150,7 +151,8 @@ mod tests {
         let (header, plain) = HdrHeader::read(&file).expect("a picture of this format")?;
         let image = image::load_from_memory_with_format(&plain, image::ImageFormat::Hdr).map_err(|e| e.to_string())?;
         let pixels: Vec<Vec3> = image.into_rgb32f().pixels().map(|p| Vec3::from_array(p.0)).collect();
-        Ok(header.radiance(&pixels))
+        let (size, radiance, _) = header.radiance(pixels);
+        Ok((size, radiance))
     }
 
     #[test]
@@ -207,10 +209,17 @@ mod tests {
         let mut file = b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n".to_vec();
         file.extend([122, 128, 139, 129]);
         let (header, _) = HdrHeader::read(&file).unwrap().unwrap();
-        let white = header.radiance(&[Vec3::new(122.0, 128.0, 139.4) / 128.0]).1[0];
+        let (_, pixels, note) = header.radiance(vec![Vec3::new(122.0, 128.0, 139.4) / 128.0]);
+        assert_eq!(note, None);
+        let white = pixels[0];
         assert!((white - Vec3::ONE).abs().max_element() < 0.01, "{white}");
         let (header, _) =
             HdrHeader::read(b"#?RGBE\nGAMMA=2.2\nPRIMARIES=.7 .3 .2 .7 .1 .1 .3 .3\n\n-Y 1 +X 1\n").unwrap().unwrap();
         assert_eq!(header.notes.len(), 2);
+        // A green that no screen has.
+        let (header, _) = HdrHeader::read(&file).unwrap().unwrap();
+        let (_, pixels, note) = header.radiance(vec![Vec3::new(0.1, 0.8, 0.1)]);
+        assert_eq!(pixels[0].x, 0.0);
+        assert!(note.is_some_and(|note| note.contains("sRGB lacks")));
     }
 }

@@ -96,8 +96,9 @@ fn decode_numbers(
     let colors: Vec<Vec3> = texels.iter().map(color).collect();
     Ok(match radiance {
         Some((header, _)) => {
-            notes.extend(header.notes.iter().map(|note| format!("image \"{name}\": {note}")));
-            header.radiance(&colors)
+            let (size, colors, note) = header.radiance(colors);
+            notes.extend(header.notes.iter().chain(&note).map(|note| format!("image \"{name}\": {note}")));
+            (size, colors)
         }
         None => (size, colors),
     })

@@ -262,6 +262,10 @@ fn elements_and_colours_that_are_left_out_are_told() {
     let told = warnings(&format!("{CUBE}l 1 2\nl 1 2 3\np 1\ncurv 0 1 1 2\nsurf 0 1 0 1 1 2 3 4\n"));
     let words = ["1 point", "2 lines", "1 curve", "1 surface"];
     assert!(told.len() == 1 && words.iter().all(|word| told[0].contains(word)), "{told:?}");
+    let told =
+        warnings("maplib a.map\nusemap a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt nan 0\nvt 1 inf\nvt 0 1\nf 1/1 2/2 3/3\n");
+    assert!(told.iter().any(|line| line.contains("\"maplib\"") && line.contains("\"usemap\"")), "{told:?}");
+    assert!(told.iter().any(|line| line.contains(": 2 texture coordinates")), "{told:?}");
     for colors in [["", " 1 0 0", ""], [" 1 0 0", "", ""]] {
         let [a, b, c] = colors;
         let told = warnings(&format!("v 0 0 0{a}\nv 1 0 0{b}\nv 0 1 0{c}\nf 1 2 3\n"));

@@ -16,7 +16,7 @@ pub(crate) const UNREAD: [(&str, &str); 4] = [("p", "point"), ("l", "line"), ("c
 
 /// Words that change no triangle alone: groups, the parts of curves and surfaces, and how another program is to draw them.
 const HARMLESS: &str = "o g mg vp cstype deg bmat step parm trim hole scrv sp end con curv2 bevel c_interp d_interp lod shadow_obj trace_obj \
-    ctech stech usemap maplib";
+    ctech stech";
 /// The most other words of a run that are named, and letters of each.
 const MOST_UNKNOWN: usize = 8;
 const MOST_LETTERS: usize = 24;

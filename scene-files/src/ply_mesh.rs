@@ -3,6 +3,7 @@
 use crate::appearance::Appearance;
 use crate::context::{Context, counted};
 use crate::files::extension;
+use crate::gltf_mesh::repair_uvs;
 use crate::part::Part;
 use crate::polygon::{self, Cut};
 use crate::{image_file, vertex_colors};
@@ -109,7 +110,7 @@ impl PlyMesh {
             self.mesh.smooth_normals_in(&groups);
             self.mesh.triangles = all;
         } else {
-            context.tell_broken(path, self.mesh.repair_normals());
+            context.tell_broken(path, [self.mesh.repair_normals(), 0]);
         }
         if self.clear > 0 {
             context.warn(path, "the alpha of its colours is not read: surfaces are opaque");
@@ -123,6 +124,7 @@ impl PlyMesh {
             context.warn(path, note);
         }
         self.mesh.uv_sets.retain(|set| set.len() == vertices);
+        context.tell_broken(path, [0, repair_uvs(self.mesh.uv_sets.iter_mut().flatten())]);
         let triangles = self.mesh.triangles.len();
         if !self.uvs.is_empty() {
             self.uvs.resize(triangles, [Vec2::ZERO; 3]);

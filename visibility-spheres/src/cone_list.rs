@@ -16,7 +16,7 @@ use visibility_mask::{Edges, LitArea, Mask, UnitSquare};
 const COLUMNS: usize = 6;
 
 /// More rims than this are not given to others, who would look at each two of their sides.
-const MOST_RIMS: usize = 12;
+const MOST_RIMS: usize = 64;
 
 /// All of them, in the order in which they came.
 #[derive(Clone, Debug, Default)]

@@ -52,7 +52,7 @@ pub(super) struct SweepMemory {
     gaps: Vec<Gap>,
 }
 
-/// What is between pieces of outlines.
+/// The parts of a window between pieces of outlines.
 ///
 /// # Method
 /// Pieces at one height follow each other in an order that changes only where two of them cross, and where one begins or ends. The number of surfaces grows at
