@@ -66,7 +66,7 @@ fn power(word: &[u8]) -> Option<i32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lobe_core::oracle::Random;
+    use lobe_core::Random;
 
     fn check(word: &str) {
         let [own, wanted] = [parse(word), word.parse().ok()].map(|x: Option<f32>| x.map(f32::to_bits));
