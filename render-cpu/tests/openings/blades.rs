@@ -70,9 +70,9 @@ fn blades_before_windows_are_seen() {
         [base, base + DVec3::X * random.between(0.01, 0.04), tip]
     };
     let blades: Vec<[DVec3; 3]> = (0..120).map(&mut blade).collect();
-    let mut mesh = Mesh::default();
-    mesh.positions = blades.iter().flatten().map(|p| p.as_vec3()).collect();
-    mesh.triangles = (0..120).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+    let positions = blades.iter().flatten().map(|p| p.as_vec3()).collect();
+    let triangles = (0..120).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+    let mesh = Mesh { positions, triangles, ..Mesh::default() };
     let mut scene = room(window.map(|side| side as f32), square(SQUARES[0]));
     scene.objects.push(Object::mesh("blades", mesh, 0, Proxy::None));
     let [mean, p99, dark] = errors_beside(&scene, None, |at| beside_triangles(at, window, square_seen::<0>, &blades));
