@@ -1,5 +1,5 @@
 use super::arcs::{FIRST, NORMAL, ROWS, STEP};
-use super::crowd::{Crowd, FINER};
+use super::crowd::{Crowd, Part};
 use super::{Horizon, Meridians, SkyArcs, SkyResolution, SkyWindow};
 use fearless_simd::{Simd, f32x8, i32x8, mask32x8, prelude::*};
 use glam::Vec3;
@@ -15,7 +15,7 @@ pub(crate) const MARGIN: f32 = 0.01;
 /// The most samples of a row: the unit of runs.
 pub(crate) const RUN: usize = SkyResolution::MOST[1];
 /// The most rays that are traced.
-const WITNESSES: usize = 3;
+pub(super) const WITNESSES: usize = 3;
 
 /// How many surfaces lie before each sample of a receiver's meridians, up to one constant, which is 0 at the pole.
 ///
@@ -23,7 +23,7 @@ const WITNESSES: usize = 3;
 /// step by two surfaces, as at the folds of open ones, one is shared so, and the other lies outside of the sample, which sees no light there
 /// anyway. That is right where no other outline passes through the sample; else a fold takes half a surface back, since of blades as thin as
 /// a sample nothing else would be left (measured: half the error of none or of all). Where outlines cross rows very often,
-/// samples a quarter as long say what is left instead. All numbers are whole ones, in half surfaces, so that no order of drawing changes
+/// their crossings are put in order instead, and what is seen of a sample is exact along its row. All numbers are whole ones, in half surfaces, so that no order of drawing changes
 /// them. Up to 4000 surfaces behind each other are counted.
 ///
 /// Eight rows stand side by side, their counts one after the other.
@@ -36,8 +36,6 @@ pub struct SkyBuffer {
     has_folds: bool,
     crowd: Crowd,
     crossings: u32,
-    /// Samples for each of the table's.
-    finer: usize,
     columns: usize,
     /// For each block of rows which are crossed, as bits, and the first sample in which any is.
     crossed: Vec<u8>,
@@ -54,15 +52,13 @@ pub struct SkyBuffer {
 impl SkyBuffer {
     /// Begins a receiver, or another window of its: no surfaces.
     pub fn clear(&mut self, resolution: SkyResolution, window: SkyWindow) {
-        let is_fine = self.crowd.is_on && resolution.samples() * FINER <= RUN;
-        let finer = if is_fine { FINER } else { 1 };
-        let (columns, blocks) = (resolution.samples() * finer + 2, resolution.blocks());
-        let [_, end] = self.columns();
+        let (columns, blocks) = (resolution.samples() + 2, resolution.blocks());
+        let [_, end] = self.window.columns();
         let last = core::mem::replace(&mut self.window, window);
         self.crossings = 0;
         if (self.columns, self.blocks) != (columns, blocks) {
-            let crowd = Crowd::new(self.crowd.is_on, columns * blocks);
-            *self = Self { window, crowd, finer, columns, blocks, ..Self::default() };
+            let crowd = Crowd::new(self.crowd.is_on, blocks * LANES);
+            *self = Self { window, crowd, columns, blocks, ..Self::default() };
             self.counts.resize(columns * blocks, [0; LANES]);
             self.folds.resize(columns * blocks, [0; LANES]);
             self.crossed.resize(blocks, 0);
@@ -82,17 +78,11 @@ impl SkyBuffer {
                     self.folds[samples.clone()].fill([0; LANES]);
                 }
                 if self.crowd.is_on {
-                    self.crowd.clear(samples);
+                    self.counts[block * columns..(block + 1) * columns].fill([0; LANES]);
+                    (block * LANES..(block + 1) * LANES).for_each(|row| self.crowd.clear(row));
                 }
             }
         }
-    }
-
-    /// The samples that are drawn: the first, and the end.
-    fn columns(&self) -> [usize; 2] {
-        let [first, end] = self.window.columns();
-        // The end of the last sample is a place of its own.
-        [first * self.finer, end.saturating_sub(1) * self.finer + 1]
     }
 
     /// The samples that are drawn.
@@ -127,11 +117,12 @@ impl SkyBuffer {
     #[inline(always)]
     fn put(&mut self, row: usize, column: usize, fraction: i32, step: i32) {
         self.crossings += 1;
-        if self.crowd.is_on {
-            return self.put_in_crowd(row, column, fraction, step);
-        }
         if column >= self.window.columns()[1] {
             return;
+        }
+        if self.crowd.is_on {
+            self.crowd.put(row, column as i32 * HALF + fraction, step);
+            return self.cross(row, column);
         }
         let (block, lane) = (row / LANES, row % LANES);
         let first = block * self.columns + column;
@@ -154,22 +145,6 @@ impl SkyBuffer {
         let block = row / LANES;
         self.crossed[block] |= 1 << (row % LANES);
         self.firsts[block] = self.firsts[block].min(column as u32);
-    }
-
-    /// The same where [`Crowd`] counts: all of a step is shared between two samples.
-    fn put_in_crowd(&mut self, row: usize, of_table: usize, fraction: i32, step: i32) {
-        let finer = self.finer as i32;
-        let within = (fraction * finer / HALF).min(finer - 1);
-        let (column, fraction) = (of_table * self.finer + within as usize, fraction * finer - within * HALF);
-        if column >= self.columns()[1] {
-            return;
-        }
-        let (block, lane) = (row / LANES, row % LANES);
-        let first = block * self.columns + column;
-        self.crowd.put(first, lane, fraction, step);
-        add(&mut self.counts[first][lane], step * (HALF - fraction), 1);
-        add(&mut self.counts[first + 1][lane], step * fraction, -1);
-        self.cross(row, column);
     }
 
     /// Draws arcs.
@@ -270,13 +245,16 @@ impl SkyBuffer {
     /// Makes counts of differences, above a horizon, and finds the fewest.
     #[inline(always)]
     pub fn resolve<S: Simd>(&mut self, simd: S, meridians: &Meridians, horizon: &Horizon) {
+        if self.crowd.is_on {
+            return self.resolve_crowd(simd, meridians, horizon);
+        }
         let mut low = i32x8::splat(simd, i32::MAX);
         let mut any = i32x8::splat(simd, i32::MAX);
         let (cuts, zero) = (i32x8::splat(simd, (1 << CUTS) - 1), i32x8::splat(simd, 0));
-        let [start, finish] = self.columns();
-        let (mut is_open, is_crowd) = (false, self.crowd.is_on);
+        let [start, finish] = self.window.columns();
+        let mut is_open = false;
         for block in self.window.blocks() {
-            let end = meridians.crossing(simd, block, horizon.local()) * self.finer as f32;
+            let end = meridians.crossing(simd, block, horizon.local());
             let sure = end - (1.0 + MARGIN);
             // Rows that nothing crosses are as the pole is.
             let is_seen = sure.simd_ge(f32x8::splat(simd, start as f32));
@@ -289,9 +267,6 @@ impl SkyBuffer {
             // Before their first outline rows are as the pole is.
             is_open |= first > start && is_seen.any_true();
             let samples = block * self.columns + first.min(last)..block * self.columns + last;
-            if self.crowd.is_on {
-                self.crowd.resolve(samples.clone());
-            }
             let mut sum = zero;
             for (column, counts) in (first..).zip(&mut self.counts[samples]) {
                 sum += i32x8::simd_from(simd, *counts);
@@ -302,9 +277,7 @@ impl SkyBuffer {
                 let is_above = f32x8::splat(simd, column as f32).simd_le(sure);
                 let is_whole = (sum & cuts).simd_eq(zero);
                 low = (is_above & is_whole).select(low.min(sum), low);
-                let index = block * self.columns + column;
-                let least = if is_crowd { self.crowd.starts(simd, index) << CUTS } else { sum };
-                any = is_above.select(any.min(least), any);
+                any = is_above.select(any.min(sum), any);
             }
         }
         let least = |lanes: i32x8<S>| <[i32; LANES]>::from(lanes).into_iter().min().unwrap_or(0);
@@ -313,6 +286,49 @@ impl SkyBuffer {
         if self.fewest == i32::MAX {
             // Outlines pass through all samples: the fewest of which something is seen.
             self.fewest = least(any) >> CUTS << CUTS;
+        }
+    }
+
+    /// The same for a crowd: its counts become the seen parts of samples, in parts of [`ONE`].
+    fn resolve_crowd<S: Simd>(&mut self, simd: S, meridians: &Meridians, horizon: &Horizon) {
+        let ends = |block: usize| <[f32; LANES]>::from(meridians.crossing(simd, block, horizon.local()));
+        let [start, finish] = self.window.columns().map(|column| column as i32 * HALF);
+        let sure = |end: f32| [start, finish.min(((end - (1.0 + MARGIN)) * HALF as f32) as i32)];
+        let mut fewest = [i32::MAX; 2];
+        for block in self.window.blocks() {
+            let ends = ends(block);
+            for (row, end) in (block * LANES..).zip(ends) {
+                self.crowd.sort(row);
+                for part in self.crowd.parts(row, sure(end)) {
+                    let kind = usize::from(!part.is_sure());
+                    fewest[kind] = fewest[kind].min(part.number);
+                }
+            }
+        }
+        let fewest = fewest.into_iter().find(|number| *number != i32::MAX).unwrap_or(0);
+        self.fewest = (fewest * HALF) << CUTS;
+        self.crowd.keep_none();
+        for block in self.window.blocks() {
+            if self.crossed[block] == 0 {
+                continue;
+            }
+            let ends = ends(block);
+            for (lane, end) in ends.into_iter().enumerate() {
+                let row = block * LANES + lane;
+                let mut longest = None::<Part>;
+                let [from, to] = sure(end);
+                for part in self.crowd.parts(row, [start, finish]).filter(|part| part.number <= fewest) {
+                    for column in part.from / HALF..=(part.to - 1) / HALF {
+                        let seen = part.to.min((column + 1) * HALF) - part.from.max(column * HALF);
+                        self.counts[block * self.columns + column as usize][lane] += 2 * seen;
+                    }
+                    let sure = Part { from: part.from.max(from), to: part.to.min(to), ..part };
+                    if sure.from < sure.to && longest.is_none_or(|longest| longest.length() < sure.length()) {
+                        longest = Some(sure);
+                    }
+                }
+                self.crowd.keep(longest, row);
+            }
         }
     }
 
@@ -331,7 +347,7 @@ impl SkyBuffer {
     /// The first of the table's samples in which an outline crosses rows of a crossed block.
     #[inline(always)]
     pub(super) fn first_crossed(&self, block: usize) -> usize {
-        self.firsts[block] as usize / self.finer
+        self.firsts[block] as usize
     }
 
     /// The part of the light that is seen where no outline is before, if the samples with the fewest surfaces have none before them.
@@ -343,32 +359,18 @@ impl SkyBuffer {
     /// The seen parts of eight samples of a crossed block, if those with the fewest surfaces have none before them.
     #[inline(always)]
     pub(super) fn seen<S: Simd>(&self, simd: S, block: usize, column: usize) -> f32x8<S> {
-        let first = block * self.columns + column * self.finer;
-        if self.finer == 1 {
-            return self.seen_part(simd, first).to_float::<f32x8<S>>() * (1.0 / ONE as f32);
-        }
-        let mut sum = i32x8::splat(simd, 0);
-        for index in first..first + self.finer {
-            sum += self.seen_part(simd, index);
-        }
-        sum.to_float::<f32x8<S>>() * ((ONE as usize * self.finer) as f32).recip()
-    }
-
-    /// Of eight samples of the buffer, in parts of [`ONE`].
-    #[inline(always)]
-    fn seen_part<S: Simd>(&self, simd: S, index: usize) -> i32x8<S> {
+        let index = block * self.columns + column;
         let cut = i32x8::simd_from(simd, self.counts[index]);
-        let fewest = self.fewest >> CUTS;
+        if self.crowd.is_on {
+            return cut.to_float::<f32x8<S>>() * (1.0 / ONE as f32);
+        }
         let mut counts = cut >> CUTS;
         if self.has_folds {
             let is_shared = (cut & ((1 << CUTS) - 1)).simd_gt(i32x8::splat(simd, 1));
             counts += is_shared.select(i32x8::simd_from(simd, self.folds[index]), i32x8::splat(simd, 0));
         }
-        let mut seen = i32x8::splat(simd, fewest + ONE) - counts;
-        if self.crowd.is_on {
-            seen = seen.max(self.crowd.open(simd, index, fewest) << 1);
-        }
-        seen.max(i32x8::splat(simd, 0)).min(i32x8::splat(simd, ONE))
+        let seen = i32x8::splat(simd, (self.fewest >> CUTS) + ONE) - counts;
+        seen.max(i32x8::splat(simd, 0)).min(i32x8::splat(simd, ONE)).to_float::<f32x8<S>>() * (1.0 / ONE as f32)
     }
 
     /// Up to three directions, in the pole's frame, before which the fewest surfaces lie: those that are farthest from outlines. The first
@@ -389,6 +391,16 @@ impl SkyBuffer {
             }
             return all;
         }
+        if self.crowd.is_on {
+            for (part, row) in self.crowd.longest() {
+                let middle = f64::from(part.from + part.to) / f64::from(2 * HALF);
+                all.push(meridians.direction(row as f64 + 0.5, middle));
+            }
+            if all.len == 0 {
+                all.push(horizon.local());
+            }
+            return all;
+        }
         self.find_runs(simd, meridians, horizon);
         let mut runs: [(i32, usize); WITNESSES] = [(0, 0); WITNESSES];
         for row in self.window.blocks().flat_map(|block| block * LANES..(block + 1) * LANES) {
@@ -400,10 +412,7 @@ impl SkyBuffer {
         }
         for (run, row) in runs.into_iter().filter(|(run, _)| *run > 0) {
             let (length, last) = (run / RUN as i32, run % RUN as i32);
-            all.push(
-                meridians
-                    .direction(row as f64 + 0.5, (f64::from(last) + 1.0 - 0.5 * f64::from(length)) / self.finer as f64),
-            );
+            all.push(meridians.direction(row as f64 + 0.5, f64::from(last) + 1.0 - 0.5 * f64::from(length)));
         }
         if all.len == 0 {
             all.push(horizon.local());
@@ -434,9 +443,9 @@ impl SkyBuffer {
     #[inline(always)]
     fn find_runs<S: Simd>(&mut self, simd: S, meridians: &Meridians, horizon: &Horizon) {
         let (zero, fewest) = (i32x8::splat(simd, 0), i32x8::splat(simd, self.fewest));
-        let [start, finish] = self.columns();
+        let [start, finish] = self.window.columns();
         for block in self.window.blocks() {
-            let end = meridians.crossing(simd, block, horizon.local()) * self.finer as f32;
+            let end = meridians.crossing(simd, block, horizon.local());
             let (mut run, mut best) = (zero, zero);
             if self.crossed[block] != 0 || !self.window.is_whole() {
                 let last = last_column(simd, end, self.columns).min(finish);

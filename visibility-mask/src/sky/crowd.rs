@@ -1,32 +1,49 @@
 use super::SkyResolution;
-use super::buffer::HALF;
-use fearless_simd::{Simd, i32x8, prelude::*};
-use lobe_core::vec3x8::LANES;
+use super::buffer::{HALF, WITNESSES};
 
 /// Outlines are a crowd if they cross more samples than one in this number: several in one sample hide parts of it that overlap.
 pub(crate) const SPARSE: usize = 4;
-/// The samples of a crowd for each of the table's.
+/// The samples of a crowd for each of the table's, on a GPU.
 pub(crate) const FINER: usize = 4;
-/// Bits of one of two parts of a sample.
-const PART: u32 = 16;
+/// Shorter parts of a row say nothing about the fewest surfaces: rounding may order the outlines at their ends.
+const LEAST: i32 = HALF / 64;
+/// The bits of a crossing below its place: its step, largest first, so that between surfaces which touch there is no opening.
+const STEP: u32 = 12;
+const MOST_STEP: i32 = (1 << (STEP - 1)) - 1;
 
-/// The outlines in each sample of a crowded buffer: foliage, grass, hair.
+/// The outlines that cross each row of a crowded buffer: foliage, grass, hair.
 ///
-/// The parts of a sample that several surfaces hide may overlap, so the rest is more than 1 less their sum. Surfaces that begin in a sample
-/// hide all from the first beginning on, those that end in it all up to the last end. The part before the first beginning is seen if the
-/// sample's left end is; so is the part behind the last end if the right end is, and the part between both if the other surfaces leave it
-/// open. That is never more than is seen: only openings between two surfaces of which both begin, or both end, in one sample
-/// are left out.
+/// The parts of a sample that several surfaces hide overlap, so what is seen is more than 1 less their sum. Here the crossings of a row are put in order, and
+/// what is open between them is what is seen: exact along rows.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Crowd {
     /// Whether the receiver's outlines are counted so.
     pub(super) is_on: bool,
-    /// Half surfaces by which the number grows over a sample; after [`resolve`](Self::resolve), the number at its left end.
-    steps: Vec<[i32; LANES]>,
-    /// Those of them that end, as a negative number.
-    falls: Vec<[i32; LANES]>,
-    /// The largest hidden part behind a beginning and, [`PART`] bits lower, before an end, in [`HALF`]ths.
-    parts: Vec<[i32; LANES]>,
+    /// For each row its crossings: place in [`HALF`]ths of samples, and step.
+    rows: Vec<Vec<u32>>,
+    /// The longest parts of rows with the fewest surfaces, and their rows.
+    longest: [Option<(Part, usize)>; WITNESSES],
+}
+
+/// A part of a row between two crossings.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    /// Its ends, in [`HALF`]ths of samples.
+    pub(super) from: i32,
+    pub(super) to: i32,
+    /// Half surfaces before it.
+    pub(super) number: i32,
+}
+
+impl Part {
+    /// Whether it is long enough to say how many the fewest surfaces are.
+    pub(super) const fn is_sure(&self) -> bool {
+        self.length() >= LEAST
+    }
+
+    pub(super) const fn length(&self) -> i32 {
+        self.to - self.from
+    }
 }
 
 impl Crowd {
@@ -35,61 +52,59 @@ impl Crowd {
         crossings as usize * SPARSE > samples.rows() * samples.samples()
     }
 
-    /// For so many samples in rows of eight, if there is a crowd.
-    pub(super) fn new(is_on: bool, len: usize) -> Self {
-        let values = vec![[0; LANES]; if is_on { len } else { 0 }];
-        Self { is_on, steps: values.clone(), falls: values.clone(), parts: values }
+    /// Of so many rows, if there is a crowd.
+    pub(super) fn new(is_on: bool, rows: usize) -> Self {
+        Self { is_on, rows: vec![Vec::new(); if is_on { rows } else { 0 }], longest: [None; WITNESSES] }
     }
 
-    /// Forgets samples.
-    pub(super) fn clear(&mut self, samples: core::ops::Range<usize>) {
-        for values in [&mut self.steps, &mut self.falls, &mut self.parts] {
-            values[samples.clone()].fill([0; LANES]);
+    /// Forgets the crossings of a row.
+    pub(super) fn clear(&mut self, row: usize) {
+        self.rows[row].clear();
+    }
+
+    /// A step in a row, at a place in [`HALF`]ths of samples.
+    #[inline(always)]
+    pub(super) fn put(&mut self, row: usize, place: i32, step: i32) {
+        let step = MOST_STEP - step.clamp(-MOST_STEP, MOST_STEP);
+        self.rows[row].push(place.cast_unsigned() << STEP | step.cast_unsigned());
+    }
+
+    /// Puts the crossings of a row in order.
+    pub(super) fn sort(&mut self, row: usize) {
+        self.rows[row].sort_unstable();
+    }
+
+    /// The parts of a row between two places, after [`sort`](Self::sort).
+    pub(super) fn parts(&self, row: usize, [start, end]: [i32; 2]) -> impl Iterator<Item = Part> + '_ {
+        let (mut last, mut number) = (0, 0);
+        let crossings = self.rows[row].iter().map(|crossing| {
+            let step = MOST_STEP - (crossing & ((1 << STEP) - 1)).cast_signed();
+            ((crossing >> STEP).cast_signed(), step)
+        });
+        crossings.chain([(i32::MAX, 0)]).filter_map(move |(place, step)| {
+            let part = Part { from: start.max(last), to: place.min(end), number };
+            (last, number) = (place, number + step);
+            (part.from < part.to).then_some(part)
+        })
+    }
+
+    /// Forgets the longest parts.
+    pub(super) const fn keep_none(&mut self) {
+        self.longest = [None; WITNESSES];
+    }
+
+    /// Keeps a part of a row if it is one of the longest.
+    pub(super) fn keep(&mut self, part: Option<Part>, row: usize) {
+        let Some(part) = part else { return };
+        let is_shorter = |other: &Option<(Part, usize)>| other.is_none_or(|(other, _)| other.length() < part.length());
+        if let Some(place) = self.longest.iter().position(is_shorter) {
+            self.longest[place..].rotate_right(1);
+            self.longest[place] = Some((part, row));
         }
     }
 
-    /// A step in a sample, at so many [`HALF`]ths of it.
-    #[inline(always)]
-    pub(super) fn put(&mut self, sample: usize, lane: usize, fraction: i32, step: i32) {
-        self.steps[sample][lane] += step;
-        let parts = &mut self.parts[sample][lane];
-        let [begun, ended] = [*parts >> PART, *parts & ((1 << PART) - 1)];
-        if step > 0 {
-            *parts = begun.max(HALF - fraction) << PART | ended;
-        } else {
-            self.falls[sample][lane] += step;
-            *parts = begun << PART | ended.max(fraction);
-        }
-    }
-
-    /// Makes numbers at the left ends of samples of steps. The sample behind the last one is there.
-    pub(super) fn resolve(&mut self, samples: core::ops::Range<usize>) {
-        let mut number = [0; LANES];
-        for steps in &mut self.steps[samples.start..=samples.end] {
-            for (steps, number) in steps.iter_mut().zip(&mut number) {
-                (*steps, *number) = (*number, *number + *steps);
-            }
-        }
-    }
-
-    /// The numbers of surfaces at the left ends of eight samples, in [`HALF`]ths of half surfaces.
-    #[inline(always)]
-    pub(super) fn starts<S: Simd>(&self, simd: S, sample: usize) -> i32x8<S> {
-        i32x8::simd_from(simd, self.steps[sample]) * HALF
-    }
-
-    /// The parts of eight samples, in [`HALF`]ths, that certainly have no more surfaces before them than `fewest`, in [`HALF`]ths of half surfaces.
-    #[inline(always)]
-    pub(super) fn open<S: Simd>(&self, simd: S, sample: usize, fewest: i32) -> i32x8<S> {
-        let (zero, one) = (i32x8::splat(simd, 0), i32x8::splat(simd, HALF));
-        let fewest = i32x8::splat(simd, fewest);
-        let (left, right) = (self.starts(simd, sample), self.starts(simd, sample + 1));
-        let parts = i32x8::simd_from(simd, self.parts[sample]);
-        let begun = one - (parts >> PART);
-        let ended = one - (parts & i32x8::splat(simd, (1 << PART) - 1));
-        let middle = left + i32x8::simd_from(simd, self.falls[sample]) * HALF;
-        let ends = left.simd_le(fewest).select(begun, zero) + right.simd_le(fewest).select(ended, zero);
-        let between = middle.simd_le(fewest).select((begun + ended - one).max(zero), zero);
-        ends.max(between)
+    /// The longest parts that were kept, and their rows, the longest first.
+    pub(super) fn longest(&self) -> impl Iterator<Item = (Part, usize)> + '_ {
+        self.longest.iter().flatten().copied()
     }
 }

@@ -14,7 +14,7 @@ use shading::Coverage;
 pub(crate) const STEPS: f32 = 1.5;
 /// Less than this part of a sky is seen through few samples: a room lit through its window.
 pub(crate) const LITTLE: f32 = 1.0 / 8.0;
-/// And less than this of a crowd's: its openings are many and small, masks count them no better, and a crowd's samples are finer (measured).
+/// And less than this of a crowd's, whose rows are exact: its openings are many and small, and masks count them no better (measured).
 pub(crate) const CROWD_LITTLE: f32 = 1.0 / 64.0;
 /// Of a lobe what is below this part of its peak is left out.
 const NOTHING: f32 = 1e-5;
