@@ -82,7 +82,7 @@ impl Context {
             self.warn(path, format!("{normals} normals have no direction: smooth ones replace them"));
         }
         if uvs > 0 {
-            self.warn(path, format!("{uvs} texture coordinates are NaN, infinite or too large: 0 replaces them"));
+            self.warn(path, format!("{uvs} texture coordinates are NaN, infinite or too large: triangles there show the corner of their images"));
         }
     }
 

@@ -80,7 +80,7 @@ pub(crate) fn read_primitive(
     if let Some(bad) = mesh.positions.iter().position(|p| !p.is_finite()) {
         return Err(format!("position {bad} is not finite"));
     }
-    let broken = [mesh.repair_normals(), repair_uvs(mesh.uv_sets.iter_mut().flatten())];
+    let broken = [mesh.repair_normals(), broken_uvs(mesh.uv_sets.iter().flatten())];
     let morphs = match weights {
         Some(weights) => Morphs::apply(buffers, primitive, weights, &mut mesh)?,
         None => Morphs::read(buffers, primitive, &mesh)?,
@@ -88,9 +88,9 @@ pub(crate) fn read_primitive(
     Ok(Some(Shapes { mesh, alphas, morphs, is_morphed: weights.is_some(), broken }))
 }
 
-/// Takes 0 for texture coordinates that are not finite. How many these are.
-pub(crate) fn repair_uvs<'a>(uvs: impl Iterator<Item = &'a mut Vec2>) -> usize {
-    uvs.filter(|uv| !uv.is_finite()).map(|uv| *uv = Vec2::ZERO).count()
+/// How many texture coordinates are not finite. They stay: pictures have the corner of their images there, bakes refuse them.
+pub(crate) fn broken_uvs<'a>(uvs: impl Iterator<Item = &'a Vec2>) -> usize {
+    uvs.filter(|uv| !uv.is_finite()).count()
 }
 
 /// Vectors of an accessor.

@@ -2,7 +2,7 @@
 
 use crate::appearance::Appearance;
 use crate::context::{Context, counted};
-use crate::gltf_mesh::repair_uvs;
+use crate::gltf_mesh::broken_uvs;
 use crate::mtl::without_comment;
 use crate::obj_libraries::Libraries;
 use crate::obj_lines::{self, Run, UNREAD};
@@ -67,7 +67,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
     let Groups { names, lists: mut groups, libraries, tangled, .. } = groups;
     context.tell_tangled(path, tangled);
     lists.tell_unknown(path, context);
-    context.tell_broken(path, [0, repair_uvs(lists.uvs.iter_mut())]);
+    context.tell_broken(path, [0, broken_uvs(lists.uvs.iter())]);
     let has_libraries = libraries.are_there();
     let appearances = libraries.appearances(path, context)?;
     if has_libraries {

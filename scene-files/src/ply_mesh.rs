@@ -3,7 +3,7 @@
 use crate::appearance::Appearance;
 use crate::context::{Context, counted};
 use crate::files::extension;
-use crate::gltf_mesh::repair_uvs;
+use crate::gltf_mesh::broken_uvs;
 use crate::part::Part;
 use crate::polygon::{self, Cut};
 use crate::{image_file, vertex_colors};
@@ -124,7 +124,7 @@ impl PlyMesh {
             context.warn(path, note);
         }
         self.mesh.uv_sets.retain(|set| set.len() == vertices);
-        context.tell_broken(path, [0, repair_uvs(self.mesh.uv_sets.iter_mut().flatten())]);
+        context.tell_broken(path, [0, broken_uvs(self.mesh.uv_sets.iter().flatten())]);
         let triangles = self.mesh.triangles.len();
         if !self.uvs.is_empty() {
             self.uvs.resize(triangles, [Vec2::ZERO; 3]);
