@@ -29,7 +29,7 @@ impl Looks {
 
     /// Whether a mesh with this number of triangles gets simplified forms, which stands at a number of places.
     fn are_worth(self, triangles: usize, places: usize) -> bool {
-        triangles * places >= LARGE && self.0 >= WORTH * triangles as f64
+        triangles.saturating_mul(places) >= LARGE && self.0 >= WORTH * triangles as f64
     }
 }
 

@@ -14,6 +14,8 @@ pub(crate) const CUTS: u32 = 7;
 pub(crate) const MARGIN: f32 = 0.01;
 /// The most samples of a row: the unit of runs.
 pub(crate) const RUN: usize = SkyResolution::MOST[1];
+/// The most half surfaces behind each other.
+const MOST: i32 = (i32::MAX >> CUTS) / HALF;
 /// The most rays that are traced.
 pub(super) const WITNESSES: usize = 3;
 
@@ -306,7 +308,8 @@ impl SkyBuffer {
             }
         }
         let fewest = fewest.into_iter().find(|number| *number != i32::MAX).unwrap_or(0);
-        self.fewest = (fewest * HALF) << CUTS;
+        // As many as counts hold.
+        self.fewest = (fewest.clamp(-MOST, MOST) * HALF) << CUTS;
         self.crowd.keep_none();
         for block in self.window.blocks() {
             if self.crossed[block] == 0 {

@@ -10,6 +10,7 @@ const LEAST: i32 = HALF / 64;
 /// The bits of a crossing below its place: its step, largest first, so that between surfaces which touch there is no opening.
 const STEP: u32 = 12;
 const MOST_STEP: i32 = (1 << (STEP - 1)) - 1;
+const MOST_PLACE: i32 = (1 << (32 - STEP)) - 1;
 
 /// The outlines that cross each row of a crowded buffer: foliage, grass, hair.
 ///
@@ -66,7 +67,7 @@ impl Crowd {
     #[inline(always)]
     pub(super) fn put(&mut self, row: usize, place: i32, step: i32) {
         let step = MOST_STEP - step.clamp(-MOST_STEP, MOST_STEP);
-        self.rows[row].push(place.cast_unsigned() << STEP | step.cast_unsigned());
+        self.rows[row].push(place.min(MOST_PLACE).cast_unsigned() << STEP | step.cast_unsigned());
     }
 
     /// Puts the crossings of a row in order.
@@ -106,5 +107,41 @@ impl Crowd {
     /// The longest parts that were kept, and their rows, the longest first.
     pub(super) fn longest(&self) -> impl Iterator<Item = (Part, usize)> + '_ {
         self.longest.iter().flatten().copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lobe_core::Random;
+
+    /// Surfaces in any order leave those places of a row open that none of them has.
+    #[test]
+    fn parts_are_those_between_surfaces() {
+        let mut random = Random::new(3);
+        let mut crowd = Crowd::new(true, 1);
+        for _ in 0..200 {
+            crowd.clear(0);
+            let mut hidden = [0; 600];
+            for _ in 0..40 {
+                let [from, width] = [(0.0, 550.0), (0.0, 40.0)].map(|(low, high)| random.between(low, high) as usize);
+                crowd.put(0, (from + width) as i32, -2);
+                crowd.put(0, from as i32, 2);
+                hidden[from..from + width].iter_mut().for_each(|number| *number += 2);
+            }
+            crowd.sort(0);
+            let mut found = [i32::MAX; 600];
+            for part in crowd.parts(0, [20, 580]) {
+                found[part.from as usize..part.to as usize].fill(part.number);
+            }
+            assert_eq!(found[20..580], hidden[20..580]);
+            assert!(found[..20].iter().chain(&found[580..]).all(|number| *number == i32::MAX));
+        }
+        // The farthest place and any step fit.
+        crowd.clear(0);
+        crowd.put(0, MOST_PLACE + 1, i32::MAX);
+        crowd.sort(0);
+        let parts: Vec<i32> = crowd.parts(0, [0, i32::MAX]).map(|part| part.number).collect();
+        assert_eq!(parts, [0, MOST_STEP]);
     }
 }
