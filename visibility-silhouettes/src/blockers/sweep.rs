@@ -124,7 +124,7 @@ impl<'a> Sweep<'a> {
                 rest += 1;
             }
             if rest > entered {
-                self.sort_recent(recent..next, (from, y), memory);
+                self.sort_recent(pending..next, (from, y), memory);
             }
             if memory.events[pending..next].iter().any(|event| event.pieces == Event::ALL) {
                 self.divide_all((from, y), memory);
