@@ -1,6 +1,5 @@
 //! Lights of all kinds on small pictures: against Monte Carlo of their true shapes, by silhouettes, spheres and rays, and as they move.
 
-use core::f32::consts::PI;
 use cosine_lobes::ShadowErrors;
 use cosine_lobes::brdf::{Material, MetallicRoughness, ModifiedPhong};
 use cosine_lobes::lighting::{
@@ -23,6 +22,7 @@ use cosine_lobes::visibility_spheres::SphereBlockers;
 use glam::{Mat4, Quat, UVec2, Vec3};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use test_scenes::{environment_map, globe};
 
 const SIZE: [u32; 2] = [64, 40];
 const TOLERANCE: f32 = 0.005;
@@ -380,33 +380,14 @@ fn long_lights_are_those_of_their_pieces() {
     }
 }
 
-/// A sphere of 1058 triangles.
-fn round() -> Mesh {
-    const AROUND: u16 = 23;
-    let place = |ring: u16, k: u16| {
-        let [theta, phi] = [f32::from(ring) / f32::from(AROUND) * PI, f32::from(k) / f32::from(AROUND) * 2.0 * PI];
-        let (across, up) = if ring == AROUND { (0.0, -1.0) } else { theta.sin_cos() };
-        Vec3::new(across * phi.cos(), up, across * phi.sin())
-    };
-    let positions = (0..=AROUND).flat_map(|ring| (0..AROUND).map(move |k| place(ring, k))).collect();
-    let at = |ring: u16, k: u16| u32::from(ring * AROUND + k % AROUND);
-    let face = |(ring, k): (u16, u16)| {
-        let [a, b, c, d] = [at(ring, k), at(ring, k + 1), at(ring + 1, k), at(ring + 1, k + 1)];
-        [[a, b, c], [b, d, c]]
-    };
-    let triangles = (0..AROUND).flat_map(|ring| (0..AROUND).map(move |k| (ring, k))).flat_map(face).collect();
-    let mut mesh = Mesh { positions, triangles, ..Mesh::default() };
-    mesh.remove_degenerate();
-    mesh
-}
-
-/// Spheres of several sizes on the floor, as one shared mesh.
+/// Spheres of several sizes on the floor, as one shared mesh of 960 triangles.
 fn field(random: &mut Random) -> Shape {
     let mut place = || {
         let [x, z, size] = [(-6.0, 6.0), (-9.0, 3.0), (0.1, 0.3)].map(|(low, high)| random.between(low, high) as f32);
         Mat4::from_scale_rotation_translation(Vec3::splat(size), Quat::IDENTITY, Vec3::new(x, 0.9 * size, z))
     };
-    Shape::Instances(Instances::new(Arc::new(round()), (0..900).map(|_| place()).collect()).expect("places"))
+    let mesh = Arc::new(globe(16, Vec3::ZERO, 1.0, false));
+    Shape::Instances(Instances::new(mesh, (0..900).map(|_| place()).collect()).expect("places"))
 }
 
 /// Slivers in all directions above the floor, of which a row of the sky crosses many in each of its samples.
@@ -433,7 +414,7 @@ fn crowds_stand_before_a_sky() {
         scene.objects.truncate(1);
         scene.objects.push(Object { shape, ..Object::mesh(name, Mesh::default(), 0, Proxy::None) });
         [scene.width, scene.height] = [24, 15];
-        let map = EnvironmentMap::new(UVec2::new(8, 4), vec![Vec3::ONE; 32]).expect("a map");
+        let map = environment_map(UVec2::new(8, 4), |_| Vec3::ONE);
         let sky = Environment::new(map, 6, Sphere { center: Vec3::ZERO, radius: 40.0 });
         scene.lights = sky.lights().to_vec();
         scene.environment = Some(Arc::new(sky));

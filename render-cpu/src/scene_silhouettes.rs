@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use visibility_silhouettes::{SharedMesh, SilhouetteInstances, SilhouetteMesh};
 
-/// Meshes from so many triangles on, at all their places, have simplified forms: the outlines of smaller ones are few anyway.
+/// Meshes have simplified forms from this number of triangles on, at all their places together: the outlines of smaller ones are few anyway.
 const LARGE: usize = 20_000;
 
 /// Simplified forms of a mesh take as long as they save for this number of receivers a triangle, before a light of a half-angle of 5°.
@@ -27,7 +27,7 @@ impl Looks {
         Self(receivers)
     }
 
-    /// Whether a mesh with this number of triangles gets simplified forms, which stands at a number of places.
+    /// Whether a mesh of a number of triangles, which stands at a number of places, gets simplified forms.
     fn are_worth(self, triangles: usize, places: usize) -> bool {
         triangles.saturating_mul(places) >= LARGE && self.0 >= WORTH * triangles as f64
     }

@@ -92,7 +92,7 @@ impl KeptSky {
 /// last table sums them by several directions for each sample.
 const LOW: [f32; 2] = [0.25, 1.0];
 
-/// Between copies of a mesh of so many triangles in all the sky is seen through openings of all sizes. For the same error of own radiance the
+/// Between copies of a mesh, from this number of triangles in all copies on, the sky is seen through openings of all sizes. For the same error of own radiance the
 /// tolerance is this part of that elsewhere (measured: 2000 spheres).
 const MANY: usize = 100_000;
 const BETWEEN_COPIES: f32 = 0.6;

@@ -6,7 +6,7 @@ use crate::kept_meshes::KeptMeshes;
 use crate::normals::hide_edges;
 use crate::part::Part;
 use crate::{Emission, Normals, Studio};
-use glam::DVec3;
+use glam::{DVec3, Vec2};
 use scene::cut_out::{AlphaBounds, CutOut};
 use scene::motion::{Body, BoundSphere, Mover, Skeleton};
 use scene::{Animation, Mesh, Pose, Proxy, SceneError, Terminator, Texture};
@@ -76,13 +76,17 @@ impl Context {
         }
     }
 
-    /// Warns of a number of normals without a direction, and of texture coordinates that are not finite.
-    pub(crate) fn tell_broken(&mut self, path: &Path, [normals, uvs]: [usize; 2]) {
-        if normals > 0 {
-            self.warn(path, format!("{normals} normals have no direction: smooth ones replace them"));
+    /// Warns of normals without a direction.
+    pub(crate) fn tell_broken(&mut self, path: &Path, count: usize) {
+        if count > 0 {
+            self.warn(path, format!("{count} normals have no direction: smooth ones replace them"));
         }
-        if uvs > 0 {
-            self.warn(path, format!("{uvs} texture coordinates are NaN, infinite or too large: triangles there show the corner of their images"));
+    }
+
+    /// Warns of texture coordinates that are not finite.
+    pub(crate) fn tell_broken_uvs(&mut self, path: &Path, count: usize) {
+        if count > 0 {
+            self.warn(path, format!("{count} texture coordinates are NaN, infinite or too large: triangles there show the corner of their images"));
         }
     }
 
@@ -181,6 +185,11 @@ impl Context {
         }
         Ok(())
     }
+}
+
+/// How many texture coordinates are not finite. They stay: pictures have the corner of their images there, bakes refuse them.
+pub(crate) fn broken_uvs<'a>(uvs: impl IntoIterator<Item = &'a Vec2>) -> usize {
+    uvs.into_iter().filter(|uv| !uv.is_finite()).count()
 }
 
 /// The number of things that were left out, and the reason; empty for none.

@@ -1,5 +1,6 @@
 //! Meshes of a glTF document, and the joints that carry their vertices.
 
+use crate::context::broken_uvs;
 use crate::gltf_buffers::Buffers;
 use crate::gltf_morphs::Morphs;
 use glam::{Mat4, Vec2, Vec3};
@@ -86,11 +87,6 @@ pub(crate) fn read_primitive(
         None => Morphs::read(buffers, primitive, &mesh)?,
     };
     Ok(Some(Shapes { mesh, alphas, morphs, is_morphed: weights.is_some(), broken }))
-}
-
-/// How many texture coordinates are not finite. They stay: pictures have the corner of their images there, bakes refuse them.
-pub(crate) fn broken_uvs<'a>(uvs: impl Iterator<Item = &'a Vec2>) -> usize {
-    uvs.filter(|uv| !uv.is_finite()).count()
 }
 
 /// Vectors of an accessor.

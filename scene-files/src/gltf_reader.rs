@@ -111,7 +111,9 @@ impl Reader<'_> {
     /// Tells what was left out or changed.
     pub(crate) fn tell(&self, path: &Path, context: &mut Context) {
         let Notes { skipped, reduced, uneven, unbound, broken } = self.notes;
-        context.tell_broken(path, sum(broken, self.shared.broken));
+        let [normals, uvs] = sum(broken, self.shared.broken);
+        context.tell_broken(path, normals);
+        context.tell_broken_uvs(path, uvs);
         if skipped > 0 {
             context.warn(
                 path,

@@ -1,8 +1,7 @@
 //! Wavefront OBJ: positions, normals, smoothing groups, texture coordinates, colours, polygons by material. Points, lines, curves and surfaces are left out.
 
 use crate::appearance::Appearance;
-use crate::context::{Context, counted};
-use crate::gltf_mesh::broken_uvs;
+use crate::context::{Context, broken_uvs, counted};
 use crate::mtl::without_comment;
 use crate::obj_libraries::Libraries;
 use crate::obj_lines::{self, Run, UNREAD};
@@ -67,7 +66,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
     let Groups { names, lists: mut groups, libraries, tangled, .. } = groups;
     context.tell_tangled(path, tangled);
     lists.tell_unknown(path, context);
-    context.tell_broken(path, [0, broken_uvs(lists.uvs.iter())]);
+    context.tell_broken_uvs(path, broken_uvs(&lists.uvs));
     let has_libraries = libraries.are_there();
     let appearances = libraries.appearances(path, context)?;
     if has_libraries {

@@ -1,9 +1,8 @@
 //! The triangles of a PLY file as parts: by image, with texture coordinates and colours that its faces have of their own.
 
 use crate::appearance::Appearance;
-use crate::context::{Context, counted};
+use crate::context::{Context, broken_uvs, counted};
 use crate::files::extension;
-use crate::gltf_mesh::broken_uvs;
 use crate::part::Part;
 use crate::polygon::{self, Cut};
 use crate::{image_file, vertex_colors};
@@ -110,7 +109,7 @@ impl PlyMesh {
             self.mesh.smooth_normals_in(&groups);
             self.mesh.triangles = all;
         } else {
-            context.tell_broken(path, [self.mesh.repair_normals(), 0]);
+            context.tell_broken(path, self.mesh.repair_normals());
         }
         if self.clear > 0 {
             context.warn(path, "the alpha of its colours is not read: surfaces are opaque");
@@ -124,7 +123,7 @@ impl PlyMesh {
             context.warn(path, note);
         }
         self.mesh.uv_sets.retain(|set| set.len() == vertices);
-        context.tell_broken(path, [0, broken_uvs(self.mesh.uv_sets.iter().flatten())]);
+        context.tell_broken_uvs(path, broken_uvs(self.mesh.uv_sets.iter().flatten()));
         let triangles = self.mesh.triangles.len();
         if !self.uvs.is_empty() {
             self.uvs.resize(triangles, [Vec2::ZERO; 3]);

@@ -399,23 +399,20 @@ impl SkyBuffer {
                 let middle = f64::from(part.from + part.to) / f64::from(2 * HALF);
                 all.push(meridians.direction(row as f64 + 0.5, middle));
             }
-            if all.len == 0 {
-                all.push(horizon.local());
+        } else {
+            self.find_runs(simd, meridians, horizon);
+            let mut runs: [(i32, usize); WITNESSES] = [(0, 0); WITNESSES];
+            for row in self.window.blocks().flat_map(|block| block * LANES..(block + 1) * LANES) {
+                let run = self.runs[row];
+                if run > runs[WITNESSES - 1].0 {
+                    runs[WITNESSES - 1] = (run, row);
+                    runs.sort_by_key(|run| core::cmp::Reverse(run.0));
+                }
             }
-            return all;
-        }
-        self.find_runs(simd, meridians, horizon);
-        let mut runs: [(i32, usize); WITNESSES] = [(0, 0); WITNESSES];
-        for row in self.window.blocks().flat_map(|block| block * LANES..(block + 1) * LANES) {
-            let run = self.runs[row];
-            if run > runs[WITNESSES - 1].0 {
-                runs[WITNESSES - 1] = (run, row);
-                runs.sort_by_key(|run| core::cmp::Reverse(run.0));
+            for (run, row) in runs.into_iter().filter(|(run, _)| *run > 0) {
+                let (length, last) = (run / RUN as i32, run % RUN as i32);
+                all.push(meridians.direction(row as f64 + 0.5, f64::from(last) + 1.0 - 0.5 * f64::from(length)));
             }
-        }
-        for (run, row) in runs.into_iter().filter(|(run, _)| *run > 0) {
-            let (length, last) = (run / RUN as i32, run % RUN as i32);
-            all.push(meridians.direction(row as f64 + 0.5, f64::from(last) + 1.0 - 0.5 * f64::from(length)));
         }
         if all.len == 0 {
             all.push(horizon.local());

@@ -53,7 +53,7 @@ impl Crowd {
         crossings as usize * SPARSE > samples.rows() * samples.samples()
     }
 
-    /// Of so many rows, if there is a crowd.
+    /// Of a number of rows, if there is a crowd.
     pub(super) fn new(is_on: bool, rows: usize) -> Self {
         Self { is_on, rows: vec![Vec::new(); if is_on { rows } else { 0 }], longest: [None; WITNESSES] }
     }

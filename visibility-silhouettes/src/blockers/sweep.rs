@@ -141,7 +141,7 @@ impl<'a> Sweep<'a> {
         1e-2 * self.narrowest
     }
 
-    /// Ends a gap, and begins it anew.
+    /// Ends a gap, and begins it again.
     #[inline(always)]
     fn close(&mut self, gap: usize, to: f32, memory: &mut SweepMemory) {
         let Gap { from, number } = memory.gaps[gap];
@@ -203,17 +203,15 @@ impl<'a> Sweep<'a> {
     /// A piece begins at or below a height.
     fn enter(&mut self, number: u32, (from, y): (f32, f32), memory: &mut SweepMemory) {
         let piece = &self.pieces[number as usize];
-        let left = |y: f32| if piece.is_left_at(y) { piece.step } else { 0 };
         // The number left of all is that on the path less those that begin left of it.
-        self.base += if y >= piece.crosses { piece.step_on_path() } else { 0 } - left(y);
+        self.base += if y >= piece.crosses { piece.step_on_path() } else { 0 };
         if piece.heights[1] <= y {
-            self.base += left(y);
             memory.places[number as usize] = GONE;
             return;
         }
-        let [low, high] = self.window;
-        if piece.places[1] <= low || piece.places[0] >= high {
-            self.base += if piece.places[1] <= low { piece.step } else { 0 };
+        self.base -= piece.step_left_at(y);
+        if !piece.is_inside(self.window) {
+            self.base += piece.step_before(self.window);
             memory.places[number as usize] = BESIDE;
             return;
         }
@@ -235,11 +233,11 @@ impl<'a> Sweep<'a> {
         }
         let is_over = piece.heights[1] <= y;
         if is_over {
-            self.base += if piece.is_left_at(y) { piece.step } else { 0 };
+            self.base += piece.step_left_at(y);
             memory.places[number as usize] = GONE;
         }
         if place == BESIDE {
-            self.base -= if is_over && piece.places[1] <= self.window[0] { piece.step } else { 0 };
+            self.base -= if is_over { piece.step_before(self.window) } else { 0 };
             return;
         }
         let place = place as usize;
@@ -320,7 +318,8 @@ impl<'a> Sweep<'a> {
             None if memory.gaps[0].number == self.base => return,
             changed => [0, changed.map_or(0, |[_, last]| last)],
         };
-        let step = |k: &u32| self.pieces[*k as usize].step;
+        let pieces = self.pieces;
+        let step = |k: &u32| pieces[*k as usize].step;
         let before = first.checked_sub(1);
         let mut number = before.map_or(self.base, |gap| memory.gaps[gap].number + step(&memory.order[gap]));
         for gap in first..memory.gaps.len() {
@@ -330,7 +329,7 @@ impl<'a> Sweep<'a> {
             } else if gap > last {
                 return;
             }
-            number += memory.order.get(gap).map_or(0, |k| self.pieces[*k as usize].step);
+            number += memory.order.get(gap).map_or(0, step);
         }
     }
 }

@@ -11,9 +11,9 @@ use visibility_mask::{LitArea, Mask, UnitSquare};
 const MOST: usize = 4096;
 /// They are given up where pieces begin, end and cross more often than this.
 const MOST_EVENTS: usize = 100_000;
-/// Half the distance of the two points of Gauss and Legendre's rule, in heights of a slab.
+/// Half the distance of the two points of Gauss and Legendre's rule, in heights of a trapezoid.
 pub(crate) const GAUSS: f32 = 0.288_675_13;
-/// The sides of the light and its window divide slabs if they are at most this number: a round light has many short ones.
+/// The sides of the light and its window divide trapezoids if they are at most this number: a round light has many short ones.
 const SIDES: usize = 10;
 /// Where they are more, those do that are not shorter than this part of the longest, if there are a few: the two along a tube.
 const SHORT: f32 = 0.25;
@@ -33,7 +33,7 @@ pub(super) struct Piece {
     pub(super) heights: [f32; 2],
     line: [f32; 2],
     /// Between which places it is.
-    pub(super) places: [f32; 2],
+    places: [f32; 2],
     /// The growth of the number of surfaces to its right.
     pub(super) step: i32,
     /// Whether each end, the lower one first, is left of the path, and the height at which it crosses that if both are not.
@@ -49,8 +49,23 @@ impl Piece {
     }
 
     /// Whether it is left of the path at a height.
-    pub(super) fn is_left_at(&self, y: f32) -> bool {
+    fn is_left_at(&self, y: f32) -> bool {
         self.is_left[usize::from(self.is_left[0] != self.is_left[1] && y >= self.crosses)]
+    }
+
+    /// Its step where it is left of the path: that is between the number left of all pieces and the number on the path.
+    pub(super) fn step_left_at(&self, y: f32) -> i32 {
+        if self.is_left_at(y) { self.step } else { 0 }
+    }
+
+    /// Whether any of it is between the two ends of a window.
+    pub(super) fn is_inside(&self, [low, high]: [f32; 2]) -> bool {
+        self.places[1] > low && self.places[0] < high
+    }
+
+    /// The step of one that is not inside where the whole window is to its right.
+    pub(super) fn step_before(&self, [low, _]: [f32; 2]) -> i32 {
+        if self.places[1] <= low { self.step } else { 0 }
     }
 
     /// The growth of the number of surfaces on the path where it crosses that upward.
@@ -224,13 +239,13 @@ impl Trapezoids {
             }));
         }
         let (middle, radius) = emits.mask.circle();
-        let is_inside = |piece: &Piece| piece.places[1] > low.x && piece.places[0] < high.x;
+        let window = [low.x, high.x];
         for (k, piece) in pieces.iter().enumerate() {
             let [from, to] = piece.heights;
             let [start, slope] = piece.line;
             let own = [k as u32; 2];
             events.push(Event { y: to, pieces: own });
-            if !is_inside(piece) {
+            if !piece.is_inside(window) {
                 continue;
             }
             events.push(Event { y: from, pieces: own });
@@ -247,7 +262,7 @@ impl Trapezoids {
             let root = (b * b - a * (c * c + middle.y * middle.y - radius * radius)).sqrt();
             [-root, root].iter().for_each(|root| meet((root - b) / a, own));
             let others = (own[0] + 1..).zip(&pieces[k + 1..]).take_while(|(_, other)| other.heights[0] < to);
-            for (number, other) in others.filter(|(_, other)| is_inside(other)) {
+            for (number, other) in others.filter(|(_, other)| other.is_inside(window)) {
                 let y = (other.line[0] - start) / (slope - other.line[1]);
                 if y < other.heights[1] && y > other.heights[0] {
                     meet(y, [own[0], number]);
