@@ -4,7 +4,7 @@ use crate::gpu::{
 use crate::{Area, AreaShape, Light, LightError, LightKind};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec2, Vec3};
-use lobe_core::{Cone, Outline, Receiver, SeenLight, Sphere};
+use lobe_core::{Capsule, Cone, Outline, Receiver, SeenLight, Sphere};
 use shading::gpu::GpuText;
 use shading::{LightExtent, LightLobes};
 
@@ -85,7 +85,13 @@ impl TubeLight {
         start.write_arc(starts);
         let (axis, depth) = self.plane(places.map(|place| toward * height + along * place), toward, height);
         corners.iter_mut().for_each(|p| *p *= depth / axis.dot(*p));
-        Outline::new(&corners, axis).map(|outline| outline.with_roundness(self.roundness()))
+        let outline = Outline::new(&corners, axis)?.with_roundness(self.roundness());
+        if foot.length() < height {
+            // It is seen as from farther away.
+            return Some(outline);
+        }
+        let last = start.farthest(axis).max(end.farthest(axis)) + Capsule::RIM_DEPTH * self.radius;
+        Some(outline.with_body(Capsule { ends: [a, b], radius: self.radius }, last.max(depth)))
     }
 
     /// The plane in which the surface is in the mean, by its normal and its distance. From a receiver: the ends, the direction to the foot of its
@@ -143,6 +149,12 @@ impl TubeEnd {
             axes: [outermost * circle, side * circle],
             half_turn: touch[1].atan2(touch[0]),
         }
+    }
+
+    /// How far its visible half reaches along a direction.
+    fn farthest(&self, axis: Vec3) -> f32 {
+        let [out, across] = self.axes.map(|side| side.dot(axis));
+        self.middle.dot(axis) + out.hypot(across)
     }
 
     /// Corners of a polygon with the area of the arc, from one plane to the other.

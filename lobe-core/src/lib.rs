@@ -64,8 +64,8 @@ pub use crate::lobes::{LobeBuffer, LobeWriter, Lobes};
 pub use crate::microfacets::{Microfacets, MicrofacetsAt, Schlick};
 pub use crate::moments::{cone_lobe, exponent_of_spread};
 pub use crate::outline::{
-    FlatShape, LightImage, Outline, Places, fingerprint, image_integral, light_image_integral, light_integral,
-    outline_integral,
+    Capsule, FlatShape, LightImage, Outline, Places, distance_of_segments, fingerprint, image_integral,
+    light_image_integral, light_integral, outline_integral,
 };
 pub use crate::packed_lobe::PackedLobe;
 pub use crate::product::{is_lambert, product_integral, product_of_angle, products_of_angle};

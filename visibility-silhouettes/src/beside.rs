@@ -25,17 +25,12 @@ pub(crate) struct Beside {
 }
 
 impl Beside {
-    pub(crate) fn new(outline: &Outline) -> Self {
+    /// Of an outline, before which surfaces block up to a depth.
+    pub(crate) fn new(outline: &Outline, far: f32) -> Self {
         let axis = outline.axis();
         let scale = 1.0 / outline.height();
-        let mut out = Self {
-            planes: [Vec3::ZERO; MOST],
-            corners: [Vec3::ZERO; MOST],
-            count: 0,
-            margin: 0.0,
-            axis,
-            far: outline.depth(),
-        };
+        let mut out =
+            Self { planes: [Vec3::ZERO; MOST], corners: [Vec3::ZERO; MOST], count: 0, margin: 0.0, axis, far };
         let corners = outline.corners();
         let middle = outline.middle() * scale;
         let square = corners.iter().map(|p| (*p * scale).distance_squared(middle)).fold(0.0, f32::max);

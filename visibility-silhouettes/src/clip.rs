@@ -50,7 +50,7 @@ impl Front {
 
 /// The part of an edge that is inside a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Inside {
+pub(crate) enum Inside {
     Nowhere,
     /// From its first end to a point.
     First(Vec3),
@@ -204,17 +204,12 @@ impl LightSphere {
 }
 
 /// The parts of silhouettes outside a light.
-fn keep_outside(silhouettes: &Silhouettes, inside: impl Fn(Vec3, Vec3) -> Inside, out: &mut Silhouettes) {
+pub(crate) fn keep_outside(silhouettes: &Silhouettes, inside: impl Fn(Vec3, Vec3) -> Inside, out: &mut Silhouettes) {
     out.clear();
     for i in 0..silhouettes.len() {
         let end = |c: usize| Vec3::from_array([c, c + 1, c + 2].map(|c| silhouettes.get(c, i)));
-        let (a, b, step) = (end(0), end(3), silhouettes.get(STEP, i));
-        let mut push = |a: Vec3, b: Vec3| {
-            let mut numbers = [step; NUMBERS];
-            numbers[..3].copy_from_slice(&a.to_array());
-            numbers[3..6].copy_from_slice(&b.to_array());
-            Columns::push(out, numbers);
-        };
+        let (a, b, step) = (end(0), end(3), silhouettes.get(STEP, i) as i32);
+        let mut push = |a: Vec3, b: Vec3| push_chord(out, (a, b, step));
         match inside(a, b) {
             Inside::Nowhere => push(a, b),
             Inside::First(p) => push(p, b),
@@ -228,6 +223,14 @@ fn keep_outside(silhouettes: &Silhouettes, inside: impl Fn(Vec3, Vec3) -> Inside
     }
 }
 
+/// Appends a piece of an outline.
+pub(crate) fn push_chord(out: &mut Silhouettes, (a, b, step): Chord) {
+    let mut numbers = [step as f32; NUMBERS];
+    numbers[..3].copy_from_slice(&a.to_array());
+    numbers[3..6].copy_from_slice(&b.to_array());
+    Columns::push(out, numbers);
+}
+
 /// The plane of a flat light, seen from a receiver: only surfaces in front of it block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Behind {
@@ -236,8 +239,9 @@ pub(crate) struct Behind {
 }
 
 impl Behind {
-    pub(crate) fn new(light: &Outline) -> Self {
-        Self { axis: light.axis().as_dvec3(), depth: f64::from(light.depth()) }
+    /// Parallel to the light's at a depth.
+    pub(crate) fn new(light: &Outline, depth: f32) -> Self {
+        Self { axis: light.axis().as_dvec3(), depth: f64::from(depth) }
     }
 
     /// Its normal, and how far along that it is from the world's origin, if the receiver's rays start at a point.
@@ -249,8 +253,17 @@ impl Behind {
         self.axis.dot(p.as_dvec3()) > self.depth
     }
 
+    pub(crate) fn along(&self, p: DVec3) -> f64 {
+        self.axis.dot(p)
+    }
+
+    /// How far before it a point is, seen from the receiver.
+    pub(crate) fn before_it(&self, p: DVec3) -> f64 {
+        self.depth - self.axis.dot(p)
+    }
+
     /// As [`LightSphere::inside`].
-    fn inside(&self, a: Vec3, b: Vec3) -> Inside {
+    pub(crate) fn inside(&self, a: Vec3, b: Vec3) -> Inside {
         let cut = |a: Vec3, b: Vec3| {
             let (p, q) = (a.as_dvec3(), b.as_dvec3());
             let (from, to) = (self.axis.dot(p) - self.depth, self.axis.dot(q) - self.depth);

@@ -64,6 +64,7 @@ mod edge_list;
 mod fit;
 mod gpu;
 mod halving;
+mod hidden;
 mod hull;
 mod hull_placed;
 mod lanes;

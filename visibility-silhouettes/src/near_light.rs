@@ -1,12 +1,15 @@
 //! Triangles near lights, and those of them that cut a light or are cut by its plane.
 
 use crate::clip::{Behind, LightSphere};
-use glam::Vec3;
-use lobe_core::{Sphere, orthonormal_basis};
+use crate::hidden::Hidden;
+use glam::{DVec3, Vec2, Vec3};
+use lobe_core::{Capsule, Sphere, distance_of_segments, orthonormal_basis};
 use shading::{LightExtent, Shaft};
 
 pub(crate) type Triangle = [Vec3; 3];
 
+/// Triangles that are nearer to a tube's middle line than this many radii touch it, so that its surface ends what they hide; before others its plane does.
+const TOUCHING: f32 = 1.25;
 /// Lights whose triangles are kept: those of later ones take their places.
 const LIGHTS: usize = 1024;
 /// Triangles as far beside the light as this part of its radius count as near: outlines reach a little beyond it.
@@ -28,12 +31,17 @@ pub(crate) struct NearLights {
 pub(crate) struct NearLight {
     light: Sphere,
     extent: LightExtent,
+    around: AroundLight,
+    /// In the order of their distances from the line along the light through its middle.
     pub(crate) triangles: Vec<Triangle>,
+    beside: Vec<f32>,
     /// Whether triangles reach into the light's sphere, and those that its surface cuts.
     pub(crate) is_clipped: bool,
     pub(crate) cutting: Vec<Triangle>,
-    /// The plane of the last query of a flat light, and the triangles that it may cut.
-    plane: Option<(Vec3, f64)>,
+    /// The plane of the last query of a flat light, how many triangles were asked for besides, and those of the others that it may cut.
+    plane: Option<(Vec3, f64, usize)>,
+    /// See [`is_touched`](Self::is_touched).
+    is_touched: Option<bool>,
     cut: Vec<Triangle>,
 }
 
@@ -98,6 +106,34 @@ impl AroundLight {
         Sphere { radius: self.light.radius * (1.0 + BESIDE), ..self.light }
     }
 
+    /// A point seen along the line along the light through its middle.
+    fn across(&self, p: Vec3) -> Vec2 {
+        let [_, (u, _), (v, _)] = self.sides;
+        let p = p - self.light.center;
+        Vec2::new(u.dot(p), v.dot(p))
+    }
+
+    fn off_line(&self, p: Vec3) -> f32 {
+        self.across(p).length()
+    }
+
+    /// How far a triangle is from that line.
+    fn beside(&self, corners: &Triangle) -> f32 {
+        let [a, b, c] = corners.map(|p| self.across(p));
+        let sides = [(a, b), (b, c), (c, a)];
+        // Where the line goes through the triangle, it is to one side of all three sides.
+        let turns = sides.map(|(p, q)| p.perp_dot(q));
+        if turns.iter().all(|turn| *turn >= 0.0) || turns.iter().all(|turn| *turn <= 0.0) {
+            return 0.0;
+        }
+        let to_side = |(p, q): (Vec2, Vec2)| {
+            let along = q - p;
+            let t = (-p.dot(along) / along.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+            (p + along * t).length()
+        };
+        sides.map(to_side).into_iter().fold(f32::INFINITY, f32::min)
+    }
+
     /// Whether a triangle that meets the sphere may reach into it.
     #[must_use]
     pub fn may_have(&self, corners: &[Vec3; 3]) -> bool {
@@ -108,9 +144,10 @@ impl AroundLight {
 impl NearLight {
     fn new(shaft: &Shaft, visit: &mut impl FnMut(Sphere, &mut dyn FnMut(Triangle))) -> Self {
         let Shaft { light, extent, .. } = *shaft;
-        let (mut triangles, mut cutting, mut is_clipped) = (Vec::new(), Vec::new(), false);
+        let (mut triangles, mut beside) = (Vec::new(), Vec::new());
+        let (mut cutting, mut is_clipped) = (Vec::new(), false);
+        let around = AroundLight::new(light, &extent);
         if !extent.is_beyond_all {
-            let around = AroundLight::new(light, &extent);
             visit(around.sphere(), &mut |corners| {
                 if around.may_have(&corners) {
                     triangles.push(corners);
@@ -122,8 +159,21 @@ impl NearLight {
                     cutting.push(corners);
                 }
             });
+            triangles.sort_by_cached_key(|corners| around.beside(corners).to_bits());
+            beside.extend(triangles.iter().map(|corners| around.beside(corners)));
         }
-        Self { light, extent, triangles, is_clipped, cutting, plane: None, cut: Vec::new() }
+        Self {
+            light,
+            extent,
+            around,
+            triangles,
+            beside,
+            is_clipped,
+            cutting,
+            plane: None,
+            is_touched: None,
+            cut: Vec::new(),
+        }
     }
 
     /// Whether no triangle is near the light.
@@ -131,18 +181,48 @@ impl NearLight {
         self.triangles.is_empty()
     }
 
-    /// The triangles that the plane of a flat light may cut, seen from a point.
-    pub(crate) fn cut(&mut self, plane: &Behind, origin: Vec3) -> &[Triangle] {
+    /// Whether a triangle is nearer to a tube's middle line than this many radii, seen from a point. Asked once for each light.
+    pub(crate) fn is_touched(&mut self, tube: &Capsule, origin: Vec3) -> bool {
+        *self.is_touched.get_or_insert_with(|| {
+            let ends = tube.ends.map(|end| (origin + end).as_dvec3());
+            let near = f64::from(TOUCHING * tube.radius);
+            self.triangles.iter().any(|corners| is_near(corners, ends, near))
+        })
+    }
+
+    /// The triangles that a tube may hide, and those of the others that the plane of a flat light may cut, seen from a point.
+    pub(crate) fn cut(&mut self, plane: &Behind, origin: Vec3, tube: Option<&Hidden>) -> [&[Triangle]; 2] {
+        let count = tube.map_or(0, |tube| {
+            // The tube's middle line is the light's but for rounding, unless the light is one that a receiver made for itself.
+            let off =
+                tube.ends().map(|end| self.around.off_line(origin + end.as_vec3())).into_iter().fold(0.0, f32::max);
+            self.beside.partition_point(|beside| *beside < tube.reach() + off)
+        });
+        let (nearest, others) = self.triangles.split_at(count);
         let (axis, offset) = plane.placed(origin);
         let margin = MARGIN * f64::from(self.light.radius);
-        let is_known = self.plane.is_some_and(|known| known.0 == axis && (known.1 - offset).abs() < 0.5 * margin);
-        if !is_known {
-            self.plane = Some((axis, offset));
+        let is_near = |known: f64| (known - offset).abs() < 0.5 * margin;
+        if !self.plane.is_some_and(|(normal, known, many)| normal == axis && is_near(known) && many == count) {
+            self.plane = Some((axis, offset, count));
             self.cut.clear();
-            self.cut.extend(self.triangles.iter().filter(|corners| meets_slab(corners, axis, offset, margin)));
+            self.cut.extend(others.iter().filter(|corners| meets_slab(corners, axis, offset, margin)));
         }
-        &self.cut
+        [nearest, &self.cut]
     }
+}
+
+/// Whether a triangle is nearer to a segment than a distance: at the triangle's sides, across from an end of the segment, or where that goes through it.
+fn is_near(corners: &Triangle, [a, b]: [DVec3; 2], distance: f64) -> bool {
+    let [p, q, r] = corners.map(|p| p.as_dvec3());
+    let sides = [(p, q), (q, r), (r, p)];
+    if sides.iter().any(|(p, q)| distance_of_segments([*p, *q], [a, b]).0 < distance) {
+        return true;
+    }
+    let normal = (q - p).cross(r - p).normalize_or_zero();
+    let [of_a, of_b] = [a, b].map(|end| normal.dot(end - p));
+    let holds = |at: DVec3| sides.iter().all(|(p, q)| (*q - *p).cross(at - *p).dot(normal) > 0.0);
+    let is_end_near = |end: DVec3, off: f64| off.abs() < distance && holds(end - normal * off);
+    is_end_near(a, of_a) || is_end_near(b, of_b) || of_a * of_b < 0.0 && holds(a + (b - a) * (of_a / (of_a - of_b)))
 }
 
 #[cfg(test)]
@@ -175,13 +255,15 @@ mod tests {
             let (shape, triangles) = &lights[usize::from(number)];
             let origin = shape.bounds().center + Vec3::new(f32::from(k).sin() * 9.0, -2.0, f32::from(k).cos() * 9.0);
             let Some(outline) = shape.outline(origin) else { continue };
-            let plane = Behind::new(&outline);
+            let plane = Behind::new(&outline, outline.depth());
             let shaft = Shaft::new(Sphere::default(), shape.bounds(), LightId(u32::from(number)));
             near.enter(&shaft, |_, visit| {
                 found += 1;
                 triangles.iter().copied().for_each(visit);
             });
-            let listed = near.current().expect("entered").cut(&plane, origin).to_vec();
+            let [nearest, cut] = near.current().expect("entered").cut(&plane, origin, None);
+            assert!(nearest.is_empty());
+            let listed = cut.to_vec();
             most = most.max(listed.len());
             for corners in triangles {
                 if plane.clip(corners.map(|p| p - origin), || 1.0).is_some() {

@@ -3,8 +3,8 @@
 use crate::select::{STEP, Silhouettes};
 use fearless_simd::{Simd, f32x8, i32x8, prelude::*};
 use glam::{Vec2, Vec3};
-use lobe_core::Outline;
 use lobe_core::vec3x8::Vec3x8;
+use lobe_core::{Capsule, Outline};
 use shading::VisibilityQuery;
 use visibility_mask::{Raster, UnitSquare};
 
@@ -24,16 +24,25 @@ pub(crate) struct View {
     pub(crate) far: f32,
     /// The depth at which silhouettes are clipped: `far`, or infinite if they have been clipped already.
     pub(crate) clip: f32,
+    /// Where a tube of light ends rays before that.
+    body: Option<Capsule>,
     /// Position at row 0, in samples, of a line that crosses the visible part of the light in every row, and its growth from row to row.
     middle: [f32; 2],
 }
 
 impl View {
-    pub(crate) fn new(square: UnitSquare, raster: Raster, rows: usize, query: &VisibilityQuery<'_>) -> Self {
+    /// With a tube's surface, where that counts.
+    pub(crate) fn new(
+        square: UnitSquare,
+        raster: Raster,
+        rows: usize,
+        query: &VisibilityQuery<'_>,
+        body: Option<Capsule>,
+    ) -> Self {
         let (cone, cos) = (query.cone, query.cone.cos());
         let distance = cone.distance;
         // The square of a flat light is in its plane.
-        let far = query.outline.map_or(distance * cos * cos, Outline::depth);
+        let far = query.outline.map_or(distance * cos * cos, |outline| outline.depth_to(body.is_some()));
         let near = NEAR * if distance.is_finite() { distance } else { 1.0 };
         let left = square.center.x - square.half.x;
         let middle = query.outline.map_or([-left * raster.samples, 0.0], |outline| {
@@ -42,10 +51,19 @@ impl View {
             line_through(ends_of(outline, &square).map(place))
         });
         let far = far.max(near);
-        Self { square, raster, rows, near, far, clip: far, middle }
+        Self {
+            square,
+            raster,
+            rows,
+            near,
+            far,
+            clip: far,
+            body: query.outline.and_then(Outline::body).copied(),
+            middle,
+        }
     }
 
-    /// The unit direction of a sample, and the distance to the light's plane along it.
+    /// The unit direction of a sample, and the distance to the light along it: to its plane, or to a tube's surface.
     pub(crate) fn ray(&self, row: usize, sample: usize) -> (Vec3, f32) {
         self.ray_at(row, sample as f32 + 0.5 + Raster::shift(row))
     }
@@ -58,7 +76,8 @@ impl View {
     /// The same for a point in plane coordinates.
     pub(crate) fn ray_to(&self, p: Vec2) -> (Vec3, f32) {
         let length = (1.0 + p.length_squared()).sqrt();
-        (self.square.world(p.extend(1.0)) / length, self.far * length)
+        let direction = self.square.world(p.extend(1.0)) / length;
+        (direction, self.body.and_then(|body| body.entry(direction)).unwrap_or(self.far * length))
     }
 
     /// Such a position, in plane coordinates.

@@ -1,5 +1,6 @@
 //! Flat lights: what a receiver sees of a convex polygon.
 
+mod capsule;
 mod cells;
 mod cubature;
 mod flat_shape;
@@ -17,6 +18,7 @@ mod sides;
 mod tests;
 pub(crate) mod wgsl;
 
+pub use self::capsule::{Capsule, distance_of_segments};
 pub use self::flat_shape::FlatShape;
 pub use self::image::{LightImage, fingerprint};
 pub(crate) use self::integral::integral;
@@ -57,6 +59,8 @@ pub struct Outline {
     is_clipped: bool,
     /// See [`with_roundness`](Self::with_roundness).
     roundness: Option<f32>,
+    /// See [`with_body`](Self::with_body), and how far along the axis its last visible part is.
+    body: Option<(Capsule, f32)>,
 }
 
 /// From a circle to the corners of the polygon around it.
@@ -139,6 +143,7 @@ impl Outline {
             sides: [Vec3::ZERO; 2],
             is_clipped: false,
             roundness: None,
+            body: None,
         })
     }
 
@@ -307,6 +312,19 @@ impl Outline {
         Self { roundness: Some(roundness), ..self }
     }
 
+    /// The same as the outline of a body, of which no visible part is farther along the axis than `end`. Surfaces before the body then block, and no others: not
+    /// all that are before the outline's plane. Strategies without such a test keep to the plane.
+    #[must_use]
+    pub fn with_body(self, body: Capsule, end: f32) -> Self {
+        Self { body: Some((body, end)), ..self }
+    }
+
+    /// The body of which it is the outline, if it is one of a body.
+    #[must_use]
+    pub fn body(&self) -> Option<&Capsule> {
+        self.body.as_ref().map(|(body, _)| body)
+    }
+
     /// The part that it fills of the circle around it: little for a tube.
     #[must_use]
     pub fn roundness(&self) -> f32 {
@@ -330,11 +348,12 @@ impl Outline {
         on_plane::OnPlane::new(self, frame).nearest(place)
     }
 
-    /// A sphere around all of it and as far beside it as blockers count, relative to the receiver.
+    /// A sphere around all of it, its [body](Self::with_body) included, and as far beside it as blockers count, relative to the receiver.
     #[must_use]
     pub fn sphere(&self) -> Sphere {
-        let radius = self.corners().iter().map(|p| p.distance_squared(self.center)).fold(0.0, f32::max).sqrt();
-        Self::sphere_around(Sphere { center: self.center, radius })
+        let flat = self.corners().iter().map(|p| p.distance_squared(self.center)).fold(0.0, f32::max).sqrt();
+        let of_body = self.body().map_or(0.0, |body| body.reach_from(self.center));
+        Self::sphere_around(Sphere { center: self.center, radius: flat.max(of_body) })
     }
 
     /// Whether windows on it are turned as its [sides](Self::with_sides) are, and so never reach beyond it.
@@ -409,12 +428,30 @@ impl Outline {
         DEPTH * self.height
     }
 
-    /// How far a ray along a direction inside the outline goes before surfaces do not block it any more.
+    /// How far from the receiver, along the axis, any surface may block: the [depth](Self::depth), or, where its [body](Self::with_body) counts, as far as
+    /// the last visible part of that is.
+    #[must_use]
+    #[inline]
+    pub fn depth_to(&self, body_counts: bool) -> f32 {
+        self.body.filter(|_| body_counts).map_or_else(|| self.depth(), |(_, end)| end)
+    }
+
+    /// How far a ray along a direction inside the outline goes before surfaces do not block it any more: to the [body](Self::with_body), or else to
+    /// the plane.
     #[must_use]
     #[inline]
     pub fn distance(&self, direction: Vec3) -> f32 {
+        self.distance_to(true, direction)
+    }
+
+    /// The same, to the plane where the body does not count.
+    #[must_use]
+    pub fn distance_to(&self, body_counts: bool, direction: Vec3) -> f32 {
+        if let Some(entry) = self.body().filter(|_| body_counts).and_then(|body| body.entry(direction)) {
+            return entry;
+        }
         let along = self.axis.dot(direction);
-        if along > 0.0 { self.depth() / along } else { f32::INFINITY }
+        if along > 0.0 { self.depth_to(body_counts) / along } else { f32::INFINITY }
     }
 }
 

@@ -174,7 +174,7 @@ impl SilhouetteBlockers<'_> {
         narrowest: f32,
         is_hidden: impl Fn(&View, &Opening) -> bool,
     ) {
-        let mut view = View::new(*mask.square(), mask.raster(), mask.side(), query);
+        let mut view = scratch.view(query, mask);
         let light = scratch.project_outlines(query, &mut view);
         let SilhouetteScratch { crossings, counter, openings, marks, facet, origin, hits, .. } = scratch;
         let facet = facet.map(|face| mask.square().local(face));

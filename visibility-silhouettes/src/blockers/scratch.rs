@@ -9,7 +9,7 @@ use crate::project::{Crossing, View, project};
 use crate::select::Silhouettes;
 use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
-use lobe_core::{Cone, Receiver, Sphere};
+use lobe_core::{Capsule, Cone, Outline, Receiver, Sphere};
 use shading::{Coverage, DynScratch, VisibilityQuery};
 use visibility_mask::{Contour, Mask};
 
@@ -40,8 +40,14 @@ pub struct SilhouetteScratch {
     pub(super) is_coarse: bool,
     /// Their parts outside the light, the arcs in which it cuts triangles, and whether both are those of the current receiver.
     pub(super) outside: Silhouettes,
+    /// Before a tube's plane, whatever it hides.
+    pub(super) before: Silhouettes,
+    /// The tube that is the light, if triangles touch it.
+    pub(super) body: Option<Capsule>,
     pub(super) arcs: Vec<Chord>,
     pub(super) is_outside_known: bool,
+    /// Whether a flat light or a tube has cut them.
+    pub(super) is_flat_cut: bool,
     pub(super) crossings: Vec<Crossing>,
     pub(super) counter: Counter,
     pub(super) fewest: Fewest,
@@ -78,6 +84,9 @@ impl SilhouetteScratch {
             silhouettes: Silhouettes::default(),
             is_coarse: false,
             outside: Silhouettes::default(),
+            before: Silhouettes::default(),
+            body: None,
+            is_flat_cut: false,
             arcs: Vec::new(),
             is_outside_known: false,
             crossings: Vec::new(),
@@ -95,14 +104,23 @@ impl SilhouetteScratch {
     }
 
     /// Begins a receiver without silhouettes.
-    pub(super) fn begin(&mut self, origin: Vec3, cone: &Cone) {
+    pub(super) fn begin(&mut self, origin: Vec3, query: &VisibilityQuery<'_>) {
         self.origin = origin;
-        self.cone = *cone;
+        self.cone = *query.cone;
+        let near = &mut self.near;
+        let touches = |body: &Capsule| near.current().is_some_and(|near| near.is_touched(body, origin));
+        self.body = query.outline.and_then(Outline::body).copied().filter(touches);
         self.silhouettes.clear();
         self.is_coarse = false;
         self.is_outside_known = false;
         self.may_hide = false;
+        self.is_flat_cut = false;
         self.arcs.clear();
+    }
+
+    /// What is seen in a mask's window.
+    pub(super) fn view(&self, query: &VisibilityQuery<'_>, mask: &Mask) -> View {
+        View::new(*mask.square(), mask.raster(), mask.side(), query, self.body)
     }
 
     /// Counts the surfaces before the samples of a mask, but for a number that all of them have. Returns the light if triangles reach into it.
@@ -174,7 +192,7 @@ impl SilhouetteScratch {
 
     /// Whether the light's surface or its plane has cut outlines, whose parts `outside` are drawn.
     pub(super) fn is_cut(&self, is_flat: bool) -> bool {
-        if is_flat { !self.arcs.is_empty() } else { self.is_clipped }
+        if is_flat { self.is_flat_cut } else { self.is_clipped }
     }
 }
 
