@@ -1,6 +1,6 @@
 use crate::any_hit::DynAnyHit;
 use crate::beside::Beside;
-use crate::clip::{Behind, LightSphere, push_chord};
+use crate::clip::{Behind, LightSphere};
 use crate::fit::{is_flat, side};
 use crate::hidden::Hidden;
 use crate::hull::Fineness;
@@ -358,24 +358,21 @@ impl Blockers for SilhouetteBlockers<'_> {
         narrowest: f32,
         lit: &mut LitArea,
     ) -> bool {
-        // Simplified outlines are left to masks, and what a tube cuts: of 960 such lit parts one was wrong by two thirds of the light.
-        let is_cut_by_body = scratch.body.is_some() && scratch.is_flat_cut;
-        if scratch.is_coarse || scratch.lists.is_too_long() || is_cut_by_body {
+        // Simplified outlines, and arcs in which a light cuts triangles, are left to masks.
+        if scratch.is_coarse || scratch.lists.is_too_long() {
             return false;
         }
         let mut view = scratch.view(query, mask);
         let light = scratch.cut_outlines(query, &mut view);
+        if !scratch.arcs.is_empty() {
+            return false;
+        }
         let is_cut = scratch.is_cut(query.outline.is_some());
-        let SilhouetteScratch { trapezoids, silhouettes, outside, arcs, facet, origin, hits, .. } = scratch;
-        let drawn = if is_cut { outside } else { silhouettes };
-        let count = drawn.len();
-        arcs.iter().for_each(|chord| push_chord(drawn, *chord));
+        let SilhouetteScratch { trapezoids, silhouettes, outside, facet, origin, hits, .. } = scratch;
+        let drawn = if is_cut { &*outside } else { &*silhouettes };
         let facet = facet.map(|face| mask.square().local(face));
         let emits = Emits { mask, outline: query.outline, facet };
-        let is_found = trapezoids
-            .find(drawn, &view, &emits, narrowest, lit, |p| self.is_open(view.ray_to(p), light, *origin, hits));
-        drawn.truncate(count);
-        is_found
+        trapezoids.find(drawn, &view, &emits, narrowest, lit, |p| self.is_open(view.ray_to(p), light, *origin, hits))
     }
 }
 

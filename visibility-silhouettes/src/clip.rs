@@ -208,8 +208,13 @@ pub(crate) fn keep_outside(silhouettes: &Silhouettes, inside: impl Fn(Vec3, Vec3
     out.clear();
     for i in 0..silhouettes.len() {
         let end = |c: usize| Vec3::from_array([c, c + 1, c + 2].map(|c| silhouettes.get(c, i)));
-        let (a, b, step) = (end(0), end(3), silhouettes.get(STEP, i) as i32);
-        let mut push = |a: Vec3, b: Vec3| push_chord(out, (a, b, step));
+        let (a, b, step) = (end(0), end(3), silhouettes.get(STEP, i));
+        let mut push = |a: Vec3, b: Vec3| {
+            let mut numbers = [step; NUMBERS];
+            numbers[..3].copy_from_slice(&a.to_array());
+            numbers[3..6].copy_from_slice(&b.to_array());
+            Columns::push(out, numbers);
+        };
         match inside(a, b) {
             Inside::Nowhere => push(a, b),
             Inside::First(p) => push(p, b),
@@ -221,14 +226,6 @@ pub(crate) fn keep_outside(silhouettes: &Silhouettes, inside: impl Fn(Vec3, Vec3
             Inside::All => {}
         }
     }
-}
-
-/// Appends a piece of an outline.
-pub(crate) fn push_chord(out: &mut Silhouettes, (a, b, step): Chord) {
-    let mut numbers = [step as f32; NUMBERS];
-    numbers[..3].copy_from_slice(&a.to_array());
-    numbers[3..6].copy_from_slice(&b.to_array());
-    Columns::push(out, numbers);
 }
 
 /// The plane of a flat light, seen from a receiver: only surfaces in front of it block.

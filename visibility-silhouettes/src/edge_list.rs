@@ -39,11 +39,6 @@ impl<const C: usize> Columns<C> {
         self.len = 0;
     }
 
-    /// Leaves the first items.
-    pub(crate) fn truncate(&mut self, count: usize) {
-        self.len = self.len.min(count);
-    }
-
     pub(crate) fn len(&self) -> usize {
         self.len
     }
