@@ -8,6 +8,10 @@ use lobe_core::{LightImage, Receiver, SeenLight, Sphere, Tile, TileLight};
 use shading::{LightExtent, LightLobes};
 use std::sync::Arc;
 
+/// By this part of its radius a sphere that shows a light is inside of it to other lights: a hundred times the rounding of distances that are ten
+/// thousand times as long.
+const INSIDE: f32 = 2e-3;
+
 /// The enum with a variant for each built-in kind, and its conversions.
 macro_rules! lights {
     ($($(#[$doc:meta])* $kind:ident($light:ident),)*) => {
@@ -60,13 +64,21 @@ lights! {
 }
 
 impl Light {
-    /// Whether a sphere's surface is the light's, to a thousandth of its radius: a sphere that makes the light visible does not hide it.
+    /// Whether a sphere's surface is the light's, to a thousandth of its radius: a sphere that makes the light visible hides others, not this one.
     #[must_use]
     pub fn is_shown_by(&self, sphere: &Sphere) -> bool {
         self.sphere().is_some_and(|light| {
             let slack = 1e-3 * light.radius;
             (sphere.radius - light.radius).abs() <= slack && (sphere.center - light.center).length() <= slack
         })
+    }
+
+    /// Of a sphere that [shows](Self::is_shown_by) this light, the part that is inside of it, whatever rounding does: it hides other lights.
+    #[must_use]
+    pub fn inside_of(&self, sphere: &Sphere) -> Option<Sphere> {
+        let light = self.sphere().filter(|_| self.is_shown_by(sphere))?;
+        let radius = sphere.radius.min(light.radius - sphere.center.distance(light.center));
+        Some(Sphere { radius: radius * (1.0 - INSIDE), ..*sphere })
     }
 
     /// The sphere, to be changed, where it is one that shines to all sides.

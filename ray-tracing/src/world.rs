@@ -149,7 +149,7 @@ impl<'s> World<'s> {
         };
         self.hierarchy.triangles.any(ray, meet)
             || self.hierarchy.instances.any(&ray, meet).is_some()
-            || self.hierarchy.spheres.any(ray, |b, r| if b.blocks && by(b.object) { b.meet(r) } else { f32::INFINITY })
+            || self.hierarchy.spheres.any(ray, |b, r| if by(b.object) { b.meet_casting(r) } else { f32::INFINITY })
     }
 
     /// Whether the nearest triangle or sphere on a ray of unit direction is met from behind: from inside of a sphere, or from the side on

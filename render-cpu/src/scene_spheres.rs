@@ -244,10 +244,10 @@ impl SceneSpheres {
                     Shape::Spheres(_) => shapes.is_first(object, sphere),
                     Shape::Mesh(_) | Shape::Instances(_) => own_spheres.is_first(object, sphere),
                 };
-                if !first || scene.lights.iter().any(|l| l.is_shown_by(sphere)) {
+                if !first {
                     continue;
                 }
-                out.spheres.push(*sphere);
+                out.spheres.push(scene.casting(sphere));
                 let whole = || SelfShadow::whole(own.self_distance / sphere.radius.max(f32::MIN_POSITIVE));
                 out.self_shadows.push(self_shadows.get(i).copied().unwrap_or_else(whole));
             }

@@ -214,6 +214,13 @@ impl Scene {
         self.objects.iter().fold(Bounds::EMPTY, |b, o| b.union(o.shape.bounds()))
     }
 
+    /// A sphere of an object as it casts shadows: one that [shows a light](Light::inside_of) is a little inside of it, so that it does not hide that light.
+    #[must_use]
+    pub fn casting(&self, sphere: &Sphere) -> Sphere {
+        let inside = self.lights.iter().filter_map(|light| light.inside_of(sphere));
+        inside.reduce(|a, b| if b.radius < a.radius { b } else { a }).unwrap_or(*sphere)
+    }
+
     /// Lets lights that are farther away than the scene, or everywhere, hold all objects in the
     /// [sphere](Light::world) that they are made for, where objects have left it. Whether any light has changed.
     ///

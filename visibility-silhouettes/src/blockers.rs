@@ -183,9 +183,9 @@ impl<'m> SilhouetteBlockers<'m> {
         let [nearest, cut] = near.cut(&plane, *origin, body.as_ref());
         let relative = |corners: &[Vec3; 3]| corners.map(|p| p - *origin);
         if let Some(body) = &body {
-            *is_flat_cut = nearest.iter().fold(false, |is_cut, corners| {
-                body.clip(relative(corners), || side(*corners, *origin), arcs) || is_cut
-            });
+            for corners in nearest {
+                *is_flat_cut |= body.clip(relative(corners), || side(*corners, *origin), arcs);
+            }
         }
         arcs.extend(cut.iter().filter_map(|corners| plane.clip(relative(corners), || side(*corners, *origin))));
         *is_flat_cut |= !arcs.is_empty();

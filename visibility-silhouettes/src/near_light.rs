@@ -261,9 +261,9 @@ mod tests {
                 found += 1;
                 triangles.iter().copied().for_each(visit);
             });
-            let [nearest, cut] = near.current().expect("entered").cut(&plane, origin, None);
+            let [nearest, listed] = near.current().expect("entered").cut(&plane, origin, None);
             assert!(nearest.is_empty());
-            let listed = cut.to_vec();
+            let listed = listed.to_vec();
             most = most.max(listed.len());
             for corners in triangles {
                 if plane.clip(corners.map(|p| p - origin), || 1.0).is_some() {

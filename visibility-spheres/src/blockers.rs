@@ -183,6 +183,9 @@ impl SphereBlockers {
     }
 }
 
+/// By how much a sphere that shows a light differs from it, in radii, and somewhat more.
+pub(crate) const SHOWS: f32 = 5e-3;
+
 /// Working memory of [`SphereBlockers`].
 #[derive(Clone, Debug, Default)]
 pub struct SphereScratch {
@@ -254,6 +257,7 @@ impl Blockers for SphereBlockers {
         scratch.candidates.clear();
         self.tree.find(&test, &mut scratch.stack, &mut scratch.candidates);
         test.narrow(&self.spheres, &mut scratch.candidates);
+        scratch.candidates.retain(|i| !shows(&self.spheres[*i as usize], &shaft.light));
         self.list(scratch);
         scratch.dark = scratch.candidates.iter().any(|i| {
             // Whose receivers they are is not known: what the smallest sphere hides, larger ones hide too.
@@ -290,6 +294,12 @@ impl Blockers for SphereBlockers {
         let light = Front::new(query);
         dispatch!(Level::new(), simd => scratch.cones.splat(simd, &light, mask));
     }
+}
+
+/// Whether a sphere is inside of a light and nearly as large: one that makes the light visible, and hides others.
+fn shows(sphere: &Sphere, light: &Sphere) -> bool {
+    let slack = SHOWS * light.radius;
+    (light.radius - sphere.radius).abs() <= slack && sphere.center.distance_squared(light.center) <= slack * slack
 }
 
 /// Asks all candidates, and keeps those that hide something.

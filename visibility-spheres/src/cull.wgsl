@@ -105,7 +105,11 @@ fn cull(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
             var hit = index < arrayLength(&spheres);
             if (hit) {
                 let sphere = spheres[index];
-                hit = shaft_meets(test, sphere.center, sphere.radius);
+                // One that makes the light visible hides others.
+                let off = sphere.center - frame.light.xyz;
+                let slack = SHOWS * frame.light.w;
+                let shows = abs(frame.light.w - sphere.radius) <= slack && dot(off, off) <= slack * slack;
+                hit = !shows && shaft_meets(test, sphere.center, sphere.radius);
                 // Whose receivers they are is not known: what the smallest sphere hides, larger ones hide too.
                 if (hit && shaft_darkens(test, sphere.center + sphere.own_offset, sphere.own_radius, sphere.own_distance)) {
                     atomicStore(&dark, 1u);

@@ -4,7 +4,7 @@
 //! `array<u32>`, each bound with just what it holds.
 
 use crate::packed::{LIST_ROOM, LIST_WORDS, SPHERE_BLOCK};
-use crate::{blocked_cones, ellipse, shaft, wide_cone};
+use crate::{blocked_cones, blockers, ellipse, shaft, wide_cone};
 use lobe_core::wgsl::{GEOMETRY, Piece, SPECIAL};
 use lobe_core::wgsl_numbers;
 use visibility_mask::wgsl::{EDGES, FACET, MASK, SKY_BUFFER, TOTAL};
@@ -21,7 +21,9 @@ pub static BOUNDS: Piece = Piece::new(include_str!("bounds.wgsl")).needs(&[&PACK
 static SHAFT_TEST: Piece =
     Piece::new(include_str!("shaft.wgsl")).numbers(wgsl_numbers![SHAFT_MARGIN = shaft::MARGIN]).needs(&[&GEOMETRY]);
 /// The kernel of the lists of tiles.
-pub static CULL: Piece = Piece::new(include_str!("cull.wgsl")).needs(&[&PACKED, &SHAFT_TEST]);
+pub static CULL: Piece = Piece::new(include_str!("cull.wgsl"))
+    .numbers(wgsl_numbers![SHOWS = blockers::SHOWS])
+    .needs(&[&PACKED, &SHAFT_TEST]);
 /// Which spheres a light's cone may meet.
 static CONE_TEST: Piece = Piece::new(include_str!("cone_test.wgsl"))
     .numbers(wgsl_numbers![CONE_SLACK = blocked_cones::SLACK])

@@ -7,7 +7,6 @@ use super::primitive::{Corners, SceneSphere};
 use super::tree::{Tree, hierarchy_scale};
 use core::sync::atomic::{AtomicU64, Ordering};
 use glam::{Vec3, Vec3A};
-use lobe_core::Sphere;
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::triangle::Triangle;
@@ -100,13 +99,13 @@ impl Hierarchy {
         self.revision
     }
 
-    /// Follows lights that have changed while all objects stay: a sphere that shows a light does not block. Whether any sphere blocks
-    /// that did not, or the reverse. Costs one comparison for each sphere and light.
+    /// Follows lights that have changed while all objects stay: a sphere that shows a light does not hide it. Whether any sphere casts
+    /// another shadow. Costs one comparison for each sphere and light.
     pub fn update_lights(&mut self, scene: &Scene) -> bool {
         let mut is_changed = false;
         for sphere in &mut self.spheres.primitives {
-            let blocks = blocks(scene, &sphere.sphere);
-            is_changed |= core::mem::replace(&mut sphere.blocks, blocks) != blocks;
+            let casting = scene.casting(&sphere.sphere);
+            is_changed |= core::mem::replace(&mut sphere.casting, casting) != casting;
         }
         if is_changed {
             self.revision = new_revision();
@@ -150,11 +149,6 @@ fn scale_of(triangles: &[Corners], spheres: &[SceneSphere]) -> f32 {
     hierarchy_scale(bounds.diagonal().length().max(far))
 }
 
-/// Whether a sphere hides lights: a sphere that shows a light does not.
-fn blocks(scene: &Scene, sphere: &Sphere) -> bool {
-    !scene.lights.iter().any(|light| light.is_shown_by(sphere))
-}
-
 /// The triangles with an area and the spheres with a radius of all objects that are seen or block; equal meshes and spheres once.
 fn gather(scene: &Scene) -> (Vec<Corners>, Vec<SceneSphere>) {
     let (mut triangles, mut spheres, mut duplicates) = (Vec::new(), Vec::new(), Duplicates::default());
@@ -182,7 +176,7 @@ fn gather(scene: &Scene) -> (Vec<Corners>, Vec<SceneSphere>) {
                     object: number as u32,
                     index: index as u32,
                     visible,
-                    blocks: blocks(scene, sphere),
+                    casting: scene.casting(sphere),
                 }));
             }
         }

@@ -121,11 +121,17 @@ pub(crate) struct SceneSphere {
     pub(super) object: u32,
     pub(super) index: u32,
     pub(super) visible: bool,
-    /// Not so when it makes a light visible.
-    pub(super) blocks: bool,
+    /// As it [casts shadows](scene::Scene::casting).
+    pub(super) casting: Sphere,
 }
 
 impl SceneSphere {
+    /// [`meet`](Self::meet) for a ray of shadow.
+    #[inline]
+    pub(super) fn meet_casting(&self, ray: &Ray) -> f32 {
+        Self { sphere: self.casting, ..*self }.meet(ray)
+    }
+
     #[inline]
     pub(super) fn intersect(&self, ray: &Ray) -> f32 {
         let to = Vec3A::from(self.sphere.center) - ray.origin;
@@ -227,6 +233,6 @@ impl Named for SceneSphere {
     }
 
     fn update_to(&self, other: &Self) -> Update {
-        update_of(self.sphere != other.sphere, (self.visible, self.blocks) != (other.visible, other.blocks))
+        update_of(self.sphere != other.sphere, (self.visible, self.casting) != (other.visible, other.casting))
     }
 }

@@ -190,7 +190,7 @@ impl World<'_> {
     pub fn in_shaft(&self, shaft: &Shaft, of: impl Fn(u32) -> bool, limit: usize, out: &mut Vec<Primitive>) -> bool {
         self.triangles_in(shaft, &of, limit, out)
             && !self.hierarchy.spheres.in_shaft(shaft, &mut |i, b| {
-                if b.blocks && of(b.object) {
+                if of(b.object) {
                     out.push(Primitive::Sphere(i));
                 }
                 out.len() > limit
@@ -286,6 +286,6 @@ impl World<'_> {
         let outside = |b: &Aabb| region.misses_box(b);
         self.hierarchy.triangles.visit(&outside, &mut |_, c| of(c.object) && !region.misses_triangle(c))
             || self.hierarchy.instances.visit(&outside, &mut |_, c| of(c.object) && !region.misses_triangle(c))
-            || self.hierarchy.spheres.visit(&outside, &mut |_, b| b.blocks && of(b.object) && !region.misses_sphere(b))
+            || self.hierarchy.spheres.visit(&outside, &mut |_, b| of(b.object) && !region.misses_sphere(b))
     }
 }

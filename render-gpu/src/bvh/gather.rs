@@ -90,12 +90,11 @@ fn add(all: &mut Gathered, duplicates: &mut Duplicates, number: u32, scene: &Sce
                 if !duplicates.is_first(object, sphere) {
                     continue;
                 }
-                let hides = if scene.lights.iter().any(|l| l.is_shown_by(sphere)) { 0 } else { blocks };
                 all.names.push(index as u32);
                 all.primitives.push(GpuPrimitive {
                     a: sphere.center.into(),
-                    object: number | seen | hides | SPHERE,
-                    b: [sphere.radius, 0.0, 0.0],
+                    object: number | seen | blocks | SPHERE,
+                    b: [sphere.radius, scene.casting(sphere).radius, 0.0],
                     material,
                     c: [0.0; 3],
                     corners: FLAT,

@@ -46,7 +46,7 @@ fn world_occludes(origin: vec3f, direction: vec3f, distance: f32) -> bool {
                 }
                 var t = NEVER;
                 if (p.object & SPHERE) != 0u {
-                    t = meet_sphere(p, origin, direction);
+                    t = meet_sphere(p.a, p.b.y, origin, direction);
                 } else {
                     t = meet_triangle(p, origin, direction, 0.0);
                 }

@@ -85,13 +85,13 @@ fn meet_triangle(t: Primitive, origin: vec3f, direction: vec3f, blur: f32) -> f3
 }
 
 // Distance to a sphere, or NEVER. From inside the sphere or its surface: the distance to the far side.
-fn meet_sphere(sphere: Primitive, origin: vec3f, direction: vec3f) -> f32 {
-    let to = sphere.a - origin;
+fn meet_sphere(center: vec3f, radius: f32, origin: vec3f, direction: vec3f) -> f32 {
+    let to = center - origin;
     let along = dot(to, direction);
-    let radius_sq = sphere.b.x * sphere.b.x;
+    let radius_sq = radius * radius;
     if abs(dot(to, to) - radius_sq) <= CLOSE_TO_SPHERE * radius_sq {
         // If the sphere is ahead, `off` has the sign of the nearer distance.
-        let off = off_sphere(sphere, origin);
+        let off = off_sphere(center, radius, origin);
         let half_sq = along * along - off;
         let far = along + select(sqrt(max(half_sq, 0.0)), -sqrt(max(half_sq, 0.0)), along < 0.0);
         let near = off / far;
@@ -100,7 +100,7 @@ fn meet_sphere(sphere: Primitive, origin: vec3f, direction: vec3f) -> f32 {
     }
     // Computes the centre's distance from the ray first, since |to|² − along² would cancel.
     let aside = to - direction * along;
-    let half_sq = sphere.b.x * sphere.b.x - dot(aside, aside);
+    let half_sq = radius_sq - dot(aside, aside);
     let half = sqrt(max(half_sq, 0.0));
     let t = select(along + half, along - half, along > half);
     return select(NEVER, t, half_sq >= 0.0 && t > 0.0);
@@ -159,10 +159,10 @@ fn plane_of(t: Primitive, point: vec3f) -> vec4f {
 }
 
 // The squared distance of a point from a sphere's centre, minus the squared radius.
-fn off_sphere(sphere: Primitive, point: vec3f) -> f32 {
-    let to = fine_sum(sphere.a, -point);
+fn off_sphere(center: vec3f, radius: f32, point: vec3f) -> f32 {
+    let to = fine_sum(center, -point);
     let square = fine_dot(to, to);
-    let radius = Fine(vec3f(sphere.b.x), vec3f(0.0));
-    let radius_sq = fine_product(radius, radius);
+    let size = Fine(vec3f(radius), vec3f(0.0));
+    let radius_sq = fine_product(size, size);
     return fine_add(square.high, -radius_sq.high, square.low - radius_sq.low).high.x;
 }

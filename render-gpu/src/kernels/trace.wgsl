@@ -131,7 +131,7 @@ fn meet(number: u32, origin: vec3f, direction: vec3f) -> f32 {
         return NEVER;
     }
     if (p.object & SPHERE) != 0u {
-        return meet_sphere(p, origin, direction);
+        return meet_sphere(p.a, p.b.x, origin, direction);
     }
     return meet_triangle(p, origin, direction, 1.5e-7);
 }
@@ -152,7 +152,7 @@ fn surface(number: u32, origin: vec3f, direction: vec3f) -> Receiver {
         let inside = along < half;
         let outward = unit_or(direction * select(-half, half, inside) - aside, -direction);
         position = p.a + outward * p.b.x;
-        position -= outward * (0.5 * off_sphere(p, position) / p.b.x);
+        position -= outward * (0.5 * off_sphere(p.a, p.b.x, position) / p.b.x);
         out.normal = select(outward, -outward, dot(outward, direction) > 0.0);
         out.face = out.normal;
     } else {
