@@ -53,7 +53,7 @@ impl core::fmt::Display for FlatLightError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Corners => write!(f, "expected 3 to {} corners with finite coordinates", Outline::MOST),
-            Self::Degenerate => f.write_str("the light has no area"),
+            Self::Degenerate => f.write_str("the light has no area, or is a million times as long as wide"),
             Self::NotFlat => f.write_str("the corners are not in one plane"),
             Self::NotConvex => f.write_str("the light is not convex"),
         }

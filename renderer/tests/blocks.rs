@@ -58,6 +58,22 @@ fn quads_block_seen_or_not_by_every_strategy() {
     }
 }
 
+/// A sphere that shows a light hides another one, and not its own: below it the floor gets what its light alone gives.
+#[test]
+fn bulbs_hide_other_lights() {
+    let bulb = Sphere { center: Vec3::Y, radius: 0.15 };
+    let shown = Object::spheres("bulb", vec![bulb], 0);
+    for own in [1.0, 1e-3] {
+        let own: Light = SphereLight::new(bulb, Vec3::splat(own)).into();
+        let lit_by = |lights: Vec<Light>| Scene { lights, ..scene(shown.clone()) };
+        for strategy in [None, Some(Strategy::Spheres), Some(Strategy::Rays), Some(Strategy::Silhouettes)] {
+            let [alone, both] = [vec![own.clone()], vec![own.clone(), lamp(6.0)]];
+            let [alone, both] = [alone, both].map(|lights| middle(&lit_by(lights), strategy));
+            assert!(alone > 0.0 && (both / alone - 1.0).abs() < 1e-3, "{strategy:?}: {alone} {both}");
+        }
+    }
+}
+
 /// With the floor and with a floor that must not block: the same bits where nothing is behind it.
 #[test]
 fn floors_that_nothing_is_behind_cost_nothing() {

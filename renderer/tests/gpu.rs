@@ -27,6 +27,7 @@ fn main() {
         trial("skies_are_summed_at_once", skies_are_summed_at_once),
         trial("instances_block_as_copies", instances_block_as_copies),
         trial("dense_meshes_below_tubes", dense_meshes_below_tubes),
+        trial("bulbs_hide_other_lights", bulbs_hide_other_lights),
         trial("layers_of_points", layers_of_points),
         trial("requests_to_stop", requests_to_stop),
         trial("nothing_to_see", nothing_to_see),
@@ -50,6 +51,25 @@ fn renderer(settings: Settings) -> Renderer {
 
 fn lamp(x: f32) -> Light {
     SphereLight::new(Sphere { center: Vec3::new(x, 4.0, 1.0), radius: 0.5 }, Vec3::splat(4.0)).into()
+}
+
+/// By masks of spheres and by rays, as the CPU's pictures.
+fn bulbs_hide_other_lights() {
+    let bulb = Sphere { center: Vec3::new(-0.3, 1.6, 1.2), radius: 0.3 };
+    let mut scene = stage();
+    scene.objects.push(Object::spheres("bulb", vec![bulb], 0));
+    scene.lights = vec![lamp(0.0), SphereLight::new(bulb, Vec3::splat(0.5)).into()];
+    for strategy in [Strategy::Spheres, Strategy::Rays] {
+        let [cpu, gpu] = [Device::Cpu, Device::Gpu].map(|device| {
+            let settings = Settings { device, strategy: Some(strategy), ..Settings::default() };
+            let mut renderer = Renderer::new(scene.clone(), Animation::default(), settings).expect("a scene");
+            renderer.render().expect("a picture").radiance
+        });
+        let white = cpu.iter().map(|c| c.max_element()).fold(0.0, f32::max);
+        let off = cpu.iter().zip(&gpu).map(|(a, b)| (*a - *b).abs().max_element());
+        let mean = off.sum::<f32>() / cpu.len() as f32;
+        assert!(mean < 2e-3 * white, "{strategy:?}: {mean} of {white}");
+    }
 }
 
 fn rays_follow_only_what_moves() {

@@ -133,7 +133,11 @@ pub(crate) fn light_up(path: &Path, scene: &mut Scene, animation: &mut Animation
         let object = &scene.objects[number];
         let Some(surface) = scene.surface(object.material).filter(|s| s.emits() && !s.is_unlit) else { continue };
         let is_decided = context.emitters.contains(&number);
-        if is_decided || !object.visible || is_at_a_light(&scene.lights[..before], object) {
+        if is_decided || is_at_a_light(&scene.lights[..before], object) {
+            continue;
+        }
+        if !object.visible {
+            dark.push((object.name.clone(), "it is not visible (`light = true` in a scene file takes it)".to_owned()));
             continue;
         }
         let mover = animation.movers.get(number).and_then(Option::as_ref);
@@ -193,6 +197,9 @@ fn by_default(
         && error > ERROR
     {
         *failed += 1;
+        if !error.is_finite() {
+            return Err("spheres and tubes cannot stand for it".to_owned());
+        }
         let percent = 100.0 * error;
         return Err(format!(
             "spheres and tubes in its place are {percent:.1} % off (`light = true` in a scene file takes them)"

@@ -116,7 +116,7 @@ pub(crate) fn read_object<'s>(
     };
     common.place_proxy(&origins)?;
     let objects = match geometry {
-        Geometry::Spheres(own) => common.spheres(own, materials)?,
+        Geometry::Spheres(own) => common.spheres(own, path, materials, context)?,
         Geometry::Flat(mesh) => common.flat(mesh, path, materials, context)?,
         Geometry::Solid(parts) => common.solid(parts, path, materials, context)?,
     };
@@ -163,7 +163,13 @@ impl Common<'_> {
         Object { name, shape, material, proxy, visible, strategy, terminator }
     }
 
-    fn spheres(self, own: Vec<Sphere>, materials: &mut Materials) -> Result<Placed, SceneError> {
+    fn spheres(
+        self,
+        own: Vec<Sphere>,
+        path: &Path,
+        materials: &mut Materials,
+        context: &mut Context,
+    ) -> Result<Placed, SceneError> {
         let spheres = self.moved(&own)?;
         let moves = !self.placement.is_fixed();
         Scene::check_spheres(&spheres).map_err(|e| self.value.error(e))?;
@@ -175,6 +181,11 @@ impl Common<'_> {
             other => other.clone().unwrap_or_else(|| Proxy::Spheres(spheres.clone())),
         };
         let material = self.material.unwrap_or_else(|| materials.fallback());
+        if materials.cut_out(material).is_some() {
+            let name = &self.name;
+            context
+                .warn(path, format!("object \"{name}\" stays whole: alpha cuts nothing out of spheres, but of meshes"));
+        }
         let bound = bind(&proxy, &self.matrix);
         let object = self.object(self.name.clone(), Shape::Spheres(spheres), material, proxy);
         let mover = moves.then_some(Mover { placement: self.placement, body: Body::Spheres(own), proxy: bound });

@@ -176,6 +176,23 @@ fn curved_meshes_light_within_two_percent() {
     assert!(warnings.iter().any(|w| w.contains("lights no other") && w.contains("separate parts")), "{warnings:?}");
 }
 
+/// One that is not seen lights nothing by default, which a warning says.
+#[test]
+fn lamps_that_are_not_seen_are_told() {
+    let text = |more: &str| {
+        format!(
+            "[materials.lamp]\nmodel = \"lambert\"\nalbedo = 0.5\nemission = 2\n[[objects]]\nname = \"bulb\"\n\
+             material = \"lamp\"\nvisible = false\nsphere = {{ center = [0, 3, 0], radius = 0.5 }}\n{more}"
+        )
+    };
+    let told =
+        |loaded: &Loaded| loaded.warnings.iter().any(|w| w.contains("\"bulb\" emits") && w.contains("not visible"));
+    let dark = load_text("dark.toml", &text(""), Emission::Lights);
+    assert!(dark.scene.lights.is_empty() && told(&dark), "{:?}", dark.warnings);
+    let lit = load_text("lit.toml", &text("light = true"), Emission::Lights);
+    assert!(lit.scene.lights.len() == 1 && !told(&lit), "{:?}", lit.warnings);
+}
+
 /// A scene file's objects do by default as well, and `light` decides.
 #[test]
 fn the_key_of_a_scene_file_decides() {
