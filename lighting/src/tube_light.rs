@@ -13,8 +13,9 @@ const AROUND: f32 = 1.531;
 
 /// A tube with round ends (a capsule) that emits the same radiance in all directions from all of its surface.
 ///
-/// Seen from a receiver it is flat: two straight lines, and arcs of the outlines of the spheres at its ends. A blocker behind the
-/// plane of this outline does not shade it. That plane is where the tube's surface is in the mean: along the tube if it is seen from beside it; across the
+/// Seen from a receiver it is flat: two straight lines, and arcs of the outlines of the spheres at its ends. A blocker inside or
+/// behind the tube does not shade it: the outline knows the tube's surface. Strategies without a test of that, as those of GPUs, count blockers up to the
+/// outline's plane, which is where the surface is in the mean: along the tube if it is seen from beside it; across the
 /// view, at the nearer end, if the tube is seen along its middle line; and between these two, in proportion to how much of the tube's length is
 /// seen; it meets the nearer end in its outer half. A receiver within a radius of the middle line, beyond the ends, sees the sphere at the
 /// nearer end. One that is nearer to its side than a tenth of

@@ -86,17 +86,22 @@ fn lampshades_end_light_above_and_below() {
     }
 }
 
-/// A tube that comes out of a panel at 13°.
+/// A tube that comes out of an upright panel at 13°, or is half sunk in it lengthwise.
 #[test]
 fn tubes_come_out_of_panels() {
-    let (sin, cos) = 13.0_f32.to_radians().sin_cos();
     let middle = Vec3::new(0.0, 1.5, 0.0);
-    let along = Vec3::new(cos, sin, 0.0);
-    let tube = TubeLight { ends: [middle - along, middle + along], radius: 0.1, radiance: Vec3::splat(9.0) };
-    let mut scene = below_leaves(1, 0.1, vec![tube.into()]);
-    let panel = Mesh::quad(middle, Vec3::X * 1.5, Vec3::Z * 1.5);
-    scene.objects[1] = Object::mesh("panel", panel, 0, Proxy::None);
-    check("tube through a panel", &scene, [0.03, 0.2]);
+    for (name, degrees) in [("tube through a panel", 13.0_f32), ("half sunk in a panel", 0.0)] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        for (name, along, across) in [
+            (format!("{name} above"), Vec3::new(cos, sin, 0.0), Vec3::Z * 1.5),
+            (format!("{name} beside"), Vec3::new(cos, 0.0, sin), Vec3::Y * 1.4),
+        ] {
+            let tube = TubeLight { ends: [middle - along, middle + along], radius: 0.1, radiance: Vec3::splat(9.0) };
+            let mut scene = below_leaves(1, 0.1, vec![tube.into()]);
+            scene.objects[1] = Object::mesh("panel", Mesh::quad(middle, Vec3::X * 1.5, across), 0, Proxy::None);
+            check(&name, &scene, [0.004, 0.03]);
+        }
+    }
 }
 
 /// A plate 25 mm below an upright tube: in line with the tube a receiver sees its end alone, beside that both in one plane. None of them is lit.

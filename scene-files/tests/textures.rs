@@ -209,6 +209,27 @@ fn an_obj_has_the_materials_of_its_library() {
     }
 }
 
+/// Alpha cuts boxes out; of spheres a warning says that it does not.
+#[test]
+fn spheres_stay_whole_and_say_so() {
+    let folder = folder();
+    let half = RgbaImage::from_fn(16, 16, |x, _| Rgba([200, 9, 9, if x < 8 { 255 } else { 0 }]));
+    half.save(folder.path().join("half.png")).expect("an image");
+    let load = |shape: &str| {
+        let text = format!(
+            "[materials.leaf]\nmodel = \"lambert\"\nalbedo = 1\ncolor_map = \"half.png\"\nalpha_cutoff = 0.5\n\
+             [[objects]]\nname = \"leaf\"\nmaterial = \"leaf\"\n{shape}\n"
+        );
+        std::fs::write(folder.path().join("s.toml"), text).expect("a file");
+        load_with_warnings(folder.path().join("s.toml")).expect("a scene").1
+    };
+    let told = |warnings: &[String]| warnings.iter().any(|w| w.contains("\"leaf\" stays whole"));
+    let warnings = load("sphere = { center = [0, 1, 0], radius = 1 }");
+    assert!(told(&warnings), "{warnings:?}");
+    let warnings = load("box = { center = [0, 1, 0], size = 1 }");
+    assert!(!told(&warnings), "{warnings:?}");
+}
+
 /// Opacity cuts, heights and normals turn, highlights vary: all images of a library.
 #[test]
 fn a_library_has_images_of_every_kind() {

@@ -3,6 +3,7 @@
 use crate::block::{Block, Candidates};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
+use lobe_core::{Capsule, Outline};
 use shading::VisibilityQuery;
 
 /// Relative to distances; f32 rounds the terms of the cheap question by some 1e-7.
@@ -24,6 +25,8 @@ pub(crate) struct LightSphere {
     culls: bool,
     /// Of a flat light the normal of its plane, and how far that is.
     plane: Option<(Vec3, f32)>,
+    /// The tube that is the light, as the receiver sees it.
+    body: Option<Capsule>,
 }
 
 /// The directions that eight spheres block, as [`BlockedCone`](crate::splat::BlockedCone)s.
@@ -95,7 +98,8 @@ impl LightSphere {
         let power = distance * distance * (cos * cos);
         let narrow = cos > 0.0;
         let plane = query.outline.map(|light| (light.axis(), light.depth()));
-        Self { at: query.at.position, axis: cone.axis, sin, cos, distance, radius, power, narrow, culls, plane }
+        let body = query.outline.and_then(Outline::body).copied();
+        Self { at: query.at.position, axis: cone.axis, sin, cos, distance, radius, power, narrow, culls, plane, body }
     }
 
     /// The cones that those of eight candidates that `which` names hide from the receiver of a query. Where in doubt, something.
@@ -170,6 +174,20 @@ impl LightSphere {
     /// Which spheres meet the light, which are behind it.
     #[inline(always)]
     fn order<S: Simd>(&self, simd: S, to: [f32x8<S>; 3], radius: f32x8<S>) -> (mask32x8<S>, mask32x8<S>) {
+        if let Some(Capsule { ends: [a, b], radius: thick }) = self.body {
+            // Beside the point of the middle line that is next to it, the tube is a sphere.
+            let long = b - a;
+            let from = [to[0] - a.x, to[1] - a.y, to[2] - a.z];
+            let place = (from[0] * long.x + from[1] * long.y + from[2] * long.z) * (1.0 / long.length_squared());
+            let place = place.max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, 1.0));
+            let next = [place * long.x + a.x, place * long.y + a.y, place * long.z + a.z];
+            let [x, y, z] = [to[0] - next[0], to[1] - next[1], to[2] - next[2]];
+            let both = radius + thick;
+            let apart = (x * x + y * y + z * z).simd_ge(both * both);
+            let power = |p: [f32x8<S>; 3], r: f32x8<S>| p[0] * p[0] + p[1] * p[1] + p[2] * p[2] - r * r;
+            let behind = power(to, radius).simd_ge(power(next, f32x8::splat(simd, thick)));
+            return (!apart, apart & behind);
+        }
         if let Some((normal, height)) = self.plane {
             let beyond = to[0] * normal.x + to[1] * normal.y + to[2] * normal.z - height;
             // Where all of the rim that is seen is before the plane, so is all that hides.

@@ -1,7 +1,7 @@
 //! The cone that a sphere blocks, and what of it is in front of a light that the sphere meets.
 
 use glam::Vec3;
-use lobe_core::Cone;
+use lobe_core::{Capsule, Cone};
 use shading::VisibilityQuery;
 use visibility_mask::Mask;
 
@@ -167,13 +167,18 @@ pub(crate) enum Front {
     Sphere(Vec3, f32),
     /// The normal of a plane, and how far that is.
     Plane(Vec3, f32),
+    /// A tube, and how far along an axis its last visible part is.
+    Body(Capsule, Vec3, f32),
 }
 
 impl Front {
     pub(crate) fn new(query: &VisibilityQuery<'_>) -> Self {
         match query.outline {
             None => Self::of_cone(query.cone),
-            Some(light) => Self::Plane(light.axis(), light.depth()),
+            Some(light) => match light.body() {
+                Some(body) => Self::Body(*body, light.axis(), light.depth_to(true)),
+                None => Self::Plane(light.axis(), light.depth()),
+            },
         }
     }
 
@@ -186,6 +191,10 @@ impl Front {
         match self {
             Self::Sphere(center, radius) => order_by_ray(v, sphere, *center, *radius),
             Self::Plane(normal, height) => entry(v, sphere.to, sphere.radius) * normal.dot(v) < *height,
+            Self::Body(body, axis, last) => {
+                let end = body.entry(v).unwrap_or_else(|| last / axis.dot(v).max(f32::MIN_POSITIVE));
+                entry(v, sphere.to, sphere.radius) < end
+            }
         }
     }
 }
