@@ -226,7 +226,7 @@ fn spheres_stay_whole_and_say_so() {
     let told = |warnings: &[String]| warnings.iter().any(|w| w.contains("\"leaf\" stays whole"));
     let warnings = load("sphere = { center = [0, 1, 0], radius = 1 }");
     assert!(told(&warnings), "{warnings:?}");
-    let warnings = load("box = { center = [0, 1, 0], size = 1 }");
+    let warnings = load("box = { center = [0, 1, 0], size = [1, 1, 1] }");
     assert!(!told(&warnings), "{warnings:?}");
 }
 
