@@ -224,58 +224,23 @@ impl Hidden {
     }
 
     fn draw(&self, part: &Part, normal: DVec3, size: f64, side: i32, out: &mut Vec<Chord>) -> bool {
-        // Points at which the outline leaves what is hidden (true) or enters it, in order.
-        let mut events = [(false, Vec3::ZERO); 8];
-        let mut count = 0;
-        let mut add = |leaves: bool, p: Vec3| {
-            events[count] = (leaves, p);
-            count += 1;
-        };
-        let (mut all, mut any) = (true, false);
-        for ([a, b], is_cut) in part.sides() {
-            let mut push = |from, to| {
-                if is_cut {
-                    out.push((from, to, side));
-                }
-            };
-            let inside = self.inside(a, b);
-            all &= inside == Inside::All;
-            any |= is_cut || inside != Inside::Nowhere;
-            match inside {
-                Inside::Nowhere => push(a, b),
-                Inside::First(p) => {
-                    add(true, p);
-                    push(p, b);
-                }
-                Inside::Second(p) => {
-                    push(a, p);
-                    add(false, p);
-                }
-                Inside::Between([p, q]) => {
-                    push(a, p);
-                    add(false, p);
-                    add(true, q);
-                    push(q, b);
-                }
-                Inside::All => {}
-            }
-        }
-        if count == 0 && all {
+        let events = self.sides(part, side, out);
+        let passed = &events.list[..events.count];
+        if passed.is_empty() && events.all {
             return true;
         }
         let face = Face::new(self, part, normal, size);
         let mut arc =
             |from: Vec3, to: Vec3| face.arc(self, [from, to], HALVINGS, &mut |from, to| out.push((to, from, side)));
-        let events = &events[..count];
-        for (k, (leaves, from)) in events.iter().enumerate() {
+        for (k, (leaves, from)) in passed.iter().enumerate() {
             if *leaves {
-                arc(*from, events[(k + 1) % count].1);
+                arc(*from, passed[(k + 1) % passed.len()].1);
             }
         }
-        if count > 0 {
+        if !passed.is_empty() {
             return true;
         }
-        let Some(middle) = face.places().next() else { return any };
+        let Some(middle) = face.places().next() else { return events.any };
         // A hole.
         let u = normal.any_orthonormal_vector();
         let [u, v] = [u, normal.cross(u)];
@@ -286,6 +251,40 @@ impl Hidden {
         true
     }
 
+    /// Finds where the sides of a part pass the surface, and draws what is outside of those that the plane has made.
+    fn sides(&self, part: &Part, side: i32, out: &mut Vec<Chord>) -> Events {
+        let mut events = Events { list: [(false, Vec3::ZERO); 8], count: 0, all: true, any: false };
+        for ([a, b], is_cut) in part.sides() {
+            let mut push = |from, to| {
+                if is_cut {
+                    out.push((from, to, side));
+                }
+            };
+            let inside = self.inside(a, b);
+            events.all &= inside == Inside::All;
+            events.any |= is_cut || inside != Inside::Nowhere;
+            match inside {
+                Inside::Nowhere => push(a, b),
+                Inside::First(p) => {
+                    events.add(true, p);
+                    push(p, b);
+                }
+                Inside::Second(p) => {
+                    push(a, p);
+                    events.add(false, p);
+                }
+                Inside::Between([p, q]) => {
+                    push(a, p);
+                    events.add(false, p);
+                    events.add(true, q);
+                    push(q, b);
+                }
+                Inside::All => {}
+            }
+        }
+        events
+    }
+
     /// Where the surface is from a held point along a direction, at most some way off.
     fn toward(&self, from: DVec3, direction: DVec3, most: f64) -> DVec3 {
         let mut step = (0.1 * self.radius).min(most);
@@ -294,6 +293,21 @@ impl Hidden {
         }
         let outside = from + direction * step.min(most);
         if self.holds(outside) { outside } else { self.surface(from, outside) }
+    }
+}
+
+/// Points at which an outline leaves what is hidden (true) or enters it, in order; whether all of it, or any, is hidden or made by the plane.
+struct Events {
+    list: [(bool, Vec3); 8],
+    count: usize,
+    all: bool,
+    any: bool,
+}
+
+impl Events {
+    fn add(&mut self, leaves: bool, p: Vec3) {
+        self.list[self.count] = (leaves, p);
+        self.count += 1;
     }
 }
 

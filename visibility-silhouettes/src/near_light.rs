@@ -38,7 +38,7 @@ pub(crate) struct NearLight {
     /// Whether triangles reach into the light's sphere, and those that its surface cuts.
     pub(crate) is_clipped: bool,
     pub(crate) cutting: Vec<Triangle>,
-    /// The plane of the last query of a flat light, how many triangles were asked for besides, and those of the others that it may cut.
+    /// The plane of the last query of a flat light, how many triangles a tube may have hidden there, and those of the others that it may cut.
     plane: Option<(Vec3, f64, usize)>,
     /// See [`is_touched`](Self::is_touched).
     is_touched: Option<bool>,
@@ -181,7 +181,7 @@ impl NearLight {
         self.triangles.is_empty()
     }
 
-    /// Whether a triangle is nearer to a tube's middle line than this many radii, seen from a point. Asked once for each light.
+    /// Whether a triangle is nearer to a tube's middle line than this many radii, seen from a point. It is found once for each light.
     pub(crate) fn is_touched(&mut self, tube: &Capsule, origin: Vec3) -> bool {
         *self.is_touched.get_or_insert_with(|| {
             let ends = tube.ends.map(|end| (origin + end).as_dvec3());
