@@ -28,6 +28,8 @@ pub(crate) const TUBE_DEPTH: f32 = 1.0 - core::f32::consts::FRAC_PI_4;
 /// errors of own radiance in rooms where plates, caps, boards, tables and spheres stand before, around and across tubes.
 pub(crate) const TUBE_END: f32 = 1.25;
 pub(crate) const TUBE_OUT: f32 = 0.6;
+/// Parts of a tube farther off than this many times the distance of its nearest point are left out.
+pub(crate) const TUBE_FARTHEST: f32 = 1e4;
 /// Sides of the arcs of both ends.
 pub(crate) const TUBE_STEPS: usize = 12;
 /// The number of the object that the light is inside of, where there is none.
@@ -46,6 +48,7 @@ static PLANES_WGSL: Piece = Piece::new(include_str!("plane_lights.wgsl"))
         TUBE_DEPTH = TUBE_DEPTH,
         TUBE_END = TUBE_END,
         TUBE_OUT = TUBE_OUT,
+        TUBE_FARTHEST = TUBE_FARTHEST,
         TUBE_STEPS = TUBE_STEPS,
         PLANE_OUTSIDE = PLANE_OUTSIDE,
     ])

@@ -50,8 +50,16 @@ fn flat_outline(at: Receiver, middle: vec3f) {
 
 fn tube_outline(at: Receiver) {
     let radius = frame.shape[1].x;
-    let a = frame.shape[2].xyz - at.position;
-    let b = frame.shape[3].xyz - at.position;
+    var a = frame.shape[2].xyz - at.position;
+    var b = frame.shape[3].xyz - at.position;
+    let long = b - a;
+    let nearest = clamp(-dot(a, long) / dot(long, long), 0.0, 1.0);
+    let near = a + long * nearest;
+    let far = TUBE_FARTHEST * sqrt(dot(near, near) / dot(long, long));
+    if (far < 1.0) {
+        b = a + long * min(nearest + far, 1.0);
+        a += long * max(nearest - far, 0.0);
+    }
     let length = distance(a, b);
     let along = (b - a) / length;
     // From the receiver to the foot of its perpendicular on the middle line.

@@ -1,5 +1,5 @@
 use crate::gpu::{
-    PLANE_OUTSIDE, PLANE_TUBE, PLANES, TUBE_BESIDE, TUBE_DEPTH, TUBE_END, TUBE_OUT, TUBE_STEPS, shape_of,
+    PLANE_OUTSIDE, PLANE_TUBE, PLANES, TUBE_BESIDE, TUBE_DEPTH, TUBE_END, TUBE_FARTHEST, TUBE_OUT, TUBE_STEPS, shape_of,
 };
 use crate::{Area, AreaShape, Light, LightError, LightKind};
 use core::f32::consts::PI;
@@ -58,11 +58,24 @@ impl TubeLight {
         Sphere { center, radius: self.radius }
     }
 
+    /// The ends, relative to a receiver: of a tube that is very long for its distance those of the part near the receiver. The rest gives less than a
+    /// hundred-millionth, and would take that part's digits.
+    fn ends_from(&self, x: Vec3) -> [Vec3; 2] {
+        let [a, b] = self.ends.map(|p| p.as_dvec3() - x.as_dvec3());
+        let long = b - a;
+        let nearest = (-a.dot(long) / long.length_squared()).clamp(0.0, 1.0);
+        let reach = f64::from(TUBE_FARTHEST) * (a + long * nearest).length() / long.length();
+        if reach >= 1.0 || reach.is_nan() {
+            return self.ends.map(|p| p - x);
+        }
+        [(nearest - reach).max(0.0), (nearest + reach).min(1.0)].map(|t| (a + long * t).as_vec3())
+    }
+
     /// The outline that a receiver sees: two lines along the tube, which touch it, and between these the arcs of the cones around its ends. None beyond
     /// the ends at most a radius off the middle line, where the nearer end covers the rest.
     #[must_use]
     pub fn outline(&self, at: &Receiver) -> Option<Outline> {
-        let [a, b] = self.ends.map(|p| p - at.position);
+        let [a, b] = self.ends_from(at.position);
         let length = a.distance(b);
         let along = (b - a) / length;
         let places = [a.dot(along), b.dot(along)];

@@ -316,6 +316,26 @@ fn a_tube_looks_as_large_as_it_is() {
     }
 }
 
+/// Before an endless tube the irradiance is `π r L h/d²`.
+#[test]
+fn tubes_may_be_a_million_long() {
+    for length in [1e3, 1e5, 1e6, 1e7] {
+        for [near, far] in [[0.5, 0.5], [0.01, 1.0]] {
+            let ends = [Vec3::new(0.0, 2.0, -near * length), Vec3::new(0.0, 2.0, far * length)];
+            let tube = TubeLight { ends, radius: 0.5, radiance: COLOR };
+            for aside in [0.0_f32, 1.0, 4.0] {
+                let facing = Receiver::on_surface(Vec3::X * aside, Vec3::Y, Vec3::Y);
+                let outline = tube.outline(&facing).expect("beside it");
+                let seen = outline_integral(&facing, Lobe::new(Vec3::Y, 1.0, Vec3::ONE), &outline);
+                let truth = 0.5 * 2.0 / (4.0 + aside * aside);
+                // Where an end is near it gives a little less.
+                let most = if near * length < 11.0 { 0.03 } else { 1e-3 };
+                assert!((seen / truth - 1.0).abs() < most, "{length} {near} {aside}: {seen} {truth}");
+            }
+        }
+    }
+}
+
 /// The integral of the cosine to `axis` over a capsule, summed over 600 × 600 directions within the angle `reach` of that.
 fn capsule_moment(ends: [DVec3; 2], radius: f64, axis: DVec3, reach: f64) -> f64 {
     const CELLS: u32 = 600;

@@ -118,7 +118,7 @@ impl SilhouetteScratch {
         self.arcs.clear();
     }
 
-    /// What is seen in a mask's window.
+    /// The view of a mask's window.
     pub(super) fn view(&self, query: &VisibilityQuery<'_>, mask: &Mask) -> View {
         View::new(*mask.square(), mask.raster(), mask.side(), query, self.body)
     }
