@@ -293,16 +293,17 @@ mod tests {
         }
     }
 
-    /// A sphere that makes a light visible is seen and does not hide it.
+    /// A sphere that makes a light visible is seen, hides what is behind it, and does not hide its own light.
     #[test]
     fn a_lamp_does_not_hide_its_light() {
         let mut scene = floor_and_sphere();
         let light = scene.lights[0].sphere().expect("a sphere");
         let from = light.center - Vec3::Y * (light.radius + 0.1);
-        let hidden = |scene: &Scene| World::new(scene).occluded(from, Vec3::Y, 1.0);
-        assert!(!hidden(&scene));
+        let hidden_up_to = |scene: &Scene, distance: f32| World::new(scene).occluded(from, Vec3::Y, distance);
+        let hidden = |scene: &Scene| hidden_up_to(scene, 0.1001);
+        assert!(!hidden(&scene) && !hidden_up_to(&scene, 1.0));
         scene.objects.push(scene::Object::spheres("lamp", vec![light], 0));
-        assert!(!hidden(&scene) && World::new(&scene).hit(from, Vec3::Y).is_some());
+        assert!(!hidden(&scene) && hidden_up_to(&scene, 1.0) && World::new(&scene).hit(from, Vec3::Y).is_some());
         scene.objects.push(scene::Object::spheres("shade", vec![Sphere { radius: 1.05 * light.radius, ..light }], 0));
         assert!(hidden(&scene));
     }

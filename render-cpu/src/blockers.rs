@@ -31,14 +31,19 @@ mod tests {
         let mut scene = floor_and_sphere();
         let blocking = make(&scene).unwrap().spheres.len();
         scene.objects.push(scene::Object::spheres("lamp", vec![scene.lights[0].sphere().expect("a sphere")], 0));
-        assert_eq!(make(&scene).unwrap().spheres.len(), blocking);
+        let set = make(&scene).unwrap();
+        let light = scene.lights[0].sphere().expect("a sphere");
+        let lamp = set.spheres[blocking];
+        // It hides other lights from inside of its own.
+        assert!(set.spheres.len() == blocking + 1 && lamp.center == light.center && lamp.radius < light.radius);
+        assert!(lamp.radius > 0.99 * light.radius);
         scene.objects.push(scene::Object::spheres(
             "shell",
             vec![Sphere { radius: 2.0, ..scene.lights[0].sphere().expect("a sphere") }],
             0,
         ));
         let set = make(&scene).unwrap();
-        assert_eq!((set.spheres.len(), set.objects.last()), (blocking + 1, Some(&3)));
+        assert_eq!((set.spheres.len(), set.objects.last()), (blocking + 2, Some(&3)));
     }
 
     #[test]
