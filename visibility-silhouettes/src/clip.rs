@@ -48,7 +48,7 @@ impl Front {
     }
 }
 
-/// The part of an edge that is inside a sphere.
+/// The part of an edge that is inside a light, or hidden by it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Inside {
     Nowhere,
@@ -58,6 +58,88 @@ pub(crate) enum Inside {
     Second(Vec3),
     Between([Vec3; 2]),
     All,
+}
+
+impl Inside {
+    /// Of an edge, found by a test that always runs along it the same way: both triangles of the edge get the same bits.
+    pub(crate) fn either_way(a: Vec3, b: Vec3, find: impl FnOnce(Vec3, Vec3) -> Self) -> Self {
+        if b.to_array() < a.to_array() {
+            return match find(b, a) {
+                Self::First(p) => Self::Second(p),
+                Self::Second(p) => Self::First(p),
+                Self::Between([p, q]) => Self::Between([q, p]),
+                same => same,
+            };
+        }
+        find(a, b)
+    }
+
+    /// Calls `push` for the parts of the edge that are outside.
+    pub(crate) fn each_outside(self, a: Vec3, b: Vec3, mut push: impl FnMut(Vec3, Vec3)) {
+        match self {
+            Self::Nowhere => push(a, b),
+            Self::First(p) => push(p, b),
+            Self::Second(p) => push(a, p),
+            Self::Between([p, q]) => {
+                push(a, p);
+                push(q, b);
+            }
+            Self::All => {}
+        }
+    }
+}
+
+/// Points at which a convex outline of up to four sides leaves the inside (true) or enters it, in order, and whether all of it is inside.
+pub(crate) struct Events {
+    list: [(bool, Vec3); 8],
+    count: usize,
+    pub(crate) all: bool,
+}
+
+impl Events {
+    pub(crate) const fn new() -> Self {
+        Self { list: [(false, Vec3::ZERO); 8], count: 0, all: true }
+    }
+
+    /// Those of the next side.
+    pub(crate) fn add(&mut self, inside: Inside) {
+        self.all &= inside == Inside::All;
+        match inside {
+            Inside::First(p) => self.push(true, p),
+            Inside::Second(p) => self.push(false, p),
+            Inside::Between([p, q]) => {
+                self.push(false, p);
+                self.push(true, q);
+            }
+            Inside::Nowhere | Inside::All => {}
+        }
+    }
+
+    fn push(&mut self, leaves: bool, p: Vec3) {
+        self.list[self.count] = (leaves, p);
+        self.count += 1;
+    }
+
+    pub(crate) const fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// From where to where arcs run inside the outline: from each point at which that leaves the inside to the next, at which it enters again.
+    pub(crate) fn arcs(&self) -> impl Iterator<Item = [Vec3; 2]> {
+        let passed = &self.list[..self.count];
+        let next = passed.iter().cycle().skip(1);
+        passed.iter().zip(next).filter(|((leaves, _), _)| *leaves).map(|((_, from), (_, to))| [*from, *to])
+    }
+}
+
+/// Whether a point of a plane is inside of a convex outline that turns about its normal.
+pub(crate) fn is_around(sides: impl IntoIterator<Item = [DVec3; 2]>, p: DVec3, normal: DVec3) -> bool {
+    sides.into_iter().all(|[a, b]| (b - a).cross(p - a).dot(normal) > 0.0)
+}
+
+/// The sides of a triangle.
+pub(crate) const fn sides_of([a, b, c]: [DVec3; 3]) -> [[DVec3; 2]; 3] {
+    [[a, b], [b, c], [c, a]]
 }
 
 impl LightSphere {
@@ -78,16 +160,11 @@ impl LightSphere {
         (along - (self.radius * self.radius - aside).max(0.0).sqrt()) as f32
     }
 
-    /// Both triangles of an edge get the same bits, whichever way they run along it.
     fn inside(&self, a: Vec3, b: Vec3) -> Inside {
-        if b.to_array() < a.to_array() {
-            return match self.inside(b, a) {
-                Inside::First(p) => Inside::Second(p),
-                Inside::Second(p) => Inside::First(p),
-                Inside::Between([p, q]) => Inside::Between([q, p]),
-                same => same,
-            };
-        }
+        Inside::either_way(a, b, |a, b| self.find_inside(a, b))
+    }
+
+    fn find_inside(&self, a: Vec3, b: Vec3) -> Inside {
         let [from, edge] = [a.as_dvec3() - self.center, b.as_dvec3() - a.as_dvec3()];
         let (square, half) = (edge.length_squared(), -from.dot(edge));
         // Solves |from + t·edge| = radius.
@@ -130,9 +207,7 @@ impl LightSphere {
     fn is_within(&self, corners: [Vec3; 3]) -> bool {
         let (normal, off) = self.plane(corners);
         let middle = self.center + normal * off;
-        let [a, b, c] = corners.map(|p| p.as_dvec3());
-        let sides = [(a, b), (b, c), (c, a)];
-        off.abs() < self.radius && sides.iter().all(|(p, q)| (*q - *p).cross(middle - *p).dot(normal) > 0.0)
+        off.abs() < self.radius && is_around(sides_of(corners.map(|p| p.as_dvec3())), middle, normal)
     }
 
     /// The parts of silhouettes outside the sphere.
@@ -160,33 +235,12 @@ impl LightSphere {
         }
         let middle = self.center + normal * off;
         let circle = || Circle::new(middle, normal, rho, front);
-        // Points at which the outline leaves the sphere (true) or enters it, in order.
-        let mut events = [(false, Vec3::ZERO); 6];
-        let mut count = 0;
-        let mut add = |leaves: bool, p: Vec3| {
-            events[count] = (leaves, p);
-            count += 1;
-        };
-        let mut all = true;
+        let mut events = Events::new();
         for k in 0..3 {
-            let inside = self.inside(corners[k], corners[(k + 1) % 3]);
-            all &= inside == Inside::All;
-            match inside {
-                Inside::First(p) => add(true, p),
-                Inside::Second(p) => add(false, p),
-                Inside::Between([p, q]) => {
-                    add(false, p);
-                    add(true, q);
-                }
-                Inside::Nowhere | Inside::All => {}
-            }
+            events.add(self.inside(corners[k], corners[(k + 1) % 3]));
         }
-        if count > 0 {
-            for k in 0..count {
-                let ((leaves, from), (_, to)) = (events[k], events[(k + 1) % count]);
-                if !leaves {
-                    continue;
-                }
+        if !events.is_empty() {
+            for [from, to] in events.arcs() {
                 // Most arcs are one chord, in front of the plane or behind it.
                 let [a, b] = [from, to].map(|p| p.as_dvec3() - middle);
                 let is_short = a.cross(b).dot(normal) > 0.0
@@ -197,7 +251,7 @@ impl LightSphere {
                     _ => circle().draw(front, Some([from, to]), side, out),
                 }
             }
-        } else if !all && self.is_within(corners) {
+        } else if !events.all && self.is_within(corners) {
             circle().draw(front, None, side, out);
         }
     }
@@ -209,22 +263,13 @@ pub(crate) fn keep_outside(silhouettes: &Silhouettes, inside: impl Fn(Vec3, Vec3
     for i in 0..silhouettes.len() {
         let end = |c: usize| Vec3::from_array([c, c + 1, c + 2].map(|c| silhouettes.get(c, i)));
         let (a, b, step) = (end(0), end(3), silhouettes.get(STEP, i));
-        let mut push = |a: Vec3, b: Vec3| {
+        let push = |a: Vec3, b: Vec3| {
             let mut numbers = [step; NUMBERS];
             numbers[..3].copy_from_slice(&a.to_array());
             numbers[3..6].copy_from_slice(&b.to_array());
             Columns::push(out, numbers);
         };
-        match inside(a, b) {
-            Inside::Nowhere => push(a, b),
-            Inside::First(p) => push(p, b),
-            Inside::Second(p) => push(a, p),
-            Inside::Between([p, q]) => {
-                push(a, p);
-                push(q, b);
-            }
-            Inside::All => {}
-        }
+        inside(a, b).each_outside(a, b, push);
     }
 }
 

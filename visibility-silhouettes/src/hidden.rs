@@ -1,6 +1,6 @@
 //! Triangles that reach into a tube of light, or behind it: only what is before the tube blocks.
 
-use crate::clip::{Behind, Chord, Inside, keep_outside};
+use crate::clip::{Behind, Chord, Events, Inside, is_around, keep_outside};
 use crate::select::Silhouettes;
 use glam::{DVec3, Vec3};
 use lobe_core::{Capsule, distance_of_segments};
@@ -73,10 +73,7 @@ impl Part {
 
     /// Whether a point of its plane is inside of it, which turns about `normal`.
     fn holds(&self, p: DVec3, normal: DVec3) -> bool {
-        self.sides().all(|([a, b], _)| {
-            let [a, b] = [a, b].map(|q| q.as_dvec3());
-            (b - a).cross(p - a).dot(normal) > 0.0
-        })
+        is_around(self.sides().map(|(side, _)| side.map(|q| q.as_dvec3())), p, normal)
     }
 }
 
@@ -140,17 +137,11 @@ impl Hidden {
         at(low.0)
     }
 
-    /// As [`LightSphere::inside`](crate::clip::LightSphere).
     fn inside(&self, a: Vec3, b: Vec3) -> Inside {
-        // Both triangles of an edge get the same bits, whichever way they run along it.
-        if b.to_array() < a.to_array() {
-            return match self.inside(b, a) {
-                Inside::First(p) => Inside::Second(p),
-                Inside::Second(p) => Inside::First(p),
-                Inside::Between([p, q]) => Inside::Between([q, p]),
-                same => same,
-            };
-        }
+        Inside::either_way(a, b, |a, b| self.find_inside(a, b))
+    }
+
+    fn find_inside(&self, a: Vec3, b: Vec3) -> Inside {
         let [p, q] = [a, b].map(|p| p.as_dvec3());
         if [p, q].iter().all(|p| self.plane.before_it(*p) > self.deep) {
             return Inside::Nowhere;
@@ -220,69 +211,37 @@ impl Hidden {
             return true;
         }
         let normal = (b - a).cross(c - a).normalize_or_zero();
-        self.draw(&part, normal, 2.0 * reach, side, out)
+        self.draw(&part, normal, 2.0 * reach, side, out) || is_cut
     }
 
+    /// Draws the sides that the plane has made, as far as they are not hidden, and the surface inside of the part. Returns whether any of the part is hidden.
     fn draw(&self, part: &Part, normal: DVec3, size: f64, side: i32, out: &mut Vec<Chord>) -> bool {
-        let events = self.sides(part, side, out);
-        let passed = &events.list[..events.count];
-        if passed.is_empty() && events.all {
+        let mut events = Events::new();
+        for ([a, b], is_cut) in part.sides() {
+            let inside = self.inside(a, b);
+            events.add(inside);
+            if is_cut {
+                inside.each_outside(a, b, |from, to| out.push((from, to, side)));
+            }
+        }
+        if events.is_empty() && events.all {
             return true;
         }
         let face = Face::new(self, part, normal, size);
-        let mut arc =
-            |from: Vec3, to: Vec3| face.arc(self, [from, to], HALVINGS, &mut |from, to| out.push((to, from, side)));
-        for (k, (leaves, from)) in passed.iter().enumerate() {
-            if *leaves {
-                arc(*from, passed[(k + 1) % passed.len()].1);
-            }
-        }
-        if !passed.is_empty() {
+        let mut arc = |ends| face.arc(self, ends, HALVINGS, &mut |from, to| out.push((to, from, side)));
+        events.arcs().for_each(&mut arc);
+        if !events.is_empty() {
             return true;
         }
-        let Some(middle) = face.places().next() else { return events.any };
+        let Some(middle) = face.places().next() else { return false };
         // A hole.
         let u = normal.any_orthonormal_vector();
         let [u, v] = [u, normal.cross(u)];
         let round = [u, v, -u, -v].map(|toward| self.toward(middle, toward, size).as_vec3());
         for k in 0..4 {
-            arc(round[k], round[(k + 1) % 4]);
+            arc([round[k], round[(k + 1) % 4]]);
         }
         true
-    }
-
-    /// Finds where the sides of a part pass the surface, and draws what is outside of those that the plane has made.
-    fn sides(&self, part: &Part, side: i32, out: &mut Vec<Chord>) -> Events {
-        let mut events = Events { list: [(false, Vec3::ZERO); 8], count: 0, all: true, any: false };
-        for ([a, b], is_cut) in part.sides() {
-            let mut push = |from, to| {
-                if is_cut {
-                    out.push((from, to, side));
-                }
-            };
-            let inside = self.inside(a, b);
-            events.all &= inside == Inside::All;
-            events.any |= is_cut || inside != Inside::Nowhere;
-            match inside {
-                Inside::Nowhere => push(a, b),
-                Inside::First(p) => {
-                    events.add(true, p);
-                    push(p, b);
-                }
-                Inside::Second(p) => {
-                    push(a, p);
-                    events.add(false, p);
-                }
-                Inside::Between([p, q]) => {
-                    push(a, p);
-                    events.add(false, p);
-                    events.add(true, q);
-                    push(q, b);
-                }
-                Inside::All => {}
-            }
-        }
-        events
     }
 
     /// Where the surface is from a held point along a direction, at most some way off.
@@ -293,21 +252,6 @@ impl Hidden {
         }
         let outside = from + direction * step.min(most);
         if self.holds(outside) { outside } else { self.surface(from, outside) }
-    }
-}
-
-/// Points at which an outline leaves what is hidden (true) or enters it, in order; whether all of it, or any, is hidden or made by the plane.
-struct Events {
-    list: [(bool, Vec3); 8],
-    count: usize,
-    all: bool,
-    any: bool,
-}
-
-impl Events {
-    fn add(&mut self, leaves: bool, p: Vec3) {
-        self.list[self.count] = (leaves, p);
-        self.count += 1;
     }
 }
 

@@ -1,6 +1,6 @@
 //! Triangles near lights, and those of them that cut a light or are cut by its plane.
 
-use crate::clip::{Behind, LightSphere};
+use crate::clip::{Behind, LightSphere, is_around, sides_of};
 use crate::hidden::Hidden;
 use glam::{DVec3, Vec2, Vec3};
 use lobe_core::{Capsule, Sphere, distance_of_segments, orthonormal_basis};
@@ -113,10 +113,6 @@ impl AroundLight {
         Vec2::new(u.dot(p), v.dot(p))
     }
 
-    fn off_line(&self, p: Vec3) -> f32 {
-        self.across(p).length()
-    }
-
     /// How far a triangle is from that line.
     fn beside(&self, corners: &Triangle) -> f32 {
         let [a, b, c] = corners.map(|p| self.across(p));
@@ -144,13 +140,12 @@ impl AroundLight {
 impl NearLight {
     fn new(shaft: &Shaft, visit: &mut impl FnMut(Sphere, &mut dyn FnMut(Triangle))) -> Self {
         let Shaft { light, extent, .. } = *shaft;
-        let (mut triangles, mut beside) = (Vec::new(), Vec::new());
-        let (mut cutting, mut is_clipped) = (Vec::new(), false);
+        let (mut near, mut cutting, mut is_clipped) = (Vec::new(), Vec::new(), false);
         let around = AroundLight::new(light, &extent);
         if !extent.is_beyond_all {
             visit(around.sphere(), &mut |corners| {
                 if around.may_have(&corners) {
-                    triangles.push(corners);
+                    near.push((around.beside(&corners), corners));
                 }
             });
             visit(light, &mut |corners| {
@@ -159,9 +154,9 @@ impl NearLight {
                     cutting.push(corners);
                 }
             });
-            triangles.sort_by_cached_key(|corners| around.beside(corners).to_bits());
-            beside.extend(triangles.iter().map(|corners| around.beside(corners)));
+            near.sort_by(|(a, _), (b, _)| a.total_cmp(b));
         }
+        let (beside, triangles) = near.into_iter().unzip();
         Self {
             light,
             extent,
@@ -194,8 +189,11 @@ impl NearLight {
     pub(crate) fn cut(&mut self, plane: &Behind, origin: Vec3, tube: Option<&Hidden>) -> [&[Triangle]; 2] {
         let count = tube.map_or(0, |tube| {
             // The tube's middle line is the light's but for rounding, unless the light is one that a receiver made for itself.
-            let off =
-                tube.ends().map(|end| self.around.off_line(origin + end.as_vec3())).into_iter().fold(0.0, f32::max);
+            let off = tube
+                .ends()
+                .map(|end| self.around.across(origin + end.as_vec3()).length())
+                .into_iter()
+                .fold(0.0, f32::max);
             self.beside.partition_point(|beside| *beside < tube.reach() + off)
         });
         let (nearest, others) = self.triangles.split_at(count);
@@ -214,13 +212,13 @@ impl NearLight {
 /// Whether a triangle is nearer to a segment than a distance: at the triangle's sides, across from an end of the segment, or where that goes through it.
 fn is_near(corners: &Triangle, [a, b]: [DVec3; 2], distance: f64) -> bool {
     let [p, q, r] = corners.map(|p| p.as_dvec3());
-    let sides = [(p, q), (q, r), (r, p)];
-    if sides.iter().any(|(p, q)| distance_of_segments([*p, *q], [a, b]).0 < distance) {
+    let sides = sides_of([p, q, r]);
+    if sides.iter().any(|side| distance_of_segments(*side, [a, b]).0 < distance) {
         return true;
     }
     let normal = (q - p).cross(r - p).normalize_or_zero();
     let [of_a, of_b] = [a, b].map(|end| normal.dot(end - p));
-    let holds = |at: DVec3| sides.iter().all(|(p, q)| (*q - *p).cross(at - *p).dot(normal) > 0.0);
+    let holds = |at: DVec3| is_around(sides, at, normal);
     let is_end_near = |end: DVec3, off: f64| off.abs() < distance && holds(end - normal * off);
     is_end_near(a, of_a) || is_end_near(b, of_b) || of_a * of_b < 0.0 && holds(a + (b - a) * (of_a / (of_a - of_b)))
 }

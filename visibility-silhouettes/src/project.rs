@@ -31,18 +31,18 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// With a tube's surface, where that counts.
+    /// Rays end at a tube's surface. Outlines end at its plane, or, where triangles touch it, behind it: they are cut by its surface then.
     pub(crate) fn new(
         square: UnitSquare,
         raster: Raster,
         rows: usize,
         query: &VisibilityQuery<'_>,
-        body: Option<Capsule>,
+        is_touched: bool,
     ) -> Self {
         let (cone, cos) = (query.cone, query.cone.cos());
         let distance = cone.distance;
         // The square of a flat light is in its plane.
-        let far = query.outline.map_or(distance * cos * cos, |outline| outline.depth_to(body.is_some()));
+        let far = query.outline.map_or(distance * cos * cos, |outline| outline.depth_to(is_touched));
         let near = NEAR * if distance.is_finite() { distance } else { 1.0 };
         let left = square.center.x - square.half.x;
         let middle = query.outline.map_or([-left * raster.samples, 0.0], |outline| {
@@ -51,16 +51,8 @@ impl View {
             line_through(ends_of(outline, &square).map(place))
         });
         let far = far.max(near);
-        Self {
-            square,
-            raster,
-            rows,
-            near,
-            far,
-            clip: far,
-            body: query.outline.and_then(Outline::body).copied(),
-            middle,
-        }
+        let body = query.outline.and_then(Outline::body).copied();
+        Self { square, raster, rows, near, far, clip: far, body, middle }
     }
 
     /// The unit direction of a sample, and the distance to the light along it: to its plane, or to a tube's surface.

@@ -120,7 +120,7 @@ impl SilhouetteScratch {
 
     /// The view of a mask's window.
     pub(super) fn view(&self, query: &VisibilityQuery<'_>, mask: &Mask) -> View {
-        View::new(*mask.square(), mask.raster(), mask.side(), query, self.body)
+        View::new(*mask.square(), mask.raster(), mask.side(), query, self.body.is_some())
     }
 
     /// Counts the surfaces before the samples of a mask, but for a number that all of them have. Returns the light if triangles reach into it.
