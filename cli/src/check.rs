@@ -8,7 +8,7 @@ use crate::prices::Prices;
 use cosine_lobes::brdf::{Material, residual, residual_of_cosine_lobes};
 use cosine_lobes::lobe_core::Receiver;
 use cosine_lobes::render_cpu::{BlockersError, SphereSource, read_set};
-use cosine_lobes::renderer::{BAND_RAYS, Plan, known_set};
+use cosine_lobes::renderer::{BAND_RAYS, Backend, Plan, known_set};
 use cosine_lobes::scene::{Animation, Bounds, Object, Proxy, SCHEMA_EXAMPLE, Scene, Shape, Strategy, Surface, Texture};
 use cosine_lobes::sphere_sets::SetQuality;
 use glam::Vec3;
@@ -216,7 +216,7 @@ fn print(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requireme
         say("note       nothing blocks light: a point costs one integral a lobe");
     }
     let megabytes = |bytes: u64| bytes.div_ceil(1_000_000);
-    let maps = match plan.most_map_bytes(scene) {
+    let maps = match plan.most_map_bytes(scene).min(Backend::Cpu.room_for_maps()) {
         0 => String::new(),
         bytes => format!(", and up to {} MB for shadow maps", megabytes(bytes)),
     };

@@ -145,8 +145,9 @@ pub(crate) fn print(args: &RenderArgs, stats: &Value) {
     say(format_args!("{}: {} x {}{exposure}", names.join(", "), stats["width"], stats["height"]));
     let maps = match stats["map_resolutions"].as_array() {
         Some(list) if !list.is_empty() => {
-            let sides: Vec<String> = list.iter().map(|n| format!("{n}²")).collect();
-            format!(", shadow maps {} in {}", sides.join(" "), milliseconds("map_seconds"))
+            let mut sides: Vec<String> = list.iter().map(|n| format!("{n}²")).collect();
+            sides.dedup();
+            format!(", {} shadow maps of {} in {}", list.len(), sides.join(" "), milliseconds("map_seconds"))
         }
         _ => String::new(),
     };

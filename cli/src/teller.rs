@@ -88,7 +88,7 @@ impl Teller {
             Event::MapsReduced(MapReduction { wanted, needed, room, drawn }) => {
                 let (needed, room) = (needed.div_ceil(1_000_000), room / 1_000_000);
                 note(format_args!(
-                    "lobes: note: shadow maps of {wanted}² texels take {needed} MB, the GPU has room for {room} MB: drawn with \
+                    "lobes: note: shadow maps of {wanted}² texels take {needed} MB, there is room for {room} MB: drawn with \
                      {drawn}², so penumbrae are less exact"
                 ));
             }

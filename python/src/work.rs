@@ -48,7 +48,7 @@ impl Reporter {
                 warn(format!("light {light}: {advice}"));
             }
             Event::MapsReduced(reduced) => {
-                warn(format!("the device has room for shadow maps of {}² texels only", reduced.drawn));
+                warn(format!("there is room for shadow maps of {}² texels only", reduced.drawn));
             }
             Event::Chosen { accuracy, milliseconds, is_within: false } => warn(format!(
                 "time budget: no setting is faster than tolerance {} %, about {milliseconds:.1} ms a frame",

@@ -21,6 +21,9 @@ use {
     visibility_spheres::SphereBlockers,
 };
 
+/// Bytes of the shadow maps of all lights on a CPU.
+const MAPS: u64 = 1 << 30;
+
 /// The device that shades the frames of a [`Renderer`](crate::Renderer).
 #[derive(Debug)]
 pub enum Backend {
@@ -80,11 +83,11 @@ impl Backend {
         }
     }
 
-    /// The most bytes of shadow maps that the device can use.
+    /// The most bytes of shadow maps of all lights: a gigabyte, or what the device can use.
     #[must_use]
     pub fn room_for_maps(&self) -> u64 {
         match self {
-            Self::Cpu => u64::MAX,
+            Self::Cpu => MAPS,
             #[cfg(feature = "gpu")]
             Self::Gpu(gpu) => gpu.shader.gpu().room_for_pages(),
         }

@@ -23,6 +23,19 @@ pub enum RenderError {
     /// A shadow map could not be drawn.
     #[error(transparent)]
     Map(#[from] MapError),
+    /// The shadow maps of all lights do not fit.
+    #[error(
+        "shadow maps of {resolution}² texels for {lights} lights take more than the {} MB that there is room for: silhouettes need none",
+        .room / 1_000_000
+    )]
+    MapRoom {
+        /// Texels a side of the finest map.
+        resolution: u32,
+        /// Number of lights.
+        lights: usize,
+        /// Bytes that there is room for.
+        room: u64,
+    },
     /// The picture does not fit into memory.
     #[error(transparent)]
     Memory(#[from] TryReserveError),

@@ -44,7 +44,7 @@ pub enum Event<'a> {
         /// The fraction that is done, in [0, 1].
         done: f32,
     },
-    /// The device has no room for shadow maps as fine as the lights need.
+    /// There is no room for shadow maps as fine as the lights need.
     MapsReduced(MapReduction),
     /// How well the shadow map of a light suits the receivers.
     Map {

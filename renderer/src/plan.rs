@@ -3,6 +3,7 @@ use crate::backdrops::Backdrops;
 use glam::Vec3;
 use lighting::Light;
 use lobe_core::Sphere;
+use core::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 use render_cpu::{Looks, Revision, SceneSilhouettes, SphereSource};
 use scene::{Bounds, Cancel, Object, Proxy, Scene, Shape, Strategy};
@@ -148,10 +149,11 @@ impl Plan {
     }
 
     /// Draws a shadow map for each light, for receivers in `bounds`. The resolution is `resolution`, or else as each light needs,
-    /// as far as the maps fit `room` bytes of the device. Returns the reduction too if they had to be made coarser.
+    /// as far as the maps fit `room` bytes. Returns the reduction too if they had to be made coarser. More than `room` is never kept,
+    /// beside a map for each thread.
     ///
     /// # Errors
-    /// [`RenderError::Map`].
+    /// [`RenderError::Map`]; [`RenderError::MapRoom`] where a requested resolution, or the coarsest one, does not fit.
     pub fn maps(
         &self,
         scene: &Scene,
@@ -160,6 +162,19 @@ impl Plan {
         room: u64,
     ) -> Result<(Vec<ShadowMap>, Option<MapReduction>), RenderError> {
         self.maps_beside(scene, receivers, resolution, room, &|_| Ok(None))
+    }
+
+    /// The corners and triangles of all casters.
+    fn cast_triangles(&self, scene: &Scene) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+        for (object, is_caster) in scene.objects.iter().zip(self.casters(scene)) {
+            if let (Shape::Mesh(mesh), true) = (&object.shape, is_caster) {
+                let first = positions.len() as u32;
+                positions.extend_from_slice(&mesh.positions);
+                triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));
+            }
+        }
+        (positions, triangles)
     }
 
     /// The same, but `known` may return the existing map of a light; its error ends the work.
@@ -171,42 +186,41 @@ impl Plan {
         room: u64,
         known: &(dyn Fn(&Sphere) -> Result<Option<ShadowMap>, RenderError> + Sync),
     ) -> Result<(Vec<ShadowMap>, Option<MapReduction>), RenderError> {
-        let (mut positions, mut triangles) = (Vec::<Vec3>::new(), Vec::<[u32; 3]>::new());
-        for (object, is_caster) in scene.objects.iter().zip(self.casters(scene)) {
-            if let (Shape::Mesh(mesh), true) = (&object.shape, is_caster) {
-                let first = positions.len() as u32;
-                positions.extend_from_slice(&mesh.positions);
-                triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));
-            }
-        }
+        let (positions, triangles) = self.cast_triangles(scene);
         let options = MapOptions { receivers: Some(receivers), ..MapOptions::default() };
-        let draw = |finest: u32| -> Result<Vec<ShadowMap>, RenderError> {
-            let map = |light| -> Result<ShadowMap, RenderError> {
-                let options = MapOptions { resolution: resolution.unwrap_or(finest), ..options };
-                let draw = if resolution.is_some() { ShadowMap::build } else { ShadowMap::fitted };
-                match known(&light)?.filter(|_| finest == FITTED) {
-                    Some(map) => Ok(map),
-                    None => Ok(draw(&positions, &triangles, light, &options)?),
-                }
-            };
-            scene.lights.par_iter().map(|light| map(map_sphere(light))).collect()
-        };
-        let mut maps = draw(FITTED)?;
         // The lists of casting objects and of lights with maps come first.
-        let bytes = |maps: &[ShadowMap]| {
-            let before = PackedMaps::bytes_before_maps(self.objects.len(), scene.lights.len());
-            maps.iter().map(ShadowMap::packed_bytes).sum::<u64>() + before
+        let before = PackedMaps::bytes_before_maps(self.objects.len(), scene.lights.len());
+        // The maps, if they fit, the bytes that all of them take, and the finest resolution.
+        let draw = |finest: u32| -> Result<(Option<Vec<ShadowMap>>, u64, u32), RenderError> {
+            let taken = AtomicU64::new(before);
+            let map = |light| -> Result<(Option<ShadowMap>, u32), RenderError> {
+                let options = MapOptions { resolution: resolution.unwrap_or(finest), ..options };
+                if resolution.is_some() && taken.load(Ordering::Relaxed) > room {
+                    return Ok((None, options.resolution));
+                }
+                let draw = if resolution.is_some() { ShadowMap::build } else { ShadowMap::fitted };
+                let map = match known(&light)?.filter(|_| finest == FITTED) {
+                    Some(map) => map,
+                    None => draw(&positions, &triangles, light, &options)?,
+                };
+                let (bytes, resolution) = (map.packed_bytes(), map.resolution());
+                let fits = taken.fetch_add(bytes, Ordering::Relaxed) + bytes <= room;
+                Ok((fits.then_some(map), resolution))
+            };
+            let drawn: Vec<_> = scene.lights.par_iter().map(|light| map(map_sphere(light))).collect::<Result<_, _>>()?;
+            let finest = drawn.iter().map(|(_, resolution)| *resolution).max().unwrap_or(0);
+            let maps = drawn.into_iter().map(|(map, _)| map).collect::<Option<Vec<_>>>();
+            Ok((maps, taken.into_inner(), finest))
         };
-        let finest = |maps: &[ShadowMap]| maps.iter().map(ShadowMap::resolution).max().unwrap_or(0);
-        let (wanted, needed) = (finest(&maps), bytes(&maps));
-        let mut most = wanted;
-        // A requested resolution is not reduced: the device refuses it.
-        while resolution.is_none() && bytes(&maps) > room && most > MapOptions::MIN_RESOLUTION {
-            let share = (room as f64 / bytes(&maps) as f64).sqrt().min(0.95);
+        let (mut maps, needed, wanted) = draw(FITTED)?;
+        let (mut bytes, mut most, mut drawn) = (needed, wanted, wanted);
+        while resolution.is_none() && bytes > room && most > MapOptions::MIN_RESOLUTION {
+            let share = (room as f64 / bytes as f64).sqrt().min(0.95);
             most = ((f64::from(most) * share) as u32).max(MapOptions::MIN_RESOLUTION);
-            maps = draw(most)?;
+            (maps, bytes, drawn) = draw(most)?;
         }
-        let coarser = (most < wanted).then(|| MapReduction { wanted, needed, room, drawn: finest(&maps) });
+        let maps = maps.ok_or(RenderError::MapRoom { resolution: drawn, lights: scene.lights.len(), room })?;
+        let coarser = (most < wanted).then_some(MapReduction { wanted, needed, room, drawn });
         Ok((maps, coarser))
     }
 }
@@ -216,14 +230,14 @@ pub(crate) fn map_sphere(light: &Light) -> Sphere {
     light.sphere().unwrap_or_else(|| light.bounds())
 }
 
-/// Shadow maps whose resolution was reduced, since the device has no room for the resolution that the lights need.
+/// Shadow maps whose resolution was reduced, since there is no room for the resolution that the lights need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MapReduction {
     /// Texels a side of the finest map that was needed.
     pub wanted: u32,
     /// Bytes that those maps take.
     pub needed: u64,
-    /// Bytes of the device.
+    /// Bytes that there is room for.
     pub room: u64,
     /// Texels a side of the finest map that was drawn.
     pub drawn: u32,
@@ -249,7 +263,11 @@ mod tests {
             let finest = maps.iter().map(ShadowMap::resolution).max().expect("maps");
             assert!(said.is_some_and(|said| said.drawn == finest && said.room == room), "{said:?}");
         }
-        let (asked, said) = draw(Some(512), 1000);
-        assert!(bytes(&asked) > 1000 && said.is_none() && asked.iter().all(|map| map.resolution() == 512));
+        let (asked, said) = draw(Some(512), bytes(&wanted));
+        assert!(said.is_none() && asked.iter().all(|map| map.resolution() == 512));
+        for (resolution, room) in [(Some(512), 1000), (None, 10)] {
+            let refused = plan.maps(&scene, receivers, resolution, room);
+            assert!(matches!(refused, Err(RenderError::MapRoom { .. })), "{refused:?}");
+        }
     }
 }
