@@ -1,9 +1,9 @@
 use crate::RenderError;
 use crate::backdrops::Backdrops;
+use core::sync::atomic::{AtomicU64, Ordering};
 use glam::Vec3;
 use lighting::Light;
 use lobe_core::Sphere;
-use core::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 use render_cpu::{Looks, Revision, SceneSilhouettes, SphereSource};
 use scene::{Bounds, Cancel, Object, Proxy, Scene, Shape, Strategy};
@@ -207,7 +207,8 @@ impl Plan {
                 let fits = taken.fetch_add(bytes, Ordering::Relaxed) + bytes <= room;
                 Ok((fits.then_some(map), resolution))
             };
-            let drawn: Vec<_> = scene.lights.par_iter().map(|light| map(map_sphere(light))).collect::<Result<_, _>>()?;
+            let drawn: Vec<_> =
+                scene.lights.par_iter().map(|light| map(map_sphere(light))).collect::<Result<_, _>>()?;
             let finest = drawn.iter().map(|(_, resolution)| *resolution).max().unwrap_or(0);
             let maps = drawn.into_iter().map(|(map, _)| map).collect::<Option<Vec<_>>>();
             Ok((maps, taken.into_inner(), finest))

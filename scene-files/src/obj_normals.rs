@@ -1,8 +1,10 @@
 //! The normals of OBJ corners that name none: smooth within a smoothing group, the face's own outside of all.
 
 use crate::obj::{Corner, Face};
+use foldhash::fast::RandomState;
 use glam::{DVec3, Vec3};
-use scene::normals::{angle_at, is_usable};
+use rayon::prelude::*;
+use scene::normals::{angle_at, faces_against, is_usable, same_places};
 use std::collections::{HashMap, HashSet};
 
 /// The smoothing group that the words after `s` name; 0 for none.
@@ -19,7 +21,7 @@ pub(crate) fn smoothing_group<'w>(mut words: impl Iterator<Item = &'w str>) -> u
 /// returns how many these are. Where no face has a normal or a smoothing group, all stay without.
 ///
 /// The normal of a place in a group is the mean of the normals of all faces of the group there, weighted by their angles, whatever
-/// their materials.
+/// their materials. Faces that wind against the most of those around them are turned round.
 pub(crate) fn complete(lists: &mut [Vec<Face>], positions: &[Vec3], normals: &mut Vec<Vec3>) -> usize {
     let mut broken = 0;
     for corner in lists.iter_mut().flatten().flat_map(|face| &mut face.corners) {
@@ -29,23 +31,26 @@ pub(crate) fn complete(lists: &mut [Vec<Face>], positions: &[Vec3], normals: &mu
         }
     }
     let says_nothing = |face: &Face| face.group == 0 && face.corners.iter().all(|c| c.1.is_none());
-    if lists.iter().flatten().all(says_nothing) {
+    let has_all = |face: &Face| face.corners.iter().all(|c| c.1.is_some());
+    if lists.iter().flatten().all(says_nothing) || lists.iter().flatten().all(has_all) {
         return broken;
     }
-    let smooth = group_normals(lists, positions);
-    // Of a vertex in a group.
-    let mut numbers: HashMap<(u32, u32), u32> = HashMap::new();
+    let places = same_places(positions);
+    align_windings(lists, &places);
+    let smooth = Smooth::of(lists, positions, &places);
+    let first = normals.len() as u32;
+    normals.extend(&smooth.normals);
     for face in lists.iter_mut().flatten() {
         let own = own_normal(&face.corners, positions);
         let mut flat = None;
         for corner in face.corners.iter_mut().filter(|corner| corner.1.is_none()) {
-            let mut add = |normal: DVec3| {
-                normals.push(normal.as_vec3());
-                normals.len() as u32 - 1
-            };
-            corner.1 = Some(match smooth.get(&(place(corner, positions), face.group)) {
-                Some(normal) => *numbers.entry((corner.0, face.group)).or_insert_with(|| add(*normal)),
-                None => *flat.get_or_insert_with(|| add(own)),
+            let fan = smooth.fans.get(&(places[corner.0 as usize], face.group)).map(|fan| first + fan);
+            corner.1 = fan.or_else(|| {
+                flat = flat.or_else(|| {
+                    normals.push(own.as_vec3());
+                    Some(normals.len() as u32 - 1)
+                });
+                flat
             });
         }
     }
@@ -62,10 +67,14 @@ fn own_normal(corners: &[Corner; 3], positions: &[Vec3]) -> DVec3 {
     (b - a).cross(c - a).normalize_or(DVec3::Y)
 }
 
-/// The same for corners in one place, whatever their numbers.
-fn place(corner: &Corner, positions: &[Vec3]) -> [u32; 3] {
-    // −0 and 0 are the same place.
-    (positions[corner.0 as usize] + 0.0).to_array().map(f32::to_bits)
+/// Turns the faces round that wind against the most of those around them.
+fn align_windings(lists: &mut [Vec<Face>], places: &[u32]) {
+    let by_place = |face: &Face| face.corners.map(|corner| places[corner.0 as usize]);
+    let triangles: Vec<[u32; 3]> = lists.iter().flatten().map(by_place).collect();
+    let against = faces_against(&triangles);
+    for (face, _) in lists.iter_mut().flatten().zip(against.iter().flatten()).filter(|(_, against)| **against) {
+        face.corners.swap(1, 2);
+    }
 }
 
 /// Faces of a group in one place: the sum of their normals by angle, and the normals of the first ones.
@@ -90,6 +99,11 @@ impl Fan {
         }
     }
 
+    fn clear(&mut self) {
+        self.sum = DVec3::ZERO;
+        self.some.clear();
+    }
+
     fn mean(&self) -> DVec3 {
         // Below 1e-6 the sum is the rounding error of normals that cancel.
         let some = self.some.first().copied().unwrap_or(DVec3::Y);
@@ -97,24 +111,61 @@ impl Fan {
     }
 }
 
-/// By place and group: no group 0.
-fn group_normals(lists: &[Vec<Face>], positions: &[Vec3]) -> HashMap<([u32; 3], u32), DVec3> {
-    let mut fans: HashMap<([u32; 3], u32), Fan> = HashMap::new();
-    // A face that is there twice counts once.
-    let mut seen = HashSet::new();
-    for face in lists.iter().flatten().filter(|face| face.group > 0) {
-        let places = face.corners.map(|corner| place(&corner, positions));
-        let mut key = places;
-        key.sort_unstable();
-        let corners = corners_of(&face.corners, positions);
-        let normal = own_normal(&face.corners, positions);
-        let has_area = (corners[1] - corners[0]).cross(corners[2] - corners[0]).length() > 1e-36;
-        if !has_area || !seen.insert((key, face.group)) {
-            continue;
+/// The smooth normals of groups.
+struct Smooth {
+    /// By place and group, no group 0: a number of a normal.
+    fans: HashMap<(u32, u32), u32, RandomState>,
+    normals: Vec<Vec3>,
+}
+
+impl Smooth {
+    fn of(lists: &[Vec<Face>], positions: &[Vec3], places: &[u32]) -> Self {
+        let mut fans: HashMap<(u32, u32), u32, RandomState> = HashMap::default();
+        // Of each fan the number of its faces.
+        let mut counts: Vec<u32> = Vec::new();
+        let mut faces: Vec<(&Face, [u32; 3])> = Vec::new();
+        // A face that is there twice counts once.
+        let mut seen: HashSet<([u32; 3], u32), RandomState> = HashSet::default();
+        for face in lists.iter().flatten().filter(|face| face.group > 0) {
+            let at = face.corners.map(|corner| places[corner.0 as usize]);
+            let mut key = at;
+            key.sort_unstable();
+            let [a, b, c] = corners_of(&face.corners, positions);
+            if (b - a).cross(c - a).length() <= 1e-36 || !seen.insert((key, face.group)) {
+                continue;
+            }
+            let own = at.map(|place| {
+                let fan = *fans.entry((place, face.group)).or_insert(counts.len() as u32);
+                if fan as usize == counts.len() {
+                    counts.push(0);
+                }
+                counts[fan as usize] += 1;
+                fan
+            });
+            faces.push((face, own));
         }
-        for (k, place) in places.into_iter().enumerate() {
-            fans.entry((place, face.group)).or_default().add(normal, angle_at(k, &corners));
+        let mut firsts = vec![0; counts.len() + 1];
+        for (fan, count) in counts.iter().enumerate() {
+            firsts[fan + 1] = firsts[fan] + count;
         }
+        let (mut next, mut members) = (firsts.clone(), vec![0_u32; 3 * faces.len()]);
+        for (number, (_, fans)) in faces.iter().enumerate() {
+            for &fan in fans {
+                members[next[fan as usize] as usize] = number as u32;
+                next[fan as usize] += 1;
+            }
+        }
+        let normal = |all: &mut Fan, fan: usize| {
+            all.clear();
+            for &number in &members[firsts[fan] as usize..firsts[fan + 1] as usize] {
+                let (face, fans) = faces[number as usize];
+                let corners = corners_of(&face.corners, positions);
+                let k = fans.iter().position(|other| *other as usize == fan).unwrap_or(0);
+                all.add(own_normal(&face.corners, positions), angle_at(k, &corners));
+            }
+            all.mean().as_vec3()
+        };
+        let normals = (0..counts.len()).into_par_iter().map_init(Fan::default, normal).collect();
+        Self { fans, normals }
     }
-    fans.into_iter().map(|(at, fan)| (at, fan.mean())).collect()
 }

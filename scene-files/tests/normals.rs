@@ -150,6 +150,32 @@ fn files_without_normals_mean_what_their_formats_say() {
     assert!(is_round(tilts) && warnings.len() == 1 && warnings[0].contains("edges included"), "{tilts:?} {warnings:?}");
 }
 
+/// The corners of a face in the other direction.
+fn back(face: &str) -> String {
+    face.split(' ').rev().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn faces_that_wind_against_others_are_smooth() {
+    let folder = TempDir::new().unwrap();
+    for turned in 0_u32..64 {
+        let is_turned = |k: usize| turned >> k & 1 == 1;
+        let face = |k: usize, f: String| if is_turned(k) { back(&f) } else { f };
+        let group = obj("s 1\n", |k, f| format!("f {}\n", face(k, f)));
+        let all = obj("", |k, f| format!("f {}\n", face(k, f)));
+        for (text, normals) in [(group, Normals::File), (all, Normals::SMOOTH)] {
+            let (scene, _) = load(folder.path(), "c.obj", &text, normals);
+            let mesh = meshes(&scene)[0];
+            let sides: Vec<f32> =
+                mesh.positions.iter().zip(&mesh.normals).map(|(p, n)| p.normalize().dot(*n)).collect();
+            assert!(sides.iter().all(|side| side * sides[0] > 0.999), "{turned:b}: {sides:?}");
+            // The most of the faces say which side is the front.
+            let front = turned.count_ones().cast_signed() - 3;
+            assert!(front == 0 || (front < 0) == (sides[0] > 0.0), "{turned:b}: {sides:?}");
+        }
+    }
+}
+
 /// −x and +x in one group share no edge; −y and +y, −z and +z are flat or another group.
 #[test]
 fn groups_end_where_they_end() {
@@ -164,7 +190,6 @@ fn groups_end_where_they_end() {
     // A group goes on over materials, and a face that is there twice counts once.
     let materials = read(&obj("", |k, f| format!("usemtl m{k}\ns 1\nf {f}\n")));
     assert!(is_round(materials), "{materials:?}");
-    let back = |f: &str| f.split(' ').rev().map(str::to_owned).collect::<Vec<_>>().join(" ");
     let twice = read(&obj("s 1\n", |_, f| format!("f {f}\nf {}\n", back(&f))));
     assert!(is_round(twice), "{twice:?}");
     // A group holds until the next `s`, over objects.

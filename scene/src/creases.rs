@@ -1,46 +1,10 @@
 //! Smooth normals that stop at creases.
 
 use crate::Mesh;
+use crate::joined::Joined;
+use crate::normals::same_places;
 use glam::DVec3;
 use std::collections::HashMap;
-
-/// Corners of triangles that are joined, each with a side: a forest with the parent of each corner.
-struct Joined {
-    parents: Vec<u32>,
-    /// Whether a corner's face is turned against its parent's.
-    turned: Vec<bool>,
-}
-
-impl Joined {
-    fn new(count: usize) -> Self {
-        Self { parents: (0..count as u32).collect(), turned: vec![false; count] }
-    }
-
-    /// The root of a corner, and whether the corner is turned against it.
-    fn root(&mut self, corner: u32) -> (u32, bool) {
-        let (mut at, mut turned) = (corner, false);
-        while self.parents[at as usize] != at {
-            turned ^= self.turned[at as usize];
-            at = self.parents[at as usize];
-        }
-        let (root, all) = (at, turned);
-        let (mut at, mut turned) = (corner, all);
-        while self.parents[at as usize] != root && at != root {
-            let next = (self.parents[at as usize], turned ^ self.turned[at as usize]);
-            (self.parents[at as usize], self.turned[at as usize]) = (root, turned);
-            (at, turned) = next;
-        }
-        (root, all)
-    }
-
-    fn join(&mut self, a: u32, b: u32, turned: bool) {
-        let ((a, a_turned), (b, b_turned)) = (self.root(a), self.root(b));
-        if a != b {
-            self.parents[b as usize] = a;
-            self.turned[b as usize] = a_turned ^ b_turned ^ turned;
-        }
-    }
-}
 
 /// An edge of a triangle: its number there, and whether it runs from the larger place to the smaller.
 struct Side {
@@ -98,7 +62,7 @@ pub(crate) fn picked<T: Copy>(values: &[T], sources: &[u32]) -> Vec<T> {
 
 /// For each corner, triangle by triangle, the corner that stands for all that share its normal, and whether it has the opposite one.
 fn joined_corners(mesh: &Mesh, cos: f64) -> Vec<(u32, bool)> {
-    let places = mesh.same_places();
+    let places = same_places(&mesh.positions);
     let normals: Vec<DVec3> = mesh.triangles.iter().map(|&t| mesh.face_cross(t).normalize_or_zero()).collect();
     let mut edges: HashMap<[u32; 2], Vec<Side>> = HashMap::with_capacity(mesh.triangles.len() * 3 / 2);
     for (triangle, t) in mesh.triangles.iter().enumerate() {
@@ -185,7 +149,7 @@ mod tests {
         let cube = |shared: bool| {
             let mut mesh = Mesh::cuboid(Vec3::ZERO, Vec3::ONE);
             if shared {
-                let places = mesh.same_places();
+                let places = same_places(&mesh.positions);
                 let of = |place: u32| places.iter().position(|p| *p == place).unwrap();
                 mesh.positions = (0..8).map(|place| mesh.positions[of(place)]).collect();
                 mesh.triangles.iter_mut().flatten().for_each(|i| *i = places[*i as usize]);

@@ -3,6 +3,7 @@
 use crate::Mesh;
 use crate::creases::{Split, picked};
 use crate::mesh::MAX_COORDINATE;
+use crate::normals::same_places;
 use glam::{Mat3, Mat4, Vec3};
 use lobe_core::Sphere;
 
@@ -54,7 +55,7 @@ impl Deformer {
             bind.smooth_normals();
             self.normals = bind.normals;
         } else {
-            self.smooth = Some(bind.same_places().into_iter().map(|place| (place, false)).collect());
+            self.smooth = Some(same_places(&bind.positions).into_iter().map(|place| (place, false)).collect());
         }
     }
 

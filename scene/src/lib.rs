@@ -41,6 +41,7 @@ mod deformer;
 mod duplicates;
 mod error;
 mod instances;
+mod joined;
 mod mesh;
 #[cfg(test)]
 mod mesh_tests;
@@ -59,6 +60,7 @@ mod texture_level;
 #[cfg(test)]
 mod texture_tests;
 mod track;
+mod windings;
 
 pub use crate::animation::{Animation, Pose, Rig};
 pub use crate::animation_edits::{KeyFrame, KeyFrames};

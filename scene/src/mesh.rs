@@ -1,9 +1,8 @@
-use crate::normals::{angle_at, is_usable};
+use crate::normals::{angle_at, is_usable, same_places};
 use crate::{Bounds, SceneError};
 use foldhash::fast::RandomState;
 use glam::{DVec3, Mat3, Mat4, Vec2, Vec3};
 use std::collections::HashSet;
-use std::hash::BuildHasher;
 
 /// Triangles in world space.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -135,7 +134,7 @@ impl Mesh {
     /// When a triangle refers to a vertex that does not exist.
     pub fn remove_doubles(&mut self, moves: bool) -> usize {
         let before = self.triangles.len();
-        let places = if moves { Vec::new() } else { self.same_places() };
+        let places = if moves { Vec::new() } else { same_places(&self.positions) };
         let sorted = |t: &[u32; 3]| {
             let mut key = if moves { *t } else { t.map(|i| places[i as usize]) };
             key.sort_unstable();
@@ -150,15 +149,17 @@ impl Mesh {
     }
 
     /// Replaces the normals by smooth ones: at each position the mean of the adjoining faces' normals, weighted by their
-    /// angles there. Vertices with the same position (texture seams) get the same normal.
+    /// angles there. Vertices with the same position (texture seams) get the same normal. Triangles that wind against the most of
+    /// those around them are turned round first.
     ///
     /// A vertex whose normals cancel, or that no triangle uses, gets the normal of one of its faces, or +y.
     ///
     /// # Panics
     /// When a triangle refers to a vertex that does not exist.
     pub fn smooth_normals(&mut self) {
-        let groups = self.same_places();
-        self.smooth_normals_in(&groups);
+        let places = same_places(&self.positions);
+        self.align_windings(&places);
+        self.smooth_normals_in(&places);
     }
 
     /// As [`smooth_normals`](Self::smooth_normals), but not across edges where faces meet at more than `crease` degrees: vertices on
@@ -180,30 +181,6 @@ impl Mesh {
             let groups = self.split_at_creases(crease).groups;
             self.smooth_normals_of(&groups);
         }
-    }
-
-    /// For each vertex the number of its place: the same for vertices with the same position.
-    pub(crate) fn same_places(&self) -> Vec<u32> {
-        // Places by the hashes of their positions, plus one; small, since it is read at random.
-        let mut table = vec![0_u32; (2 * self.positions.len()).next_power_of_two()];
-        let (last, hasher) = (table.len() - 1, RandomState::default());
-        // −0 and 0 are the same place.
-        let bits = |p: Vec3| (p + 0.0).to_array().map(f32::to_bits);
-        let mut places: Vec<Vec3> = Vec::new();
-        let number = |p: &Vec3| {
-            let own = bits(*p);
-            let mut slot = hasher.hash_one(own) as usize & last;
-            while let Some(place) = table[slot].checked_sub(1) {
-                if bits(places[place as usize]) == own {
-                    return place;
-                }
-                slot = (slot + 1) & last;
-            }
-            places.push(*p);
-            table[slot] = places.len() as u32;
-            places.len() as u32 - 1
-        };
-        self.positions.iter().map(number).collect()
     }
 
     /// Smooth normals, shared by the vertices of a group: numbers from 0, each less than the number of vertices.

@@ -1,0 +1,150 @@
+//! Faces that wind against those beside them.
+
+use crate::Mesh;
+use crate::joined::Joined;
+
+/// A triangle at an edge: the edge's larger place, the triangle, and whether the edge runs there from its larger place to its smaller.
+type Side = (u32, u32, bool);
+
+/// The sides of all edges, by the smaller place of each: those of place p are from `firsts[p]` to `firsts[p + 1]`, in order.
+struct Edges {
+    firsts: Vec<u32>,
+    sides: Vec<Side>,
+}
+
+impl Edges {
+    fn of(triangles: &[[u32; 3]]) -> Self {
+        let edges = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+        let places = triangles.iter().flatten().max().map_or(0, |last| *last as usize + 1);
+        let mut firsts = vec![0; places + 1];
+        for [a, b] in triangles.iter().flat_map(edges) {
+            firsts[a.min(b) as usize + 1] += 1;
+        }
+        for place in 0..places {
+            firsts[place + 1] += firsts[place];
+        }
+        let (mut next, mut sides) = (firsts.clone(), vec![(0, 0, false); 3 * triangles.len()]);
+        for (face, t) in triangles.iter().enumerate() {
+            for [a, b] in edges(t) {
+                let slot = &mut next[a.min(b) as usize];
+                sides[*slot as usize] = (a.max(b), face as u32, a > b);
+                *slot += 1;
+            }
+        }
+        for at in firsts.windows(2) {
+            sides[at[0] as usize..at[1] as usize].sort_unstable();
+        }
+        Self { firsts, sides }
+    }
+
+    /// The pairs of triangles that are alone at an edge, and whether they wind against each other there. A triangle that is there twice
+    /// makes no pair.
+    fn pairs<'e>(&'e self, triangles: &'e [[u32; 3]]) -> impl Iterator<Item = (u32, u32, bool)> + 'e {
+        let sorted = |face: u32| {
+            let mut places = triangles[face as usize];
+            places.sort_unstable();
+            places
+        };
+        let all = self.firsts.windows(2).map(|at| &self.sides[at[0] as usize..at[1] as usize]);
+        all.flat_map(|sides| sides.chunk_by(|a, b| a.0 == b.0)).filter_map(move |edge| match *edge {
+            [(_, one, back), (_, other, other_back)] if sorted(one) != sorted(other) => {
+                Some((one, other, back == other_back))
+            }
+            _ => None,
+        })
+    }
+}
+
+/// Which triangles wind against the most of those that edges connect them with, directly or through others; `None` where all agree.
+/// Edges of more than two triangles connect none, nor do repeated triangles. `triangles` are corners by place: the same number where
+/// positions are the same.
+///
+/// Linear in the triangles.
+#[must_use]
+pub fn faces_against(triangles: &[[u32; 3]]) -> Option<Vec<bool>> {
+    let edges = Edges::of(triangles);
+    if !edges.pairs(triangles).any(|(.., disagree)| disagree) {
+        return None;
+    }
+    let mut joined = Joined::new(triangles.len());
+    for (one, other, disagree) in edges.pairs(triangles) {
+        joined.join(one, other, disagree);
+    }
+    let roots: Vec<(u32, bool)> = (0..triangles.len() as u32).map(|face| joined.root(face)).collect();
+    let mut turned = vec![0_i64; triangles.len()];
+    for &(root, is_turned) in &roots {
+        turned[root as usize] += if is_turned { 1 } else { -1 };
+    }
+    let faces: Vec<bool> = roots.iter().map(|&(root, is_turned)| is_turned != (turned[root as usize] > 0)).collect();
+    faces.contains(&true).then_some(faces)
+}
+
+impl Mesh {
+    /// Turns the triangles round that wind against the most of those around them; `places` has a number for each vertex.
+    pub(crate) fn align_windings(&mut self, places: &[u32]) {
+        let by_place: Vec<[u32; 3]> = self.triangles.iter().map(|t| t.map(|i| places[i as usize])).collect();
+        let against = faces_against(&by_place);
+        for (t, _) in self.triangles.iter_mut().zip(against.iter().flatten()).filter(|(_, against)| **against) {
+            t.swap(1, 2);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    /// A ring around the y axis.
+    fn ring() -> Mesh {
+        let at = |k: u32| {
+            let (sin, cos) = (core::f32::consts::TAU * k as f32 / 24.0).sin_cos();
+            Vec3::new(2.0 * cos, 0.0, 2.0 * sin)
+        };
+        Mesh::closed_tube(&(0..24).map(at).collect::<Vec<_>>(), 0.5, 10)
+    }
+
+    #[test]
+    fn faces_that_wind_against_others_are_smooth() {
+        let right = ring();
+        for (step, turned) in [(7, 1), (3, 2), (2, 1), (5, 3)] {
+            let mut mixed = right.clone();
+            for (_, t) in mixed.triangles.iter_mut().enumerate().filter(|(k, _)| k % step < turned) {
+                t.swap(1, 2);
+            }
+            mixed.smooth_normals();
+            let along = |(p, n): (&Vec3, &Vec3)| (*p - 2.0 * Vec3::new(p.x, 0.0, p.z).normalize()).normalize().dot(*n);
+            let sides: Vec<f32> = mixed.positions.iter().zip(&mixed.normals).map(along).collect();
+            assert!(sides.iter().all(|side| side * sides[0] > 0.9), "{step}: {sides:?}");
+        }
+    }
+
+    #[test]
+    fn sheets_of_two_sides_stay() {
+        let mut sheet = ring();
+        let backs: Vec<[u32; 3]> = sheet.triangles.iter().map(|t| [t[0], t[2], t[1]]).collect();
+        sheet.triangles.extend(backs);
+        let before = sheet.triangles.clone();
+        sheet.smooth_normals();
+        assert_eq!(sheet.triangles, before);
+    }
+
+    #[test]
+    fn surfaces_of_one_side_end() {
+        let n = 20;
+        let mut band = Mesh::default();
+        for k in 0..n {
+            let (sin, cos) = (core::f32::consts::TAU * k as f32 / n as f32).sin_cos();
+            let (half_sin, half_cos) = (core::f32::consts::PI * k as f32 / n as f32).sin_cos();
+            for side in [-0.3, 0.3] {
+                let along = 1.0 + side * half_cos;
+                band.positions.push(Vec3::new(along * cos, side * half_sin, along * sin));
+            }
+            let (a, b) = (2 * k, 2 * k + 1);
+            let [c, d] = if k + 1 < n { [a + 2, b + 2] } else { [1, 0] };
+            band.triangles.extend([[a, b, d], [a, d, c]]);
+        }
+        band.smooth_normals();
+        assert!(band.normals.iter().all(|n| n.is_finite() && (n.length() - 1.0).abs() < 1e-5));
+    }
+}
