@@ -28,6 +28,8 @@ pub(crate) struct Context {
     pub(crate) origin: DVec3,
     /// A corner of the mesh file that was read last, if no triangle of it has an area in single precision.
     pub(crate) collapsed: Option<DVec3>,
+    /// A warning about the mesh file that was read last, for objects that get no material from elsewhere.
+    pub(crate) no_library: Option<String>,
     /// Of the images that surfaces were cut along.
     pub(crate) alpha_bounds: Vec<(Texture, Arc<AlphaBounds>)>,
     /// Of mesh files that several objects show.

@@ -31,6 +31,7 @@ pub(crate) fn near_parts(
     let mark = context.files.budget.mark();
     context.origin = DVec3::ZERO;
     context.collapsed = None;
+    context.no_library = None;
     let first = file_parts(path, clip, context, endings);
     context.origin = match (&first, context.collapsed) {
         (Ok(file), _) => {

@@ -50,6 +50,21 @@ fn words_of_obj_have_any_capitals_and_unknown_ones_are_named() {
 }
 
 #[test]
+fn materials_without_any_library_are_told_where_nothing_else_names_them() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("m.obj"), format!("usemtl red\n{CUBE}")).unwrap();
+    let scene = folder.path().join("s.toml");
+    let start = "[camera]\neye = [4, 3, 5]\ntarget = [0, 0, 0]\n[materials.m]\nmodel = \"lambert\"\nalbedo = 0.5\n\
+        [[lights]]\nkind = \"sun\"\ndirection = [0, -1, 0]\nirradiance = 1\n[[objects]]\nmesh = \"m.obj\"\n";
+    for (material, count) in [("", 1), ("material = \"m\"\n", 0)] {
+        std::fs::write(&scene, format!("{start}{material}")).unwrap();
+        let (_, warnings) = crate::load_with_warnings(&scene).unwrap();
+        assert_eq!(warnings.len(), count, "{warnings:?}");
+        assert!(warnings.iter().all(|w| w.contains("names no library (mtllib) of the material red")), "{warnings:?}");
+    }
+}
+
+#[test]
 fn a_material_library_that_is_not_used_is_told() {
     let mut context = Context::default();
     obj::parse(Path::new("m.obj"), &format!("mtllib no-such.mtl\nusemtl x\n{CUBE}"), &mut context).unwrap();

@@ -69,8 +69,9 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
     context.tell_broken_uvs(path, broken_uvs(&lists.uvs));
     let has_libraries = libraries.are_there();
     let appearances = libraries.appearances(path, context)?;
-    if has_libraries {
-        tell_unknown(path, &names, &groups, &appearances, context);
+    match unknown(&names, &groups, &appearances, has_libraries) {
+        Some(note) if has_libraries => context.warn(path, note),
+        note => context.no_library = note.map(|note| SceneError::file(path, note).to_string()),
     }
     let mut left_out = vec![
         counted(short, "face", "fewer than three corners"),
@@ -141,24 +142,23 @@ fn faces_without_uvs(faces: &[Face]) -> usize {
     faces.iter().filter(|face| face.corners.iter().any(|corner| corner.2.is_none())).count()
 }
 
-/// Warns of materials that faces use and no library has.
-fn tell_unknown(
-    path: &Path,
+/// A line about materials that faces use and no library has.
+fn unknown(
     names: &[String],
     groups: &[Vec<Face>],
     appearances: &HashMap<String, Appearance>,
-    context: &mut Context,
-) {
+    has_libraries: bool,
+) -> Option<String> {
     let used = names.iter().zip(groups).filter(|(name, faces)| !name.is_empty() && !faces.is_empty());
     let unknown: Vec<&str> =
         used.filter(|(name, _)| !appearances.contains_key(*name)).map(|(name, _)| &name[..]).collect();
+    let where_to = if has_libraries { "no library has" } else { "the file names no library (mtllib) of" };
     match unknown[..] {
-        [] => {}
-        [name] => context.warn(path, format!("no library has the material {name}: its faces have the default one")),
+        [] => None,
+        [name] => Some(format!("{where_to} the material {name}: its faces have the default one")),
         [first, ..] => {
             let count = unknown.len();
-            context
-                .warn(path, format!("no library has {count} materials ({first}, …): their faces have the default one"));
+            Some(format!("{where_to} {count} materials ({first}, …): their faces have the default one"))
         }
     }
 }

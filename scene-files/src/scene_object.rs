@@ -282,7 +282,10 @@ impl Common<'_> {
             let material = match (self.material, part.material.take()) {
                 (Some(index), _) => index,
                 (None, Some((key, m))) => *own.entry(key).or_insert_with(|| materials.push(m)),
-                (None, None) => materials.fallback(),
+                (None, None) => {
+                    context.warnings.extend(context.no_library.take());
+                    materials.fallback()
+                }
             };
             let name = if single { self.name.clone() } else { format!("{}/{}", self.name, part.name) };
             let mover = mover.map(|mover| {

@@ -43,12 +43,15 @@ impl Studio {
 /// Lights that look from everywhere less bright than this part of a disc as large as the model, of radiance 1, are no lighting of it.
 const FAINT: f32 = 1e-3;
 
+/// Lights of a radiance below this make up for a missing fill light, as the colours of some models do; they are no lamps.
+const GLOW: f32 = 0.1;
+
 /// Whether lights in a model are too faint to be all its lighting.
 pub(crate) fn is_faint(lights: &[Light], bounds: &Bounds) -> bool {
     let size = bounds.radius() * bounds.radius();
     let area = |light: &Light| light.roundness().unwrap_or(1.0) * light.bounds().radius.powi(2) / size;
-    let bright = lights.iter().map(|light| area(light) * light.full_radiance().max_element()).sum::<f32>();
-    bright < FAINT
+    let lamps = lights.iter().map(|light| (area(light), light.full_radiance().max_element()));
+    lamps.filter(|(_, radiance)| *radiance >= GLOW).map(|(area, radiance)| area * radiance).sum::<f32>() < FAINT
 }
 
 /// The directions of the key light and of the fill, which stands above the camera, so that few of its shadows are seen.
