@@ -8,7 +8,7 @@ use lobe_core::{Capsule, Outline};
 use shading::VisibilityQuery;
 use visibility_mask::{Raster, UnitSquare};
 
-/// Ends nearer than this fraction of the light's distance are clipped: they are far outside the window.
+/// Ends nearer than this, or than this fraction of the light's distance, are clipped: they are far outside the window.
 pub(crate) const NEAR: f32 = 1e-7;
 /// The largest position outside.
 pub(crate) const FAR_OUTSIDE: f32 = 1e7;
@@ -43,7 +43,7 @@ impl View {
         let distance = cone.distance;
         // The square of a flat light is in its plane.
         let far = query.outline.map_or(distance * cos * cos, |outline| outline.depth_to(is_touched));
-        let near = NEAR * if distance.is_finite() { distance } else { 1.0 };
+        let near = NEAR * distance.min(1.0);
         let left = square.center.x - square.half.x;
         let middle = query.outline.map_or([-left * raster.samples, 0.0], |outline| {
             let bottom = square.center.y - square.half.y;

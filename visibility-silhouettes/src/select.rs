@@ -189,7 +189,7 @@ pub(crate) const BESIDE: f32 = 1e-5;
 #[inline(always)]
 pub(crate) fn add_edges<S: Simd>(simd: S, part: &Cone, light: &Cone, silhouettes: &Silhouettes, edges: &mut Edges) {
     let is_finite = light.distance.is_finite();
-    let (nearest, far) = (1e-6 * light.distance, light.distance * light.cos() * light.cos());
+    let (nearest, far) = (1e-6 * light.distance.min(1.0), light.distance * light.cos() * light.cos());
     let [nearest, far] = [nearest, far].map(|depth| f32x8::splat(simd, depth));
     for first in (0..silhouettes.len()).step_by(8) {
         let [a, b] = [silhouettes.load3(simd, 0, first), silhouettes.load3(simd, 3, first)];

@@ -27,7 +27,7 @@ var<private> silhouettes_view: SilhouetteView;
 fn silhouettes_view_of(mask: Mask, eye: SilhouetteEye) -> SilhouetteView {
     let square = mask.square;
     let raster = mask_raster(mask);
-    let near = SILHOUETTES_NEAR * select(eye.cone.distance, 1.0, eye.cone.distance > 1e30);
+    let near = SILHOUETTES_NEAR * min(eye.cone.distance, 1.0);
     let middle = silhouettes_middle_line(square, raster);
     // The square of a flat light is in its plane.
     let far = select(eye.far, light_plane().w, light_is_flat());

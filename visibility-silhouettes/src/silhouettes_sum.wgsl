@@ -14,7 +14,7 @@ fn silhouettes_add(eye: SilhouetteEye, a: vec3f, b: vec3f) {
     let depth = vec2f(dot(a, light.axis), dot(b, light.axis));
     // An edge that passes beside the receiver, far outside the disc of a light at infinity, has a depth of nothing but rounding.
     let beside = SILHOUETTES_BESIDE * sqrt(dot(a, a) + dot(b, b));
-    let near = select(1e-6 * light.distance, beside, light.distance > 1e30);
+    let near = select(1e-6 * min(light.distance, 1.0), beside, light.distance > 1e30);
     // Behind the light or the receiver only some edges are listed, so none counts.
     if (all(depth < vec2f(near)) || all(depth > vec2f(far))) {
         return;

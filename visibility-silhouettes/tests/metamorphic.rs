@@ -110,3 +110,14 @@ fn turned_scaled_and_moved() {
         assert!(mean < 4e-4 * rounding && found[0] < 0.008 * rounding);
     }
 }
+
+/// A light that is seen under the same angle from so far that one is nothing beside its distance.
+#[test]
+fn larger_lights_farther_away() {
+    for scale in [2.0_f64.powi(10), 2.0_f64.powi(22), 2.0_f64.powi(40)] {
+        let found = differences(|_, m| Moment { light: m.light * scale, radius: m.radius * scale, ..m.clone() });
+        let mean = found.iter().sum::<f64>() / found.len() as f64;
+        println!("scale {scale:.0e}: mean {:.4} %, largest {:.3} %", 100.0 * mean, 100.0 * found[0]);
+        assert!(mean < 4e-4 && found[0] < 0.008, "scale {scale:.0e}: mean {mean}, {:?}", &found[..4]);
+    }
+}
