@@ -61,6 +61,15 @@ fn survive_file_limits() -> Result<(), Failure> {
     caught.map(|_| ()).map_err(|e| Failure::new(format_args!("cannot catch SIGXFSZ: {e}")))
 }
 
+/// Ends the program at once. A graphics driver may be at work: what its libraries do at an ordered exit takes away memory that its threads
+/// still use.
+fn end() -> ! {
+    #[cfg(unix)]
+    signal_hook::low_level::exit(130);
+    #[cfg(not(unix))]
+    std::process::exit(130)
+}
+
 /// From now on Ctrl-C and SIGTERM remove unfinished files and end the program with code 130.
 pub(crate) fn catch_interrupts() -> Result<(), Failure> {
     #[cfg(unix)]
@@ -79,7 +88,7 @@ pub(crate) fn catch_interrupts() -> Result<(), Failure> {
         ENDING.store(true, Ordering::SeqCst);
         remove_unfinished();
         note(interrupted());
-        std::process::exit(130);
+        end();
     })
     .map_err(|e| Failure::new(format_args!("cannot catch Ctrl-C: {e}")))
 }
