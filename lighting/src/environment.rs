@@ -53,7 +53,7 @@ const AROUND: u32 = 1024;
 const PLAIN: f32 = 1e-4;
 
 impl Environment {
-    /// The lights of a map, with `across`² patches on each side of the cube; `world` is a sphere around all that blocks and all that is lit.
+    /// The lights of a map, with `across`² patches, one at least, on each side of the cube; `world` is a sphere around all that blocks and all that is lit.
     #[must_use]
     pub fn new(map: EnvironmentMap, across: u32, world: Sphere) -> Self {
         Self::of(map, Behind::Map, across, world)
@@ -83,6 +83,7 @@ impl Environment {
     }
 
     fn of(map: EnvironmentMap, behind: Behind, across: u32, world: Sphere) -> Self {
+        let across = across.max(1);
         let (rest, suns) = suns::cut(&map, world);
         let mut lights: Vec<Light> = suns.into_iter().map(|sun| SkyLight::Sun(sun).into()).collect();
         // Four times as many as the map has there, since samples take whole texels.

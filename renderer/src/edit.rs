@@ -8,7 +8,7 @@ use crate::{
     Settings, Stale,
 };
 use brdf::Material;
-use glam::{Mat4, Vec3};
+use glam::{Mat4, Vec3, Vec4};
 use lighting::{Environment, Light};
 use lobe_core::scales_evenly;
 use scene::{Camera, KeyFrames, Object, Proxy, Scene, Shape, Strategy, Surface};
@@ -39,7 +39,7 @@ impl Renderer {
         self.light_handles.place(light.0).ok_or(EditError::NoLight(light))
     }
 
-    fn material_place(&self, material: MaterialHandle) -> Result<usize, EditError> {
+    pub(crate) fn material_place(&self, material: MaterialHandle) -> Result<usize, EditError> {
         self.material_handles.place(material.0).ok_or(EditError::NoMaterial(material))
     }
 
@@ -126,13 +126,15 @@ impl Renderer {
     /// Gives an object another material.
     ///
     /// # Errors
-    /// [`RenderError::Edit`] if the object or the material is not in the scene.
+    /// [`RenderError::Edit`] if the object or the material is not in the scene; [`RenderError::Scene`] for vertex colours under a model
+    /// that takes none.
     pub fn set_object_material(
         &mut self,
         object: ObjectHandle,
         material: MaterialHandle,
     ) -> Result<Stale, RenderError> {
         let (place, material) = (self.object_place(object)?, self.material_place(material)?);
+        Scene::check_colors(&self.scene.objects[place], &self.scene.materials[material])?;
         self.scene.objects[place].material = material;
         Ok(self.mark(Stale::SHADING | Stale::POINTS | Stale::SURFACES))
     }
@@ -278,10 +280,9 @@ impl Renderer {
     ) -> Result<Stale, RenderError> {
         let place = self.material_place(handle)?;
         Scene::check_material(place, &material, &surface)?;
-        let has_colors = |o: &Object| o.shape.vertices().is_some_and(|mesh| !mesh.colors.is_empty());
-        let varies = self.scene.surface(place).is_some()
-            || !surface.is_plain()
-            || self.scene.objects.iter().any(|o| o.material == place && has_colors(o));
+        let mut users = self.scene.objects.iter().filter(|object| object.material == place);
+        users.clone().try_for_each(|object| Scene::check_colors(object, &material))?;
+        let varies = self.scene.surface(place).is_some() || !surface.is_plain() || users.any(Object::has_vertex_colors);
         self.scene.materials[place] = material;
         self.put_surface(place, surface);
         self.set_materials_of_points(self.scene.materials.len());
@@ -424,6 +425,9 @@ pub(crate) const LIT: Stale = Stale::SHADING.with(Stale::LIGHTS).with(Stale::MAP
 fn fault_of(object: &Object, matrix: &Mat4) -> Option<&'static str> {
     if !matrix.is_finite() {
         return Some("is not finite");
+    }
+    if matrix.row(3) != Vec4::W {
+        return Some("is not affine: its last row is not (0, 0, 0, 1)");
     }
     let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.truncate());
     let volume = axes[0].cross(axes[1]).dot(axes[2]);

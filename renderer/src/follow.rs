@@ -57,7 +57,8 @@ impl Renderer {
         }
     }
 
-    /// Updates the plan: strategies may have changed, and things that move go behind floors and come from there.
+    /// Fits lights to the scene, and updates the plan: strategies may have changed, and things that move go behind floors and come from
+    /// there.
     fn follow_plan(&mut self) {
         if !self.stale.has(Stale::PLAN | Stale::HIERARCHY | Stale::LIGHTS) {
             return;
@@ -98,18 +99,11 @@ impl Renderer {
         ask(&World::with_hierarchy(&self.scene, hierarchy))
     }
 
-    /// The hierarchy at the present time.
+    /// The hierarchy at the present time. The plan follows what it does: things that move go behind floors and come from there.
     pub(crate) fn follow_hierarchy(&mut self) -> Arc<Hierarchy> {
-        self.fit_lights();
+        self.follow_plan();
         let done = update_hierarchy(&mut self.hierarchy, &self.scene, self.stale);
         self.has_followed(done)
-    }
-
-    /// Fits lights to the scene, which a hierarchy depends on.
-    fn fit_lights(&mut self) {
-        if self.stale.has(Stale::HIERARCHY | Stale::LIGHTS) && self.scene.fit_lights() {
-            self.mark(Stale::LIGHTS | Stale::MAPS);
-        }
     }
 
     /// Drops all that a change of the hierarchy makes stale. Returns the hierarchy.
@@ -127,9 +121,8 @@ impl Renderer {
         Arc::clone(self.hierarchy.get_or_insert_with(|| Arc::new(Hierarchy::new(scene))))
     }
 
-    /// Updates spheres, silhouettes and hierarchy to the present time.
+    /// Updates spheres, silhouettes and hierarchy to the present time, after [`prepare`](Self::prepare).
     pub(crate) fn follow(&mut self, clocks: &mut FrameClocks) -> Result<Arc<Hierarchy>, RenderError> {
-        self.fit_lights();
         // A change of lights or size may make simplified forms worth their time, or no longer.
         let looks = match self.settings.keep_points || !self.animation.is_still() || self.points.is_some() {
             true => Looks::MANY,

@@ -2,6 +2,7 @@
 
 use crate::bands::Bands;
 use crate::kept_maps::MapRequest;
+use crate::render::check_window;
 use crate::{
     Backend, EditError, FrameBlockers, KeptSky, LightHandle, LightMask, MaterialHandle, Method, ObjectHandle,
     RenderError, Renderer, Shader, ShaderTask,
@@ -117,8 +118,9 @@ impl Renderer {
     /// The camera rays of the window, once the hierarchy is updated to the last edit.
     ///
     /// # Errors
-    /// [`RenderError::Cancelled`].
+    /// [`RenderError::Cancelled`]; [`RenderError::Setting`] for a window that is no part of the picture.
     pub fn coverage(&mut self, window: &Window) -> Result<Vec<f32>, RenderError> {
+        check_window(window, &self.scene)?;
         let (samples, cancel) = (self.settings.samples, self.cancel.clone());
         let hierarchy = self.follow_hierarchy();
         let world = World::with_hierarchy(&self.scene, hierarchy);

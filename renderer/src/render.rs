@@ -176,7 +176,7 @@ impl Renderer {
     /// # Errors
     /// [`RenderError`].
     pub fn render_apart(&mut self, window: &Window, layers: LayerSet, samples: u32) -> Result<Image, RenderError> {
-        // Updates the hierarchy first, so that stale data is dropped before it is put aside.
+        // Updates plan and hierarchy first, so that stale data is dropped before it is put aside.
         let _ = self.follow_hierarchy();
         let accuracy = self.chosen.unwrap_or(self.settings.accuracy);
         let own = Settings {
@@ -198,7 +198,7 @@ impl Renderer {
 }
 
 /// Checks that a window is a part of a scene's picture.
-fn check_window(window: &Window, scene: &Scene) -> Result<(), RenderError> {
+pub(crate) fn check_window(window: &Window, scene: &Scene) -> Result<(), RenderError> {
     let image = [scene.width as usize, scene.height as usize];
     if window.image == image && window.is_inside() {
         return Ok(());

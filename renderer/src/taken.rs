@@ -2,7 +2,7 @@
 
 use crate::edit::LIT;
 use crate::rows::Row;
-use crate::{EditError, LightHandle, ObjectHandle, RenderError, Renderer, Stale};
+use crate::{EditError, LightHandle, MaterialHandle, ObjectHandle, RenderError, Renderer, Stale};
 use lighting::Light;
 use lobe_core::NO_OBJECT;
 use scene::{Object, Surface};
@@ -22,6 +22,7 @@ pub struct TakenLight {
 pub struct TakenObject {
     handle: ObjectHandle,
     object: Object,
+    material: MaterialHandle,
     row: Row,
     lights: Vec<TakenLight>,
 }
@@ -32,6 +33,10 @@ impl TakenLight {
     pub const fn handle(&self) -> LightHandle {
         self.handle
     }
+
+    fn is_there(&self) -> EditError {
+        EditError::Present(format!("light {}", self.handle.0))
+    }
 }
 
 impl TakenObject {
@@ -39,6 +44,11 @@ impl TakenObject {
     #[must_use]
     pub const fn handle(&self) -> ObjectHandle {
         self.handle
+    }
+
+    /// Those of the lights that went with it.
+    pub fn lights(&self) -> impl Iterator<Item = LightHandle> + '_ {
+        self.lights.iter().map(TakenLight::handle)
     }
 }
 
@@ -80,9 +90,8 @@ impl Renderer {
             let around = taken.inside.and_then(|object| self.rows.place(object.0));
             inside.object = around.map_or(NO_OBJECT, |place| place as u32);
         }
-        self.check_light(self.scene.lights.len(), &light)?;
-        let number = taken.handle.0;
-        let place = self.light_handles.put(number).ok_or_else(|| EditError::Present(format!("light {number}")))?;
+        self.check_putting(taken)?;
+        let place = self.light_handles.put(taken.handle.0).ok_or_else(|| taken.is_there())?;
         self.animation.insert_light(place);
         self.scene.lights.insert(place, light);
         Ok(self.mark(LIT))
@@ -97,32 +106,58 @@ impl Renderer {
     /// For an object that emits the distances of its triangles from all flat lights.
     pub fn take_object(&mut self, object: ObjectHandle) -> Result<TakenObject, RenderError> {
         let place = self.still_object(object)?;
-        let shining: Vec<usize> = (0..self.scene.lights.len()).filter(|light| self.stands_for(*light, place)).collect();
-        shining.iter().try_for_each(|light| self.check_taking(*light))?;
-        let handles: Vec<LightHandle> =
-            shining.iter().map(|light| LightHandle(self.light_handles.at(*light))).collect();
-        let lights = handles.into_iter().map(|light| self.take_light(light)).collect::<Result<_, _>>()?;
+        let shining = (0..self.scene.lights.len()).filter(|light| self.stands_for(*light, place));
+        let lights: Vec<LightHandle> = shining.map(|light| LightHandle(self.light_handles.at(light))).collect();
+        self.take_object_and(object, &lights)
+    }
+
+    /// Takes an object out, and with it these lights, whichever stand for it: what takes an addition back.
+    ///
+    /// # Errors
+    /// As [`take_object`](Self::take_object); [`RenderError::Edit`] for a light that is not in the scene.
+    pub fn take_object_and(
+        &mut self,
+        object: ObjectHandle,
+        lights: &[LightHandle],
+    ) -> Result<TakenObject, RenderError> {
+        let place = self.still_object(object)?;
+        lights.iter().try_for_each(|light| self.check_taking(self.light_place(*light)?))?;
+        let lights = lights.iter().map(|light| self.take_light(*light)).collect::<Result<_, _>>()?;
         let row = self.rows.remove(place);
         self.animation.remove_object(place);
         self.mark(Stale::STRATEGY | Stale::LIGHTS);
-        Ok(TakenObject { handle: object, object: self.scene.remove_object(place), row, lights })
+        let taken = self.scene.remove_object(place);
+        let material = MaterialHandle(self.material_handles.at(taken.material));
+        Ok(TakenObject { handle: object, object: taken, material, row, lights })
     }
 
     /// Puts an object back at its place among the others, with its handle, the place from which it was moved, and its lights.
     ///
     /// # Errors
-    /// [`RenderError::Edit`] if it is in the scene; those of [`add_object`](Self::add_object).
+    /// [`RenderError::Edit`] if it is in the scene, or its material is no longer; those of [`add_object`](Self::add_object) and
+    /// [`put_light`](Self::put_light).
     pub fn put_object(&mut self, taken: &TakenObject) -> Result<Stale, RenderError> {
-        self.scene.check_object(&taken.object)?;
-        let fault = || EditError::Present(format!("object \"{}\"", taken.object.name));
+        let object = Object { material: self.material_place(taken.material)?, ..taken.object.clone() };
+        self.scene.check_object(&object)?;
+        taken.lights.iter().try_for_each(|light| self.check_putting(light))?;
+        let fault = || EditError::Present(format!("object \"{}\"", object.name));
         let place = self.rows.insert(taken.row.clone()).ok_or_else(fault)?;
         self.animation.insert_object(place);
-        self.scene.insert_object(place, taken.object.clone());
+        self.scene.insert_object(place, object);
         let mut stale = self.mark(Stale::STRATEGY | Stale::LIGHTS);
         for light in &taken.lights {
             stale |= self.put_light(light)?;
         }
         Ok(stale)
+    }
+
+    /// Checks that a light may come back.
+    fn check_putting(&self, taken: &TakenLight) -> Result<(), RenderError> {
+        self.check_light(self.scene.lights.len(), &taken.light)?;
+        match self.light_handles.place(taken.handle.0) {
+            Some(_) => Err(taken.is_there().into()),
+            None => Ok(()),
+        }
     }
 
     /// Checks that a light may go by itself.

@@ -1,6 +1,6 @@
 //! Checks of everything that a renderer relies on, for a whole scene and for each item.
 
-use crate::{Camera, Mesh, Object, Projection, Proxy, Scene, SceneError, Shape, Surface};
+use crate::{Camera, Object, Projection, Proxy, Scene, SceneError, Shape, Surface};
 use brdf::Material;
 use glam::Vec3;
 use lighting::Light;
@@ -105,11 +105,8 @@ impl Scene {
         }
         match &object.shape {
             // Checked as they were made.
-            Shape::Instances(instances) => self.check_colors(&name, object, instances.mesh())?,
-            Shape::Mesh(mesh) => {
-                mesh.validate().map_err(|e| fault(&name, &e))?;
-                self.check_colors(&name, object, mesh)?;
-            }
+            Shape::Instances(_) => {}
+            Shape::Mesh(mesh) => mesh.validate().map_err(|e| fault(&name, &e))?,
             Shape::Spheres(spheres) if spheres.is_empty() => {
                 return Err(SceneError::invalid(format!("{name} has no spheres")));
             }
@@ -118,19 +115,26 @@ impl Scene {
                 Self::check_seen_object(&self.camera, object)?;
             }
         }
-        if let Proxy::Spheres(spheres) = &object.proxy {
-            Self::check_spheres(spheres).map_err(|e| fault(&format_args!("proxy of {name}"), &e))?;
+        match &object.proxy {
+            Proxy::Spheres(spheres) => {
+                Self::check_spheres(spheres).map_err(|e| fault(&format_args!("proxy of {name}"), &e))?;
+            }
+            Proxy::Count(0) => return Err(SceneError::invalid(format!("proxy of {name} has no spheres"))),
+            _ => {}
         }
-        Ok(())
+        Self::check_colors(object, &self.materials[object.material])
     }
 
-    fn check_colors(&self, name: &str, object: &Object, mesh: &Mesh) -> Result<(), SceneError> {
-        let material = &self.materials[object.material];
-        if mesh.colors.is_empty() || material.takes_textures() {
+    /// Checks that a material takes the colours of an object's vertices, if these have any.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`].
+    pub fn check_colors(object: &Object, material: &Material) -> Result<(), SceneError> {
+        if !object.has_vertex_colors() || material.takes_textures() {
             return Ok(());
         }
-        let model = material.name();
-        Err(SceneError::invalid(format!("{name} has vertex colours: the model `{model}` takes none")))
+        let (name, model) = (&object.name, material.name());
+        Err(SceneError::invalid(format!("object \"{name}\" has vertex colours: the model `{model}` takes none")))
     }
 
     /// Checks another camera for this scene.

@@ -177,6 +177,12 @@ impl Object {
         self.visible || self.proxy != Proxy::None || self.shape.has_triangles() && self.strategy != Some(Strategy::None)
     }
 
+    /// Whether its vertices have colours.
+    #[must_use]
+    pub fn has_vertex_colors(&self) -> bool {
+        self.shape.vertices().is_some_and(|mesh| !mesh.colors.is_empty())
+    }
+
     /// Exact spheres that cast exact shadows: the proxy is the shape.
     #[must_use]
     pub fn spheres(name: impl Into<String>, spheres: Vec<Sphere>, material: usize) -> Self {

@@ -56,7 +56,8 @@ impl Edges {
 }
 
 /// Which triangles wind against the most of those that edges connect them with, directly or through others; `None` where all agree.
-/// Edges of more than two triangles connect none, nor do repeated triangles. `triangles` are corners by place: the same number where
+/// Edges of more than two triangles connect none, nor do repeated triangles. None of a surface with one side alone, as a Möbius strip
+/// has, is against it. `triangles` are corners by place: the same number where
 /// positions are the same.
 ///
 /// Linear in the triangles.
@@ -75,7 +76,14 @@ pub fn faces_against(triangles: &[[u32; 3]]) -> Option<Vec<bool>> {
     for &(root, is_turned) in &roots {
         turned[root as usize] += if is_turned { 1 } else { -1 };
     }
-    let faces: Vec<bool> = roots.iter().map(|&(root, is_turned)| is_turned != (turned[root as usize] > 0)).collect();
+    let mut has_one_side = vec![false; triangles.len()];
+    for (one, other, disagree) in edges.pairs(triangles) {
+        let [one, other] = [one, other].map(|face| roots[face as usize]);
+        has_one_side[one.0 as usize] |= (one.1 != other.1) != disagree;
+    }
+    let is_against =
+        |&(root, is_turned): &(u32, bool)| !has_one_side[root as usize] && is_turned != (turned[root as usize] > 0);
+    let faces: Vec<bool> = roots.iter().map(is_against).collect();
     faces.contains(&true).then_some(faces)
 }
 
@@ -130,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn surfaces_of_one_side_end() {
+    fn surfaces_of_one_side_stay() {
         let n = 20;
         let mut band = Mesh::default();
         for k in 0..n {
@@ -144,7 +152,9 @@ mod tests {
             let [c, d] = if k + 1 < n { [a + 2, b + 2] } else { [1, 0] };
             band.triangles.extend([[a, b, d], [a, d, c]]);
         }
+        let before = band.triangles.clone();
         band.smooth_normals();
+        assert_eq!(band.triangles, before);
         assert!(band.normals.iter().all(|n| n.is_finite() && (n.length() - 1.0).abs() < 1e-5));
     }
 }

@@ -38,6 +38,8 @@ pub enum Edit {
     AddObject(Box<Object>),
     /// An object goes, and with it the lights that its material's emission stands for.
     TakeObject(ObjectHandle),
+    /// An object goes, and with it these lights: what takes the coming of an object back.
+    TakeObjectAnd(ObjectHandle, Vec<LightHandle>),
     /// An object comes back at its place, with its lights.
     PutObject(Box<TakenObject>),
     /// Several, one after the other, as one step: all of them or none.
@@ -58,12 +60,7 @@ impl Edit {
                 Ok(Self::Transform(handle, before))
             }
             Self::Material(handle, material, surface) => Self::set_material(renderer, handle, material, surface),
-            Self::MaterialOf(handle, material) => {
-                let number = object(renderer, handle).map(|object| object.material);
-                let before = number.and_then(|number| renderer.materials().nth(number)).map(|(handle, _)| handle);
-                renderer.set_object_material(handle, material)?;
-                Ok(Self::MaterialOf(handle, before.unwrap_or(material)))
-            }
+            Self::MaterialOf(handle, material) => Self::set_material_of(renderer, handle, material),
             Self::Strategy(handle, strategy) => {
                 let before = object(renderer, handle).and_then(|object| object.strategy);
                 renderer.set_object_strategy(handle, strategy)?;
@@ -100,11 +97,14 @@ impl Edit {
                 renderer.put_light(&taken)?;
                 Ok(Self::TakeLight(taken.handle()))
             }
-            Self::AddObject(object) => Ok(Self::TakeObject(renderer.add_object(*object)?)),
+            Self::AddObject(object) => Ok(Self::TakeObjectAnd(renderer.add_object(*object)?, Vec::new())),
             Self::TakeObject(handle) => Ok(Self::PutObject(Box::new(renderer.take_object(handle)?))),
+            Self::TakeObjectAnd(handle, lights) => {
+                Ok(Self::PutObject(Box::new(renderer.take_object_and(handle, &lights)?)))
+            }
             Self::PutObject(taken) => {
                 renderer.put_object(&taken)?;
-                Ok(Self::TakeObject(taken.handle()))
+                Ok(Self::TakeObjectAnd(taken.handle(), taken.lights().collect()))
             }
             Self::All(edits) => Self::apply_all(renderer, edits),
         }
@@ -114,6 +114,17 @@ impl Edit {
         let before = renderer.lights().find(|(known, _)| *known == handle).map(|(_, light)| light.clone());
         renderer.set_light(handle, (*light).clone())?;
         Ok(Self::Light(handle, before.map_or(light, Box::new)))
+    }
+
+    fn set_material_of(
+        renderer: &mut Renderer,
+        handle: ObjectHandle,
+        material: MaterialHandle,
+    ) -> Result<Self, RenderError> {
+        let number = object(renderer, handle).map(|object| object.material);
+        let before = number.and_then(|number| renderer.materials().nth(number)).map(|(handle, _)| handle);
+        renderer.set_object_material(handle, material)?;
+        Ok(Self::MaterialOf(handle, before.unwrap_or(material)))
     }
 
     fn set_material(

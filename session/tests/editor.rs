@@ -5,7 +5,7 @@
 use core::time::Duration;
 use glam::{Mat4, Vec3};
 use renderer::{LayerSet, Renderer, Settings};
-use scene::{Animation, Scene, Stopwatch, Strategy};
+use scene::{Animation, Mesh, Object, Proxy, Scene, Stopwatch, Strategy, Surface};
 use session::{Edit, Editor, Session, Truth, lamp};
 use std::sync::mpsc;
 use std::thread;
@@ -26,6 +26,25 @@ fn editor() -> Editor {
 fn settle(editor: &mut Editor) {
     drop(editor.session().finished());
     editor.follow();
+}
+
+/// An object that comes to a light and goes again leaves it, whatever it emits.
+#[test]
+fn additions_are_taken_back_alone() {
+    let mut scene = scene::builtin();
+    let panel = Mesh::quad(Vec3::Y * 2.0, Vec3::X, Vec3::Z);
+    scene.surfaces = vec![Surface { emission: Vec3::ONE, ..Surface::default() }];
+    scene.lights = lighting::emissive_mesh(&panel.positions, &panel.triangles, Vec3::ONE).unwrap().lights;
+    let mut renderer = Renderer::new(scene.clone(), Animation::default(), Settings::default()).unwrap();
+    let object = Object::mesh("panel", panel, 0, Proxy::None);
+    let undo = Edit::AddObject(Box::new(object)).apply(&mut renderer).unwrap();
+    let with = renderer.scene().clone();
+    let redo = undo.apply(&mut renderer).unwrap();
+    assert!(*renderer.scene() == scene);
+    let undo = redo.apply(&mut renderer).unwrap();
+    assert!(*renderer.scene() == with);
+    undo.apply(&mut renderer).unwrap();
+    assert!(*renderer.scene() == scene);
 }
 
 #[test]
