@@ -17,11 +17,16 @@ pub(crate) struct Teller {
     fit: Option<(String, Fit)>,
     tables: Option<ProgressBar>,
     shading: Option<ProgressBar>,
+    /// The number of maps that were not fine enough.
+    coarse: usize,
 }
+
+/// Lines about the maps of lights, at most: as many lights as a scene has are alike.
+const MAPS: usize = 4;
 
 impl Teller {
     pub(crate) fn new(quiet: bool) -> Self {
-        Self { quiet, pictures: 1, done: 0, budget: None, fit: None, tables: None, shading: None }
+        Self { quiet, pictures: 1, done: 0, budget: None, fit: None, tables: None, shading: None, coarse: 0 }
     }
 
     /// For a number of pictures, and a time budget.
@@ -73,7 +78,7 @@ impl Teller {
     }
 
     /// Prints a line about an event, if it is worth one.
-    fn tell(&self, event: Event<'_>) {
+    fn tell(&mut self, event: Event<'_>) {
         match event {
             Event::Damaged { path } => {
                 note(format_args!("lobes: warning: {}: damaged; made anew", path.display()));
@@ -98,7 +103,12 @@ impl Teller {
                     MapFineness::Coarse => "",
                     MapFineness::TooCoarse => "; `--visibility silhouettes` needs no map",
                 };
-                note(format_args!("lobes: note: light {light}: {advice}{instead}"));
+                self.coarse += 1;
+                match self.coarse {
+                    1..=MAPS => note(format_args!("lobes: note: light {light}: {advice}{instead}")),
+                    more if more == MAPS + 1 => note(format_args!("lobes: note: light {light} and others: as these")),
+                    _ => {}
+                }
             }
             Event::Chosen { accuracy, milliseconds: total, is_within } => {
                 let (percent, depth) = (100.0 * accuracy.tolerance, accuracy.depth);
