@@ -40,6 +40,8 @@ pub struct FrameBlockers<'a> {
     sky: Option<SkyFrame<'a>>,
     /// Custom strategies.
     custom: &'a [Box<dyn CustomStrategy>],
+    /// The place in the scene of the frame's only light.
+    alone: Option<usize>,
     /// See [`Settings::own_radiance`].
     of_own: bool,
     /// See [`Settings::interpolate`].
@@ -117,12 +119,19 @@ impl<'a> FrameBlockers<'a> {
             rays,
             sky: None,
             custom: &[],
+            alone: None,
             of_own: false,
             is_interpolated: false,
             meshes,
             has_instances: !instances.is_empty(),
             hides,
         }
+    }
+
+    /// The same for a frame of which the scene's light at a place is the only one.
+    pub(crate) const fn before_light(mut self, place: usize) -> Self {
+        self.alone = Some(place);
+        self
     }
 
     /// The same with an environment that is summed at once where it can be: before spheres and silhouettes, by
@@ -171,6 +180,9 @@ impl<'a> FrameBlockers<'a> {
                 }
             }
             cut.push(triangles);
+        }
+        if let Some(place) = self.alone {
+            cut = cut.drain(place..=place).collect();
         }
         Some(GpuSilhouettes::new(self.meshes.iter().copied()).with_clipped(&cut))
     }

@@ -86,7 +86,7 @@ impl Job<'_> {
         let blockers = FrameBlockers::new(plan, world, spheres, maps, silhouettes, frame.accuracy);
         let blockers = blockers.with(custom, settings);
         let blockers = match self.alone {
-            Some(_) => blockers,
+            Some(place) => blockers.before_light(place),
             None => blockers.under(sky, &frame, backend, settings.method),
         };
         let (repeat, layers) = (settings.repeat, settings.layers);

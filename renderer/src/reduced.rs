@@ -53,7 +53,8 @@ impl Renderer {
     /// That of a picture under this light alone.
     ///
     /// # Errors
-    /// [`RenderError::Edit`] if the light is not in the scene; those of [`render_reduced`](Self::render_reduced).
+    /// [`RenderError::Edit`] if the light is not in the scene; `RenderError::NotOnGpu` with a custom strategy on a GPU; those of
+    /// [`render_reduced`](Self::render_reduced).
     pub fn render_light(
         &mut self,
         divisor: u32,

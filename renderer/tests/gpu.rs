@@ -4,7 +4,7 @@ use brdf::Material;
 use core::ops::ControlFlow;
 use glam::{Mat4, UVec2, Vec3};
 use libtest_mimic::{Arguments, Trial};
-use lighting::{Environment, EnvironmentMap, Light, SphereLight, TubeLight};
+use lighting::{Environment, EnvironmentMap, FlatLight, Light, SphereLight, TubeLight};
 use lobe_core::Sphere;
 use renderer::{Cancel, Device, LayerSet, RenderError, Renderer, Settings, Window};
 use scene::{Animation, Instances, Mesh, Object, Proxy, Scene, Shape, Strategy};
@@ -27,6 +27,7 @@ fn main() {
         trial("skies_are_summed_at_once", skies_are_summed_at_once),
         trial("instances_block_as_copies", instances_block_as_copies),
         trial("dense_meshes_below_tubes", dense_meshes_below_tubes),
+        trial("parts_of_lights_are_the_picture", parts_of_lights_are_the_picture),
         trial("bulbs_hide_other_lights", bulbs_hide_other_lights),
         trial("layers_of_points", layers_of_points),
         trial("requests_to_stop", requests_to_stop),
@@ -229,6 +230,25 @@ fn dense_meshes_below_tubes() {
     let peak = want.iter().map(|v| v.max_element()).fold(0.0, f32::max);
     let sum: f32 = want.iter().zip(&got).map(|(a, b)| (*a - *b).abs().max_element()).sum();
     assert!(peak > 0.1 && sum < 1e-3 * peak * want.len() as f32, "{sum} of {peak}");
+}
+
+/// A post goes through a panel, which is not the first light.
+fn parts_of_lights_are_the_picture() {
+    let mut scene = stage();
+    let post = Mesh::cuboid(Vec3::new(0.3, 1.6, 0.1), Vec3::new(0.25, 3.0, 0.25));
+    scene.objects.push(Object::mesh("post", post, 0, Proxy::None));
+    let panel = FlatLight::rectangle(Vec3::Y * 2.5, Vec3::X, Vec3::Z, Vec3::splat(3.0)).expect("a panel");
+    scene.lights = vec![lamp(3.0), panel.into()];
+    let settings = Settings { device: Device::Gpu, ..Settings::default() };
+    let mut renderer = Renderer::new(scene, Animation::default(), settings).expect("a GPU");
+    let whole = renderer.render().expect("a picture").radiance;
+    let lights: Vec<_> = renderer.lights().map(|(light, _)| light).collect();
+    let mut go_on = |_: renderer::Event<'_>| ControlFlow::Continue(());
+    let parts = lights.into_iter().map(|light| renderer.render_light(1, light, &mut go_on).expect("a part").radiance);
+    let sum = parts.reduce(|a, b| a.into_iter().zip(b).map(|(a, b)| a + b).collect()).expect("lights");
+    let white = whole.iter().map(|c| c.max_element()).fold(0.0, f32::max);
+    let off = whole.iter().zip(&sum).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max);
+    assert!(off < 1e-5 * white, "{off} of {white}");
 }
 
 fn layers_of_points() {
