@@ -136,6 +136,7 @@ fn metal(number: usize, material: &Material) -> Option<String> {
 
 /// Lights in one place.
 fn twice(lights: &[Light]) -> Vec<String> {
+    let among = if lights.len() > MOST { format!("among the first {MOST} lights ") } else { String::new() };
     // Black ones add nothing.
     let shines = |light: &&Light| light.full_radiance() != Vec3::ZERO;
     let lights: Vec<&Light> = lights.iter().take(MOST).filter(shines).collect();
@@ -166,12 +167,14 @@ fn twice(lights: &[Light]) -> Vec<String> {
     let mut all = Vec::new();
     if equal > 0 {
         let are = if equal == 1 { "1 light is" } else { &format!("{equal} lights are") };
-        all.push(format!("{are} in the place of an equal one: it is as bright as both"));
+        all.push(format!("{among}{are} in the place of an equal one: it is as bright as both"));
     }
     if overlapping > 0 {
         let overlap =
             if overlapping == 1 { "1 light sphere overlaps" } else { &format!("{overlapping} light spheres overlap") };
-        all.push(format!("{overlap} others: the parts inside these shine as well, so all are too bright together"));
+        all.push(format!(
+            "{among}{overlap} others: the parts inside these shine as well, so all are too bright together"
+        ));
     }
     all
 }
