@@ -1,17 +1,11 @@
 //! Smooth normals that stop at creases.
 
 use crate::Mesh;
+use crate::edges::Edges;
 use crate::joined::Joined;
 use crate::normals::same_places;
 use glam::DVec3;
 use std::collections::HashMap;
-
-/// An edge of a triangle: its number there, and whether it runs from the larger place to the smaller.
-struct Side {
-    triangle: u32,
-    edge: usize,
-    is_back: bool,
-}
 
 /// The vertices of a mesh that was split at its creases.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -64,34 +58,23 @@ pub(crate) fn picked<T: Copy>(values: &[T], sources: &[u32]) -> Vec<T> {
 fn joined_corners(mesh: &Mesh, cos: f64) -> Vec<(u32, bool)> {
     let places = same_places(&mesh.positions);
     let normals: Vec<DVec3> = mesh.triangles.iter().map(|&t| mesh.face_cross(t).normalize_or_zero()).collect();
-    let mut edges: HashMap<[u32; 2], Vec<Side>> = HashMap::with_capacity(mesh.triangles.len() * 3 / 2);
-    for (triangle, t) in mesh.triangles.iter().enumerate() {
-        for edge in 0..3 {
-            let [a, b] = [t[edge], t[(edge + 1) % 3]].map(|i| places[i as usize]);
-            let side = Side { triangle: triangle as u32, edge, is_back: a > b };
-            edges.entry([a.min(b), a.max(b)]).or_default().push(side);
-        }
-    }
-    let mut joined = Joined::new(3 * mesh.triangles.len());
-    // In the order of triangles, so that the result does not depend on a hash.
-    for (triangle, t) in mesh.triangles.iter().enumerate() {
-        for edge in 0..3 {
-            let [a, b] = [t[edge], t[(edge + 1) % 3]].map(|i| places[i as usize]);
-            let sides = &edges[&[a.min(b), a.max(b)]];
-            let own = sides.iter().position(|s| s.triangle as usize == triangle && s.edge == edge).unwrap_or(0);
-            // Of edges with very many faces only neighbours in the list are compared.
-            for other in sides.iter().skip(own + 1).take(8) {
-                let turned = other.is_back == sides[own].is_back;
-                let along = normals[triangle].dot(normals[other.triangle as usize]);
-                // Rounding must not make an edge of what is said to be none.
-                if (if turned { -along } else { along }) < cos - 1e-6 {
-                    continue;
-                }
-                let corner =
-                    |s: &Side, end: bool| 3 * s.triangle + ((s.edge + usize::from(end != s.is_back)) % 3) as u32;
-                for end in [false, true] {
-                    joined.join(corner(&sides[own], end), corner(other, end), turned);
-                }
+    let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| t.map(|i| places[i as usize])).collect();
+    let edges = Edges::of(&triangles);
+    let mut joined = Joined::new(3 * triangles.len());
+    let sides = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    for (number, [a, b]) in (0..).zip(sides) {
+        let sides = edges.between(a, b);
+        let own = sides.partition_point(|side| side.number < number);
+        // Of edges with very many faces only neighbours in the list are compared.
+        for other in sides.iter().skip(own + 1).take(8) {
+            let turned = other.is_back == sides[own].is_back;
+            let along = normals[sides[own].triangle() as usize].dot(normals[other.triangle() as usize]);
+            // Rounding must not make an edge of what is said to be none.
+            if (if turned { -along } else { along }) < cos - 1e-6 {
+                continue;
+            }
+            for end in [false, true] {
+                joined.join(sides[own].corner(end), other.corner(end), turned);
             }
         }
     }

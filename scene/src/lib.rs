@@ -39,6 +39,7 @@ pub mod cut_out;
 mod cut_out_tests;
 mod deformer;
 mod duplicates;
+mod edges;
 mod error;
 mod instances;
 mod joined;

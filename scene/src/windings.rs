@@ -1,64 +1,12 @@
 //! Faces that wind against those beside them.
 
 use crate::Mesh;
+use crate::edges::Edges;
 use crate::joined::Joined;
-
-/// A triangle at an edge: the edge's larger place, the triangle, and whether the edge runs there from its larger place to its smaller.
-type Side = (u32, u32, bool);
-
-/// The sides of all edges, by the smaller place of each: those of place p are from `firsts[p]` to `firsts[p + 1]`, in order.
-struct Edges {
-    firsts: Vec<u32>,
-    sides: Vec<Side>,
-}
-
-impl Edges {
-    fn of(triangles: &[[u32; 3]]) -> Self {
-        let edges = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
-        let places = triangles.iter().flatten().max().map_or(0, |last| *last as usize + 1);
-        let mut firsts = vec![0; places + 1];
-        for [a, b] in triangles.iter().flat_map(edges) {
-            firsts[a.min(b) as usize + 1] += 1;
-        }
-        for place in 0..places {
-            firsts[place + 1] += firsts[place];
-        }
-        let (mut next, mut sides) = (firsts.clone(), vec![(0, 0, false); 3 * triangles.len()]);
-        for (face, t) in triangles.iter().enumerate() {
-            for [a, b] in edges(t) {
-                let slot = &mut next[a.min(b) as usize];
-                sides[*slot as usize] = (a.max(b), face as u32, a > b);
-                *slot += 1;
-            }
-        }
-        for at in firsts.windows(2) {
-            sides[at[0] as usize..at[1] as usize].sort_unstable();
-        }
-        Self { firsts, sides }
-    }
-
-    /// The pairs of triangles that are alone at an edge, and whether they wind against each other there. A triangle that is there twice
-    /// makes no pair.
-    fn pairs<'e>(&'e self, triangles: &'e [[u32; 3]]) -> impl Iterator<Item = (u32, u32, bool)> + 'e {
-        let sorted = |face: u32| {
-            let mut places = triangles[face as usize];
-            places.sort_unstable();
-            places
-        };
-        let all = self.firsts.windows(2).map(|at| &self.sides[at[0] as usize..at[1] as usize]);
-        all.flat_map(|sides| sides.chunk_by(|a, b| a.0 == b.0)).filter_map(move |edge| match *edge {
-            [(_, one, back), (_, other, other_back)] if sorted(one) != sorted(other) => {
-                Some((one, other, back == other_back))
-            }
-            _ => None,
-        })
-    }
-}
 
 /// Which triangles wind against the most of those that edges connect them with, directly or through others; `None` where all agree.
 /// Edges of more than two triangles connect none, nor do repeated triangles. None of a surface with one side alone, as a Möbius strip
-/// has, is against it. `triangles` are corners by place: the same number where
-/// positions are the same.
+/// has, is against it. `triangles` are corners by place: the same number where positions are the same.
 ///
 /// Linear in the triangles.
 #[must_use]
