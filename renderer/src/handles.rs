@@ -47,10 +47,13 @@ impl Handles {
         self.list.remove(place);
     }
 
-    /// Puts a handle back that was removed; its place in the list. `None` if it is there, or never was.
-    pub(crate) fn put(&mut self, handle: u64) -> Option<usize> {
-        let place = self.list.binary_search(&handle).err().filter(|_| handle < self.next)?;
+    /// The place in the list that a handle has which is put back. `None` if it is there, or never was.
+    pub(crate) fn gap(&self, handle: u64) -> Option<usize> {
+        self.list.binary_search(&handle).err().filter(|_| handle < self.next)
+    }
+
+    /// Puts a handle back at its [gap](Self::gap).
+    pub(crate) fn put(&mut self, place: usize, handle: u64) {
         self.list.insert(place, handle);
-        Some(place)
     }
 }

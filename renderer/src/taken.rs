@@ -33,10 +33,6 @@ impl TakenLight {
     pub const fn handle(&self) -> LightHandle {
         self.handle
     }
-
-    fn is_there(&self) -> EditError {
-        EditError::Present(format!("light {}", self.handle.0))
-    }
 }
 
 impl TakenObject {
@@ -90,8 +86,8 @@ impl Renderer {
             let around = taken.inside.and_then(|object| self.rows.place(object.0));
             inside.object = around.map_or(NO_OBJECT, |place| place as u32);
         }
-        self.check_putting(taken)?;
-        let place = self.light_handles.put(taken.handle.0).ok_or_else(|| taken.is_there())?;
+        let place = self.gap_of(taken)?;
+        self.light_handles.put(place, taken.handle.0);
         self.animation.insert_light(place);
         self.scene.lights.insert(place, light);
         Ok(self.mark(LIT))
@@ -139,7 +135,7 @@ impl Renderer {
     pub fn put_object(&mut self, taken: &TakenObject) -> Result<Stale, RenderError> {
         let object = Object { material: self.material_place(taken.material)?, ..taken.object.clone() };
         self.scene.check_object(&object)?;
-        taken.lights.iter().try_for_each(|light| self.check_putting(light))?;
+        taken.lights.iter().try_for_each(|light| self.gap_of(light).map(drop))?;
         let fault = || EditError::Present(format!("object \"{}\"", object.name));
         let place = self.rows.insert(taken.row.clone()).ok_or_else(fault)?;
         self.animation.insert_object(place);
@@ -151,13 +147,11 @@ impl Renderer {
         Ok(stale)
     }
 
-    /// Checks that a light may come back.
-    fn check_putting(&self, taken: &TakenLight) -> Result<(), RenderError> {
+    /// The place to which a light may come back.
+    fn gap_of(&self, taken: &TakenLight) -> Result<usize, RenderError> {
         self.check_light(self.scene.lights.len(), &taken.light)?;
-        match self.light_handles.place(taken.handle.0) {
-            Some(_) => Err(taken.is_there().into()),
-            None => Ok(()),
-        }
+        let number = taken.handle.0;
+        self.light_handles.gap(number).ok_or_else(|| EditError::Present(format!("light {number}")).into())
     }
 
     /// Checks that a light may go by itself.
