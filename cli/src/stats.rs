@@ -1,7 +1,7 @@
 //! The figures of `render`.
 
 use crate::args::{RenderArgs, name};
-use crate::console::say;
+use crate::console::{counted, say};
 use crate::files::numbered;
 use cosine_lobes::Window;
 use cosine_lobes::render_gpu::CompiledKernel;
@@ -147,7 +147,8 @@ pub(crate) fn print(args: &RenderArgs, stats: &Value) {
         Some(list) if !list.is_empty() => {
             let mut sides: Vec<String> = list.iter().map(|n| format!("{n}²")).collect();
             sides.dedup();
-            format!(", {} shadow maps of {} in {}", list.len(), sides.join(" "), milliseconds("map_seconds"))
+            let maps = counted(list.len(), "shadow map");
+            format!(", {maps} of {} in {}", sides.join(" "), milliseconds("map_seconds"))
         }
         _ => String::new(),
     };
