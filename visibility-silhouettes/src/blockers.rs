@@ -18,9 +18,12 @@ use shading::{Coverage, DynScratch, Shaft, VisibilityQuery};
 use trapezoids::Emits;
 use visibility_mask::{Blockers, Edges, LitArea, Mask, asks_for_openings, facet_coverage};
 
+mod cells;
 mod openings;
+mod parts;
+#[cfg(test)]
+mod parts_tests;
 mod scratch;
-mod sweep;
 pub(crate) mod trapezoids;
 
 pub use scratch::SilhouetteScratch;
@@ -34,6 +37,9 @@ const COLUMNS: u32 = 3;
 
 /// The smallest cosine between two normals of one plane.
 const ALONG: f64 = 0.999_9;
+
+/// Behind more outlines than this, the lit part of a dark mask is found only if anything is open in one of its rows or columns.
+const MANY: usize = 128;
 
 /// The widest disc, `1 − cos θ`, in front of which edges are summed.
 pub(crate) const WIDEST_DISC: f32 = 0.9;
@@ -361,6 +367,10 @@ impl Blockers for SilhouetteBlockers<'_> {
         // Simplified outlines, and arcs in which a light cuts triangles, are left to masks.
         if scratch.is_coarse || scratch.lists.is_too_long() {
             return false;
+        }
+        if mask.is_dark() && scratch.silhouettes.len() > MANY && !self.may_show_between(query, scratch, mask, narrowest)
+        {
+            return true;
         }
         let mut view = scratch.view(query, mask);
         let light = scratch.cut_outlines(query, &mut view);

@@ -165,6 +165,24 @@ impl SilhouetteBlockers<'_> {
         }
     }
 
+    /// Whether anything is open in the rows or the columns of a mask.
+    pub(super) fn may_show_between(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut SilhouetteScratch,
+        mask: &Mask,
+        narrowest: f32,
+    ) -> bool {
+        scratch.marks.clear();
+        self.open_between(query, scratch, mask, narrowest, |_, _| true);
+        if scratch.marks.is_empty() {
+            let turned = scratch.turned_mask(query, mask, mask.depth());
+            self.open_between(query, scratch, &turned, narrowest, |_, _| true);
+            scratch.turned = turned;
+        }
+        !scratch.marks.is_empty()
+    }
+
     /// Lists those openings between the outlines in a mask's rows that a test keeps.
     fn open_between(
         &self,

@@ -1,21 +1,20 @@
 //! The lit part of a window between outlines, as trapezoids.
 
-use super::sweep::{Event, Sweep, SweepMemory};
+use super::cells::{CellMemory, Cells};
+use super::parts::Bounds;
 use crate::project::{View, ends_of, line_through};
 use crate::select::{STEP, Silhouettes};
 use glam::{Vec2, Vec3};
 use lobe_core::Outline;
 use visibility_mask::{LitArea, Mask, UnitSquare};
 
-/// Trapezoids are found where at most this number of outlines is before the light: the time is that of each two at one height.
-const MOST: usize = 4096;
-/// They are given up where pieces begin, end and cross more often than this.
-const MOST_EVENTS: usize = 100_000;
+/// Trapezoids are found where at most this number of outlines is before the light: they take 0.02 s then.
+const MOST: usize = 16384;
 /// Half the distance of the two points of Gauss and Legendre's rule, in heights of a trapezoid.
 pub(crate) const GAUSS: f32 = 0.288_675_13;
-/// The sides of the light and its window divide trapezoids if they are at most this number: a round light has many short ones.
-const SIDES: usize = 10;
-/// Where they are more, those do that are not shorter than this part of the longest, if there are a few: the two along a tube.
+/// The sides of the light divide trapezoids if they are at most this number: a round light has many short ones.
+const SIDES: usize = 8;
+/// Where they are more, the horizon and those do that are not shorter than this part of the longest, if there are a few: the two along a tube.
 const SHORT: f32 = 0.25;
 /// Numbers of surfaces that may be those of slivers alone, which rounding leaves between outlines that coincide.
 pub(super) const DOUBTFUL: usize = 3;
@@ -26,26 +25,56 @@ pub(crate) const SLIVER: f32 = 1e-6;
 /// A second ray is traced into a trapezoid that is not smaller than this part of the largest.
 const SECOND: f32 = 0.01;
 
+/// The side of a piece that moves by more than this to the side on its way up is not certain.
+const STEEP: f32 = 1e3;
+
 /// A piece of an outline.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
     /// Between which heights it is, and its line `x = s + t y`.
     pub(super) heights: [f32; 2],
-    line: [f32; 2],
-    /// Between which places it is.
-    places: [f32; 2],
+    pub(super) line: [f32; 2],
+    /// Where its lower and its higher end are, and between which places it is.
+    ends: [f32; 2],
+    pub(super) places: [f32; 2],
     /// The growth of the number of surfaces to its right.
     pub(super) step: i32,
     /// Whether each end, the lower one first, is left of the path, and the height at which it crosses that if both are not.
     is_left: [bool; 2],
-    pub(super) crosses: f32,
+    crosses: f32,
 }
 
 impl Piece {
+    /// Its place at a height between its ends.
+    #[inline(always)]
     pub(super) fn at(&self, y: f32) -> f32 {
-        let [start, slope] = self.line;
+        let ([start, slope], [low, high]) = (self.line, self.places);
         // The line of one that is nearly level is ill-conditioned.
-        (start + slope * y).max(self.places[0]).min(self.places[1])
+        let x = start + slope * y;
+        let x = if x > low { x } else { low };
+        if x < high { x } else { high }
+    }
+
+    /// The same, or that of the nearest end: exactly where others begin.
+    #[inline(always)]
+    pub(super) fn at_or_end(&self, y: f32) -> f32 {
+        if y <= self.heights[0] {
+            self.ends[0]
+        } else if y >= self.heights[1] {
+            self.ends[1]
+        } else {
+            self.at(y)
+        }
+    }
+
+    /// Whether it crosses a height.
+    pub(super) fn is_at(&self, y: f32) -> bool {
+        self.heights[0] <= y && y < self.heights[1]
+    }
+
+    /// From where to where it is at one of its heights.
+    pub(super) fn ends_at(&self, y: f32) -> [f32; 2] {
+        if self.heights[0] == self.heights[1] { self.places } else { [self.at(y); 2] }
     }
 
     /// Whether it is left of the path at a height.
@@ -58,19 +87,33 @@ impl Piece {
         if self.is_left_at(y) { self.step } else { 0 }
     }
 
-    /// Whether any of it is between the two ends of a window.
-    pub(super) fn is_inside(&self, [low, high]: [f32; 2]) -> bool {
-        self.places[1] > low && self.places[0] < high
+    /// The height at which it crosses the path, and the growth of the number there, upward.
+    pub(super) fn on_path(&self) -> Option<(f32, i32)> {
+        let step = if self.is_left[0] { -self.step } else { self.step };
+        (self.is_left[0] != self.is_left[1]).then_some((self.crosses, step))
     }
 
-    /// The step of one that is not inside where the whole window is to its right.
-    pub(super) fn step_before(&self, [low, _]: [f32; 2]) -> i32 {
-        if self.places[1] <= low { self.step } else { 0 }
+    /// By how much the number falls at most where it is crossed on the way from a point.
+    #[inline(always)]
+    pub(super) fn falls_from(&self, p: Vec2) -> i32 {
+        let [start, slope] = self.line;
+        let is_left = start + slope * p.y < p.x;
+        let is_certain = slope.abs() < STEEP;
+        if is_certain { (if is_left { self.step } else { -self.step }).max(0) } else { self.step.abs() }
     }
 
-    /// The growth of the number of surfaces on the path where it crosses that upward.
-    pub(super) fn step_on_path(&self) -> i32 {
-        if self.is_left[0] { -self.step } else { self.step }
+    /// The change of the number from one point to another, if the line between them crosses it.
+    #[inline(always)]
+    pub(super) fn change(&self, [a, b]: [Vec2; 2]) -> i32 {
+        let slope = (b.x - a.x) / (b.y - a.y);
+        let is_left = |x: f32, y: f32| i32::from(x < a.x + slope * (y - a.y));
+        let [from, to] = self.heights;
+        if from == to {
+            let up = i32::from(b.y >= from) - i32::from(a.y >= from);
+            return up * self.step * (is_left(self.ends[1], from) - is_left(self.ends[0], from));
+        }
+        let is_left_at = |y: f32| is_left(self.at_or_end(y), y.max(from).min(to));
+        self.step * (is_left_at(b.y) - is_left_at(a.y))
     }
 }
 
@@ -78,7 +121,7 @@ impl Piece {
 ///
 /// Outlines beside the light are not all known, so that numbers of surfaces are known but for a constant from this path on.
 #[derive(Clone, Copy, Debug)]
-struct Path([f32; 2]);
+pub(super) struct Path(pub(super) [f32; 2]);
 
 impl Path {
     fn new(view: &View, outline: Option<&Outline>) -> Self {
@@ -104,7 +147,7 @@ pub(super) struct Trapezoid {
 }
 
 impl Trapezoid {
-    fn area(&self) -> f32 {
+    pub(super) fn area(&self) -> f32 {
         (self.ends[1] - self.ends[0]) * self.height
     }
 
@@ -136,12 +179,11 @@ impl Emits<'_> {
 /// The lit part of a window, and working memory.
 ///
 /// # Method
-/// Pieces of outlines end, and cross each other and the bounds of the light, at heights. A [`Sweep`] over these finds the parts between them, trapezoids with one number
-/// of surfaces each. The fewest are none if one ray meets nothing.
+/// [`Cells`] find the parts between pieces of outlines, trapezoids with one number of surfaces each. The fewest are none if one ray meets nothing.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Trapezoids {
-    pieces: Vec<Piece>,
-    sweep: SweepMemory,
+    pub(super) pieces: Vec<Piece>,
+    pub(super) cells: CellMemory,
     found: Vec<Trapezoid>,
 }
 
@@ -161,14 +203,16 @@ impl Trapezoids {
         }
         let path = Path::new(view, emits.outline);
         self.gather(silhouettes, lit.hidden(), view, path);
-        if !self.divide(view, emits, lit.rows()) {
-            return false;
-        }
         self.found.clear();
         let (low, high) = view.corners();
-        Sweep::new(&self.pieces, emits, [low.x, high.x], narrowest, &mut self.found).run(&mut self.sweep);
-        let slivers = narrowest * narrowest + SLIVER * view.square.half.element_product();
+        let UnitSquare { right, up, half, .. } = view.square;
+        let corners: Vec<Vec2> = emits.outline.iter().flat_map(|outline| outline.on_plane([right, up])).collect();
+        let sides = sides(emits, &corners);
+        let slivers = narrowest * narrowest + SLIVER * half.element_product();
+        let bounds =
+            Bounds { emits, sides: &sides, corners: &corners, low, high, rows: lit.rows(), narrowest, slivers };
         let mut is_open = |p: Vec2| !lit.is_hidden(p) && is_open(p);
+        Cells::new(&self.pieces, &bounds, &mut self.found).run(&mut self.cells, &mut is_open);
         let Some(open) = open_numbers(&self.found, slivers, &mut is_open) else { return false };
         for part in self.found.iter().filter(|part| open.contains(&Some(part.number))) {
             lit.add(&view.square, part.ends, part.leans, part.y, part.height);
@@ -192,11 +236,10 @@ impl Trapezoids {
             let slope = (b.x - a.x) / (b.y - a.y);
             self.add([*a, *b], [a.x - slope * a.y, slope], -1, path);
         }
-        self.pieces.sort_unstable_by(|a, b| a.heights[0].total_cmp(&b.heights[0]));
     }
 
     /// Adds a piece.
-    fn add(&mut self, ends: [Vec2; 2], line: [f32; 2], step: i32, to_path: Path) {
+    pub(super) fn add(&mut self, ends: [Vec2; 2], line: [f32; 2], step: i32, to_path: Path) {
         let beside = ends.map(|p| to_path.beside(p));
         let is_left = beside.map(|beside| beside < 0.0);
         let is_up = ends[0].y <= ends[1].y;
@@ -210,77 +253,16 @@ impl Trapezoids {
             heights: [low.y, high.y],
             line,
             places: [low.x.min(high.x), low.x.max(high.x)],
+            ends: [low.x, high.x],
             step: if is_up { step } else { -step },
             is_left: if is_up { is_left } else { [is_left[1], is_left[0]] },
             crosses,
         });
     }
-
-    /// Lists the heights at which the order of pieces and bounds changes, and those between a number of rows. `false` if they are too many.
-    fn divide(&mut self, view: &View, emits: &Emits<'_>, rows: u32) -> bool {
-        let Self { pieces, sweep: SweepMemory { events, .. }, .. } = self;
-        let (low, high) = view.corners();
-        events.clear();
-        let of_rows = (1..rows).map(|k| low.y + (high.y - low.y) * (k as f32 / rows as f32));
-        let UnitSquare { right, up, .. } = view.square;
-        let corners: Vec<Vec2> = emits.outline.iter().flat_map(|outline| outline.on_plane([right, up])).collect();
-        events.extend(of_rows.chain(corners.iter().map(|p| p.y)).map(Event::of_all));
-        let bounds = [Vec3::new(1.0, 0.0, -low.x), Vec3::new(-1.0, 0.0, high.x)];
-        let mut sides: Vec<Vec3> = bounds.into_iter().chain(emits.half_planes()).collect();
-        if sides.len() > SIDES {
-            // Bounds and horizon come first.
-            let others = sides.split_off(3);
-            sides.extend(long_sides(&others, &corners));
-        }
-        for (k, side) in sides.iter().enumerate() {
-            events.extend(sides[..k].iter().map(|other| {
-                let p = side.cross(*other);
-                Event::of_all(p.y / p.z)
-            }));
-        }
-        let (middle, radius) = emits.mask.circle();
-        let window = [low.x, high.x];
-        for (k, piece) in pieces.iter().enumerate() {
-            let [from, to] = piece.heights;
-            let [start, slope] = piece.line;
-            let own = [k as u32; 2];
-            events.push(Event { y: to, pieces: own });
-            if !piece.is_inside(window) {
-                continue;
-            }
-            events.push(Event { y: from, pieces: own });
-            let mut meet = |y: f32, pieces: [u32; 2]| {
-                if y > from && y < to {
-                    events.push(Event { y, pieces });
-                }
-            };
-            for side in &sides {
-                meet(-(side.x * start + side.z) / (side.x * slope + side.y), own);
-            }
-            // |(s + t y, y) - middle| = radius
-            let (a, b, c) = (1.0 + slope * slope, slope * (start - middle.x) - middle.y, start - middle.x);
-            let root = (b * b - a * (c * c + middle.y * middle.y - radius * radius)).sqrt();
-            [-root, root].iter().for_each(|root| meet((root - b) / a, own));
-            let others = (own[0] + 1..).zip(&pieces[k + 1..]).take_while(|(_, other)| other.heights[0] < to);
-            for (number, other) in others.filter(|(_, other)| other.is_inside(window)) {
-                let y = (other.line[0] - start) / (slope - other.line[1]);
-                if y < other.heights[1] && y > other.heights[0] {
-                    meet(y, [own[0], number]);
-                }
-            }
-            if events.len() > MOST_EVENTS {
-                return false;
-            }
-        }
-        events.retain(|event| event.y > low.y && event.y < high.y);
-        events.extend([low.y, high.y].map(Event::of_all));
-        events.sort_unstable_by(|a, b| a.y.total_cmp(&b.y));
-        true
-    }
 }
 
 /// The numbers of surfaces of parts that are open, by rays. None if these contradict each other.
-fn open_numbers(
+pub(super) fn open_numbers(
     found: &[Trapezoid],
     slivers: f32,
     is_open: &mut impl FnMut(Vec2) -> bool,
@@ -316,6 +298,17 @@ fn open_numbers(
     Some(open)
 }
 
+/// The half-planes in which a light with some corners emits, if they are few; else those with long sides.
+pub(super) fn sides(emits: &Emits<'_>, corners: &[Vec2]) -> Vec<Vec3> {
+    let mut sides: Vec<Vec3> = emits.half_planes().collect();
+    if sides.len() > SIDES {
+        // The horizon comes first.
+        let others = sides.split_off(1);
+        sides.extend(long_sides(&others, corners));
+    }
+    sides
+}
+
 /// Those half-planes whose side between corners is long; none where they are not few.
 fn long_sides(half_planes: &[Vec3], corners: &[Vec2]) -> Vec<Vec3> {
     let length = |side: &Vec3| {
@@ -332,7 +325,7 @@ fn long_sides(half_planes: &[Vec3], corners: &[Vec2]) -> Vec<Vec3> {
         .filter(|(_, length)| **length >= SHORT * longest)
         .map(|(side, _)| *side)
         .collect();
-    if long.len() > SIDES - 3 { Vec::new() } else { long }
+    if long.len() >= SIDES { Vec::new() } else { long }
 }
 
 #[cfg(test)]
