@@ -129,7 +129,7 @@ impl Cells<'_> {
         self.cut(cell, parts, heights);
         begun.clear();
         let mut rest = 0;
-        // In the slab below, or where it is known at first.
+        // A point of the slab below, and its number.
         let mut below: Option<Anchor> = None;
         let mut from = cell.low.y;
         for to in heights.iter().copied() {
