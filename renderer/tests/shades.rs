@@ -11,7 +11,7 @@ use scene::{Animation, BlockerSet, Mesh, Object, Proxy, Scene, Strategy};
 use std::sync::Arc;
 use test_scenes::{around_lampshade, below_leaves};
 
-/// Samples of the reference for a point and a light.
+/// Samples of the reference.
 const SAMPLES: u32 = 4096;
 
 /// Mean and 99th percentile of the error of pixels as a part of their own radiance, the sum's error, and the mean standard error of the reference.
@@ -32,14 +32,14 @@ fn own_errors(scene: &Scene, truth: &[(f32, f32)], strategy: Strategy) -> [f32; 
     [mean(&mut errors.iter().copied()), errors[errors.len() * 99 / 100], sum / wanted - 1.0, noise]
 }
 
-/// Radiance of each pixel and its standard error.
-fn truth(scene: &Scene) -> Vec<(f32, f32)> {
+/// Radiance of each pixel and its standard error, by so many samples for a point and a light.
+fn truth(scene: &Scene, samples: u32) -> Vec<(f32, f32)> {
     let world = World::new(scene);
     let gbuffer = GBuffer::new(&world, scene.width, scene.height, 1);
     let blockers = BlockerSet::default();
     let job = ReferenceJob { world: &world, gbuffer: &gbuffer, blockers: &blockers, geometry: Geometry::Mesh, seed: 3 };
     let mut reference = Reference::new(job);
-    reference.advance(SAMPLES, &AtomicBool::new(false), &|_| {});
+    reference.advance(samples, &AtomicBool::new(false), &|_| {});
     let estimate = reference.estimate();
     // The sky itself is no shaded point.
     let values = gbuffer.resolve(&estimate.radiance, Vec3::ZERO);
@@ -52,7 +52,7 @@ const RAYS: f32 = 0.015;
 
 /// Prints a scene's errors by silhouettes and rays, of which those by silhouettes are to be at most so much beyond the noise.
 fn check(name: &str, scene: &Scene, [most, most_of_99]: [f32; 2]) {
-    let truth = truth(scene);
+    let truth = truth(scene, SAMPLES);
     for strategy in [Strategy::Silhouettes, Strategy::Rays] {
         let [mean, p99, bias, noise] = own_errors(scene, &truth, strategy);
         println!("{name}, {strategy:?}: own error {mean:.4}, 99 % {p99:.3}, sum {bias:+.4}; noise {noise:.4}");
@@ -113,7 +113,7 @@ fn plates_hide_the_ends_of_tubes() {
     scene.objects[1] =
         Object::mesh("plate", Mesh::quad(Vec3::Y * 0.955, Vec3::X * 0.12, Vec3::Z * 0.12), 0, Proxy::None);
     scene.camera.target = Vec3::ZERO;
-    let truth = truth(&scene);
+    let truth = truth(&scene, SAMPLES);
     let white = truth.iter().fold(0.0_f32, |most, (value, _)| most.max(*value));
     for strategy in [Strategy::Silhouettes, Strategy::Rays] {
         let settings = Settings { strategy: Some(strategy), samples: PixelSamples::Uniform(1), ..Settings::default() };
@@ -142,5 +142,19 @@ fn leaves_hide_what_they_cover() {
         let mut scene = below_leaves(count, size, sky.lights().to_vec());
         scene.environment = Some(Arc::new(sky));
         check(&format!("{count} leaves, sky"), &scene, [0.005, 0.05]);
+    }
+}
+
+/// Thousands of leaves, through which points see a lamp in many pieces, or in a few of its hundredths.
+#[test]
+fn crowns_let_little_light_through() {
+    for (count, radius) in [(20_000, 0.1), (6000, 0.6)] {
+        let scene = below_leaves(count, 0.06, vec![sphere(Vec3::Y * 5.0, radius)]);
+        let truth = truth(&scene, 4 * SAMPLES);
+        let [mean, p99, bias, noise] = own_errors(&scene, &truth, Strategy::Silhouettes);
+        println!(
+            "{count} leaves, lamp of {radius}: own error {mean:.4}, 99 % {p99:.3}, sum {bias:+.4}; noise {noise:.4}"
+        );
+        assert!(mean < noise + 0.004 && p99 < 8.0 * noise + 0.02, "{count} leaves");
     }
 }

@@ -1,3 +1,4 @@
+use crate::MAX_DEPTH;
 use shading::Accuracy;
 
 /// The tolerance from which on rows of 64 samples suffice for broad lobes, and one mask for narrow ones.
@@ -38,6 +39,15 @@ impl Fineness {
             [3, 2]
         };
         Self { coarse: false, grid }
+    }
+
+    /// The next finer masks, with twice the rows, than these of a depth.
+    pub(crate) fn finer(self, depth: u32) -> (Self, u32) {
+        if depth < MAX_DEPTH {
+            (Self { coarse: false, ..self }, depth + 1)
+        } else {
+            (Self { coarse: false, grid: self.grid.map(|count| 2 * count) }, depth)
+        }
     }
 
     /// Columns of a mask, of some samples each, that have a weight of their own.

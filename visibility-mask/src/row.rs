@@ -218,6 +218,13 @@ fn either<S: Simd>(words: u32x8<S>) -> u32 {
     (a | c) | (b | d)
 }
 
+/// The number of spans of a row.
+#[inline(always)]
+pub(crate) fn spans(row: &Row) -> u32 {
+    let begin = |(last, spans): (u64, u32), word: &u64| (word >> 63, spans + (word & !(word << 1 | last)).count_ones());
+    row.0.iter().fold((0, 0), begin).1
+}
+
 /// Number of samples.
 #[inline(always)]
 pub(crate) fn count(row: &Row) -> u32 {

@@ -51,7 +51,8 @@ pub enum LookAgain {
 /// # Method
 /// The blockers fill a mask of the whole light. If so little of it is lit that few samples measure its size, blockers find that part [as it is](Blockers::find_lit); if they cannot, masks are drawn again in
 /// windows around the lit part and, before wide lights, around openings between samples that the blockers [mark](Blockers::mark_openings), so
-/// that the error is small compared with the visible part; [`LookAgain`] says where. A lobe narrower than the light has a mask of its own over the part of the light that it covers,
+/// that the error is small compared with the visible part; [`LookAgain`] says where. Behind leaves, where the lit part is in many pieces and even and odd rows of the mask do not
+/// agree on its size within the tolerance, the mask is drawn again with twice the rows. A lobe narrower than the light has a mask of its own over the part of the light that it covers,
 /// since the cells of the whole mask would limit its accuracy. As things move, samples come and go. Below a tolerance of 0.5 % the
 /// window of a narrow lobe is divided into 2 × 2 parts with a mask each, below 0.2 % into 3 × 2 and the whole light into 2 × 2
 /// ([`Fineness`]): with gentle motion 95 % of the pops are then smaller than the tolerance. The visible part of the light for a
@@ -241,8 +242,7 @@ impl<B: Blockers> MaskVisibility<B> {
         self.draw(square, fineness, query, blockers, own, full.has_near());
     }
 
-    /// Draws the masks of a window with the first fineness; if `is_looked_into`, draws masks around a small lit part with the
-    /// second one.
+    /// Draws the masks of a window with the first fineness, or a finer one; if `is_looked_into`, draws masks around a small lit part with the second one.
     fn draw(
         &self,
         square: &UnitSquare,
@@ -253,11 +253,29 @@ impl<B: Blockers> MaskVisibility<B> {
         is_looked_into: bool,
     ) {
         let depth = self.depth(query);
-        let draw = |mask: &mut Mask| self.blockers.splat(query, blockers, mask);
-        masks.draw(square, fineness, depth, query.at.normal, query.outline, draw);
-        if self.is_single || self.again == LookAgain::Never || !is_looked_into {
+        let mut draw = |mask: &mut Mask| self.blockers.splat(query, blockers, mask);
+        masks.draw(square, fineness, depth, query.at.normal, query.outline, &mut draw);
+        if self.is_single || self.again == LookAgain::Never {
             return;
         }
+        if masks.is_rough(evenly(query)) {
+            let (fineness, depth) = fineness.finer(depth);
+            masks.draw(square, fineness, depth, query.at.normal, query.outline, draw);
+        }
+        if is_looked_into {
+            self.draw_near(square, near, query, blockers, masks);
+        }
+    }
+
+    /// Finds the lit part of a window as it is, or draws masks around it with a fineness, if it is small.
+    fn draw_near(
+        &self,
+        square: &UnitSquare,
+        near: Fineness,
+        query: &VisibilityQuery<'_>,
+        blockers: &mut B::Scratch,
+        masks: &mut WindowMasks,
+    ) {
         let counts = masks.lit_counts();
         let is_little = counts.are_slight() || counts.are_few();
         // A part of an environment, whose outline knows its sides, ends where the next one begins.

@@ -4,10 +4,17 @@ use crate::near_masks::{LitCounts, LitEnds, NearMasks};
 use crate::places;
 use crate::spread::Spread;
 use crate::visible_fraction::{MIRROR, Shown, Sums, image_sums, microfacet_sums, narrowest, sums};
-use crate::{Fineness, LitArea, Mask, UnitSquare};
+use crate::{Fineness, LitArea, Mask, UnitSquare, row};
+use fearless_simd::{Level, dispatch};
 use glam::{UVec2, Vec3};
 use lobe_core::{BrdfLobe, LightImage, Lobe, Microfacets, Outline, Receiver, Schlick, light_image_integral};
 use shading::Coverage;
+
+/// The lit part is in many pieces if rows, of which one of LOOKED_AT is looked at, show as many in the mean.
+const PIECES: u32 = 2;
+const LOOKED_AT: usize = 4;
+/// Masks are drawn again with more rows if half of these differ from the others by more than so many times the tolerance. Both halves together err by less than half as much.
+const ROUGH: f32 = 3.0;
 
 /// The masks of a window: one, or several side by side if the tolerance needs more samples; and, if the lit part is small, that part as it is, or masks
 /// around it.
@@ -74,6 +81,33 @@ impl WindowMasks {
         let mut counts = LitCounts::default();
         self.masks().iter().for_each(|mask| counts.add(mask));
         counts
+    }
+
+    /// Whether the lit part is in many pieces whose size rows do not measure: half of them differ from the others by more than [`ROUGH`] times a tolerance, relative to all.
+    pub(crate) fn is_rough(&self, tolerance: f32) -> bool {
+        dispatch!(Level::new(), _simd => self.are_rows_rough(tolerance))
+    }
+
+    #[inline(always)]
+    fn are_rows_rough(&self, tolerance: f32) -> bool {
+        let (mut spans, mut lit_rows) = (0, 0);
+        for mask in self.masks() {
+            for j in (0..mask.side()).step_by(LOOKED_AT) {
+                let more = row::spans(&mask.lit(j));
+                spans += more;
+                lit_rows += u32::from(more > 0);
+            }
+        }
+        if spans < PIECES * lit_rows || spans == 0 {
+            return false;
+        }
+        let mut sums = [0_u32; 2];
+        for mask in self.masks() {
+            for j in 0..mask.side() {
+                sums[j % 2] += row::count(&mask.lit(j));
+            }
+        }
+        sums[0].abs_diff(sums[1]) as f32 > ROUGH * tolerance * (sums[0] + sums[1]) as f32
     }
 
     /// Whether the lit part is that of an opening: it ends at blockers on two opposite sides at least. The lit part of an ordinary penumbra

@@ -252,7 +252,7 @@ impl<'a> Cells<'a> {
                 lists[*end as usize] = span.piece;
             }
         }
-        // What was the end of each list is its beginning now.
+        // The end of each list is its beginning now.
         firsts.remove(0);
         firsts.push(lists.len() as u32);
     }

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 /// Parts lower than this part of the narrowest are left out.
 const THINNEST: f32 = 0.01;
 
-/// What bounds parts besides pieces.
+/// The light and the window, which bound parts besides pieces.
 pub(super) struct Bounds<'a> {
     pub(super) emits: &'a Emits<'a>,
     /// Half-planes in which the light emits, those with long sides, and all corners.
