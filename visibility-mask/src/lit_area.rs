@@ -28,22 +28,38 @@ pub struct LitArea {
     points: Vec<Vec3>,
     trapezoids: Vec<Trapezoid>,
     hidden: Vec<[Vec2; 2]>,
+    /// Whether it ends at the light's own outline.
+    is_ordinary: bool,
     /// The box in which alone it matters what is hidden: from, to.
     looked_at: Option<[Vec2; 2]>,
 }
 
 impl Default for LitArea {
     fn default() -> Self {
-        Self { pieces: PIECES, points: Vec::new(), trapezoids: Vec::new(), hidden: Vec::new(), looked_at: None }
+        Self {
+            pieces: PIECES,
+            points: Vec::new(),
+            trapezoids: Vec::new(),
+            hidden: Vec::new(),
+            is_ordinary: false,
+            looked_at: None,
+        }
     }
 }
 
 impl LitArea {
     /// Begins again. Rows have as many points as an image has texels there, from 32 to 96.
-    pub(crate) fn begin(&mut self, image: Option<&LightImage>) {
+    pub(crate) fn begin(&mut self, image: Option<&LightImage>, is_ordinary: bool) {
+        self.is_ordinary = is_ordinary;
         self.pieces = image.map_or(PIECES, |image| (0.5 * image.texels() as f32).clamp(PIECES, MOST_PIECES));
         self.truncate(0);
         self.clear_hidden();
+    }
+
+    /// Whether the lit part ends at the light's own outline, as in an ordinary penumbra, so that masks around it measure it as well.
+    #[must_use]
+    pub const fn is_ordinary(&self) -> bool {
+        self.is_ordinary
     }
 
     /// Rows of a window in which its pieces are at most one row high.

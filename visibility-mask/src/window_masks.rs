@@ -147,13 +147,13 @@ impl WindowMasks {
         self.is_lit_known || !self.near.masks().is_empty()
     }
 
-    /// Lets `find` find the lit part of each mask as it is, as finely as the light's image wants. Returns whether it does so for all.
+    /// Lets `find` find the lit part of each mask as it is, as finely as the light's image wants, and whether it is that of an ordinary penumbra. Returns whether it does so for all.
     pub(crate) fn find_lit(
         &mut self,
-        image: Option<&LightImage>,
+        (image, is_ordinary): (Option<&LightImage>, bool),
         mut find: impl FnMut(&Mask, &mut LitArea) -> bool,
     ) -> bool {
-        self.lit.begin(image);
+        self.lit.begin(image, is_ordinary);
         let count = (self.grid[0] * self.grid[1]) as usize;
         let Self { masks, lit, .. } = self;
         if !masks[..count].iter().all(|mask| find(mask, lit)) {

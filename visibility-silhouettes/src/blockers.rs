@@ -38,7 +38,7 @@ const COLUMNS: u32 = 3;
 /// The smallest cosine between two normals of one plane.
 const ALONG: f64 = 0.999_9;
 
-/// Behind more outlines than this, the lit part of a dark mask is found only if anything is open in one of its rows or columns.
+/// Before more outlines than this, the lit part of a dark mask, or of an ordinary penumbra, is found as it is only if anything is open between rows or samples.
 const MANY: usize = 128;
 
 /// The widest disc, `1 − cos θ`, in front of which edges are summed.
@@ -368,9 +368,11 @@ impl Blockers for SilhouetteBlockers<'_> {
         if scratch.is_coarse || scratch.lists.is_too_long() {
             return false;
         }
-        if mask.is_dark() && scratch.silhouettes.len() > MANY && !self.may_show_between(query, scratch, mask, narrowest)
+        if scratch.silhouettes.len() > MANY
+            && (lit.is_ordinary() || mask.is_dark())
+            && !self.hides_openings(query, scratch, mask, narrowest)
         {
-            return true;
+            return mask.is_dark();
         }
         let mut view = scratch.view(query, mask);
         let light = scratch.cut_outlines(query, &mut view);

@@ -9,6 +9,8 @@ use visibility_mask::{Mask, Raster};
 
 /// Openings between samples are marked if they are more than 1/HIDDEN of the lit samples.
 const HIDDEN: f32 = 128.0;
+/// Masks do not measure the lit part if they are more than 1/MUCH of these.
+const MUCH: f32 = 4.0;
 
 /// An interval of a row with the fewest surfaces before it.
 #[derive(Clone, Copy, Debug)]
@@ -142,6 +144,36 @@ impl SilhouetteBlockers<'_> {
         mask: &mut Mask,
         narrowest: f32,
     ) {
+        let (of_rows, hidden) = self.list_hidden(query, scratch, mask, narrowest);
+        if HIDDEN * hidden > mask.lit_count() as f32 {
+            let (rows, columns) = scratch.marks.split_at(of_rows);
+            let lines = stride(mask.side()) as f32 * mask.cell();
+            rows.iter().for_each(|ends| mask.mark_opening(*ends, lines.y));
+            columns.iter().for_each(|ends| mask.mark_opening(*ends, lines.x));
+        }
+    }
+
+    /// Whether openings between the samples of a mask's rows, or between its rows, are more than a part of its lit samples.
+    pub(super) fn hides_openings(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut SilhouetteScratch,
+        mask: &Mask,
+        narrowest: f32,
+    ) -> bool {
+        let (_, hidden) = self.list_hidden(query, scratch, mask, narrowest);
+        MUCH * hidden > mask.lit_count() as f32
+    }
+
+    /// Lists the openings between the samples of a mask's rows, and then those in its columns that are lower than a row. Returns the number of the first ones, and how many samples
+    /// all would have.
+    fn list_hidden(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &mut SilhouetteScratch,
+        mask: &Mask,
+        narrowest: f32,
+    ) -> (usize, f32) {
         let raster = mask.raster();
         scratch.marks.clear();
         self.open_between(query, scratch, mask, narrowest, |_, opening| !opening.is_seen(&raster));
@@ -154,33 +186,10 @@ impl SilhouetteBlockers<'_> {
         scratch.turned = turned;
         let (rows, columns) = scratch.marks.split_at_mut(of_rows);
         columns.iter_mut().for_each(|ends| *ends = ends.map(|p| Vec2::new(-p.y, p.x)));
-        let hidden = rows.iter().map(|[from, to]| (to.x - from.x) * raster.samples).sum::<f32>()
+        let samples = rows.iter().map(|[from, to]| (to.x - from.x) * raster.samples).sum::<f32>()
             + columns.iter().map(|[from, to]| (to.y - from.y).abs() * raster.rows).sum::<f32>() * raster.width
                 / mask.side() as f32;
-        let stride = stride(mask.side()) as f32;
-        if HIDDEN * stride * hidden > mask.lit_count() as f32 {
-            let lines = stride * mask.cell();
-            rows.iter().for_each(|ends| mask.mark_opening(*ends, lines.y));
-            columns.iter().for_each(|ends| mask.mark_opening(*ends, lines.x));
-        }
-    }
-
-    /// Whether anything is open in the rows or the columns of a mask.
-    pub(super) fn may_show_between(
-        &self,
-        query: &VisibilityQuery<'_>,
-        scratch: &mut SilhouetteScratch,
-        mask: &Mask,
-        narrowest: f32,
-    ) -> bool {
-        scratch.marks.clear();
-        self.open_between(query, scratch, mask, narrowest, |_, _| true);
-        if scratch.marks.is_empty() {
-            let turned = scratch.turned_mask(query, mask, mask.depth());
-            self.open_between(query, scratch, &turned, narrowest, |_, _| true);
-            scratch.turned = turned;
-        }
-        !scratch.marks.is_empty()
+        (of_rows, stride(mask.side()) as f32 * samples)
     }
 
     /// Lists those openings between the outlines in a mask's rows that a test keeps.

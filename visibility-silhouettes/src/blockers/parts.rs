@@ -2,6 +2,7 @@
 
 use super::cells::Cells;
 use super::trapezoids::{Emits, GAUSS, Piece, Trapezoid};
+use core::cmp::Ordering;
 use glam::{Vec2, Vec3};
 
 /// Parts lower than this part of the narrowest are left out.
@@ -61,6 +62,14 @@ impl Part {
         let heights = [piece.heights[0].max(cell.low.y), piece.heights[1].min(cell.high.y)];
         let ends = heights.map(|y| piece.at(y));
         (heights[0] <= heights[1]).then_some(Self { piece: *piece, heights, ends })
+    }
+
+    /// By lower ends; the same in whatever order outlines are listed.
+    fn order(&self, other: &Self) -> Ordering {
+        let numbers =
+            |part: &Self| [part.heights[0], part.ends[0], part.ends[1], part.heights[1], part.piece.step as f32];
+        let pairs = numbers(self).into_iter().zip(numbers(other));
+        pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
     }
 }
 
@@ -125,7 +134,7 @@ impl Cells<'_> {
         let PartMemory { heights, parts, begun, places } = memory;
         parts.clear();
         parts.extend(list.iter().filter_map(|k| Part::of(&self.pieces[*k as usize], cell)));
-        parts.sort_unstable_by(|a, b| a.heights[0].total_cmp(&b.heights[0]));
+        parts.sort_unstable_by(Part::order);
         self.cut(cell, parts, heights);
         begun.clear();
         let mut rest = 0;
