@@ -90,9 +90,9 @@ fn silhouettes() {
 
 #[test]
 fn rays() {
-    let measured =
-        check(&Rays, &Limits { several_mean: 0.001, several: 0.01, turn: 0.005, jump: 0.0035, ..Limits::default() })
-            .unwrap_or_else(|e| panic!("{e}"));
+    // Where one of two masks is drawn again with more rows, they differ by the error of the other.
+    let limits = Limits { several_mean: 0.001, several: 0.01, turn: 0.01, jump: 0.0035, ..Limits::default() };
+    let measured = check(&Rays, &limits).unwrap_or_else(|e| panic!("{e}"));
     println!("{measured:?}");
 }
 
