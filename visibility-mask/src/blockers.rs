@@ -90,6 +90,11 @@ pub trait Blockers: Sync {
         false
     }
 
+    /// Whether masks behind many small pieces are drawn again with more rows, where these do not measure the lit part. Provided: no.
+    fn refines_masks(&self) -> bool {
+        false
+    }
+
     /// Adds what it hides of a mask's window, as polygons ([`LitArea::hide`]), for others that find the lit part. Returns `false`, whatever it has added, where it
     /// cannot. Call it only after [`select`](Self::select) of the same query. Provided: it cannot.
     fn add_hidden(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, mask: &Mask, lit: &mut LitArea) -> bool {

@@ -124,6 +124,10 @@ impl<A: Blockers, B: Blockers> Blockers for Mixture<A, B> {
         }
     }
 
+    fn refines_masks(&self) -> bool {
+        self.first.refines_masks() || self.second.refines_masks()
+    }
+
     fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {
         (scratch.partial.0 && self.first.may_hide_openings(&scratch.first))
             || (scratch.partial.1 && self.second.may_hide_openings(&scratch.second))

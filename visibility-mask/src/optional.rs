@@ -86,6 +86,10 @@ impl<B: Blockers> Blockers for Option<B> {
         }
     }
 
+    fn refines_masks(&self) -> bool {
+        self.as_ref().is_some_and(Blockers::refines_masks)
+    }
+
     fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {
         matches!((self, scratch), (Some(blockers), Some(scratch)) if blockers.may_hide_openings(scratch))
     }
@@ -142,6 +146,10 @@ impl<B: Blockers> Blockers for &B {
         lit: &mut LitArea,
     ) -> bool {
         B::find_lit(self, query, scratch, mask, narrowest, lit)
+    }
+
+    fn refines_masks(&self) -> bool {
+        B::refines_masks(self)
     }
 
     fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {

@@ -51,7 +51,7 @@ pub enum LookAgain {
 /// # Method
 /// The blockers fill a mask of the whole light. If so little of it is lit that few samples measure its size, blockers find that part [as it is](Blockers::find_lit); if they cannot, masks are drawn again in
 /// windows around the lit part and, before wide lights, around openings between samples that the blockers [mark](Blockers::mark_openings), so
-/// that the error is small compared with the visible part; [`LookAgain`] says where. Behind leaves, where the lit part is in many pieces and even and odd rows of the mask do not
+/// that the error is small compared with the visible part; [`LookAgain`] says where. Behind leaves of triangles, where the lit part is in many pieces and even and odd rows of the mask do not
 /// agree on its size within the tolerance, the mask is drawn again with twice the rows. A lobe narrower than the light has a mask of its own over the part of the light that it covers,
 /// since the cells of the whole mask would limit its accuracy. As things move, samples come and go. Below a tolerance of 0.5 % the
 /// window of a narrow lobe is divided into 2 × 2 parts with a mask each, below 0.2 % into 3 × 2 and the whole light into 2 × 2
@@ -258,7 +258,7 @@ impl<B: Blockers> MaskVisibility<B> {
         if self.is_single || self.again == LookAgain::Never {
             return;
         }
-        if masks.is_rough(evenly(query)) {
+        if self.blockers.refines_masks() && masks.is_rough(evenly(query)) {
             let (fineness, depth) = fineness.finer(depth);
             masks.draw(square, fineness, depth, query.at.normal, query.outline, draw);
         }

@@ -341,6 +341,10 @@ impl Blockers for SilhouetteBlockers<'_> {
         }
     }
 
+    fn refines_masks(&self) -> bool {
+        true
+    }
+
     fn may_hide_openings(&self, scratch: &Self::Scratch) -> bool {
         scratch.may_hide
     }

@@ -11,6 +11,9 @@ const DEEP: f32 = 2.0;
 const FINER: f32 = 6.0;
 /// Across a window, and up.
 const MOST_CELLS: f32 = 512.0;
+/// Parts are given up where pieces meet more rows of cells than this, or where more pairs of pieces, each with itself, meet in a cell: long ones that cross each other.
+const MOST_SPANS: usize = 400_000;
+const MOST_PAIRS: u64 = 4_000_000;
 /// Pieces are in the list of a cell if they are as near to it, in cells.
 const MARGIN: f32 = 1e-3;
 
@@ -153,17 +156,22 @@ impl<'a> Cells<'a> {
         Self { grid, pieces, bounds, found, least: i32::MAX, closed: i32::MAX, steepest }
     }
 
-    /// Adds the trapezoids with the fewest surfaces, and those with a few more where it is not known that these are closed.
-    pub(super) fn run(&mut self, memory: &mut CellMemory, is_open: &mut impl FnMut(Vec2) -> bool) {
-        self.draw(memory);
+    /// Adds the trapezoids with the fewest surfaces, and those with a few more where it is not known that these are closed. `false` if that would take too long.
+    pub(super) fn run(&mut self, memory: &mut CellMemory, is_open: &mut impl FnMut(Vec2) -> bool) -> bool {
+        if !self.draw(memory) {
+            return false;
+        }
         if self.depth(memory) > DEEP {
             self.grid = Grid::new(self.bounds, FINER * self.pieces.len() as f32);
-            self.draw(memory);
+            if !self.draw(memory) {
+                return false;
+            }
         }
         self.look(memory, is_open);
         for row in 0..self.grid.count {
             self.divide_row(row, memory, is_open);
         }
+        true
     }
 
     /// Numbers from which on parts are left out.
@@ -176,8 +184,8 @@ impl<'a> Cells<'a> {
         self.bounds.rows.div_ceil(self.grid.count as u32)
     }
 
-    /// Counts on the lines between rows, and lists the pieces of cells.
-    fn draw(&mut self, memory: &mut CellMemory) {
+    /// Counts on the lines between rows, and lists the pieces of cells. `false` if these are too many.
+    fn draw(&mut self, memory: &mut CellMemory) -> bool {
         let Grid { count, .. } = self.grid;
         let [xs, ys] = &mut memory.lines;
         xs.clear();
@@ -193,9 +201,16 @@ impl<'a> Cells<'a> {
         memory.firsts.resize(count * count + 1, 0);
         for (k, piece) in (0..).zip(self.pieces) {
             self.draw_piece(k, piece, memory);
+            if memory.spans.len() > MOST_SPANS {
+                return false;
+            }
+        }
+        if memory.firsts.iter().map(|count| u64::from(*count) * u64::from(*count)).sum::<u64>() > MOST_PAIRS {
+            return false;
         }
         self.sort(memory);
         self.sum(memory);
+        true
     }
 
     /// Adds a piece to the numbers on lines, and lists the cells that it may meet.

@@ -106,7 +106,7 @@ fn open_parts_have_their_area() {
         let is_in = |polygon: &[Vec2], p: Vec2| sides_of(polygon).all(|[a, b]| (b - a).perp_dot(p - a) > 0.0);
         let mut is_open = |p: Vec2| !polygons.iter().any(|polygon| is_in(polygon, p));
         let mut found = Vec::new();
-        Cells::new(&trapezoids.pieces, &bounds, &mut found).run(&mut trapezoids.cells, &mut is_open);
+        assert!(Cells::new(&trapezoids.pieces, &bounds, &mut found).run(&mut trapezoids.cells, &mut is_open));
         let open = open_numbers(&found, SLIVERS, &mut is_open).expect("rays agree");
         let area: f32 = found.iter().filter(|part| open.contains(&Some(part.number))).map(Trapezoid::area).sum();
         let light = line.map_or(window.to_vec(), |line| above(&window, line));

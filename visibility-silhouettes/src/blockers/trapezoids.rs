@@ -188,7 +188,7 @@ pub(super) struct Trapezoids {
 }
 
 impl Trapezoids {
-    /// Adds the lit part of a window. `false` if outlines are too many, or if rays do not confirm what was found.
+    /// Adds the lit part of a window. `false` if outlines are too many or meet too often, or if rays do not confirm what was found.
     pub(super) fn find(
         &mut self,
         silhouettes: &Silhouettes,
@@ -212,7 +212,9 @@ impl Trapezoids {
         let bounds =
             Bounds { emits, sides: &sides, corners: &corners, low, high, rows: lit.rows(), narrowest, slivers };
         let mut is_open = |p: Vec2| !lit.is_hidden(p) && is_open(p);
-        Cells::new(&self.pieces, &bounds, &mut self.found).run(&mut self.cells, &mut is_open);
+        if !Cells::new(&self.pieces, &bounds, &mut self.found).run(&mut self.cells, &mut is_open) {
+            return false;
+        }
         let Some(open) = open_numbers(&self.found, slivers, &mut is_open) else { return false };
         for part in self.found.iter().filter(|part| open.contains(&Some(part.number))) {
             lit.add(&view.square, part.ends, part.leans, part.y, part.height);
