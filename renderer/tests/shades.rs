@@ -32,7 +32,7 @@ fn own_errors(scene: &Scene, truth: &[(f32, f32)], strategy: Strategy) -> [f32; 
     [mean(&mut errors.iter().copied()), errors[errors.len() * 99 / 100], sum / wanted - 1.0, noise]
 }
 
-/// Radiance of each pixel and its standard error, by so many samples for a point and a light.
+/// Radiance of each pixel and its standard error, by a number of samples for a point and a light.
 fn truth(scene: &Scene, samples: u32) -> Vec<(f32, f32)> {
     let world = World::new(scene);
     let gbuffer = GBuffer::new(&world, scene.width, scene.height, 1);

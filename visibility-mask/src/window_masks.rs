@@ -13,7 +13,7 @@ use shading::Coverage;
 /// The lit part is in many pieces if rows, of which one of LOOKED_AT is looked at, show as many in the mean.
 const PIECES: u32 = 2;
 const LOOKED_AT: usize = 4;
-/// Masks are drawn again with more rows if half of these differ from the others by more than so many times the tolerance. Both halves together err by less than half as much.
+/// Masks are drawn again with more rows if half of these differ from the others by more than ROUGH times the tolerance. Both halves together err by less than half as much.
 const ROUGH: f32 = 3.0;
 
 /// The masks of a window: one, or several side by side if the tolerance needs more samples; and, if the lit part is small, that part as it is, or masks

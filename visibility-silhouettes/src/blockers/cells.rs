@@ -242,7 +242,7 @@ impl<'a> Cells<'a> {
             }
             if right >= -MARGIN && left <= grid.count as f32 + MARGIN {
                 let near = [left - MARGIN, right + MARGIN].map(|place| row * grid.count + grid.nearest(place));
-                firsts[near[0] + 1..=near[1] + 1].iter_mut().for_each(|count| *count += 1);
+                firsts[near[0]..=near[1]].iter_mut().for_each(|count| *count += 1);
                 spans.push(Span { piece: number, cells: near.map(|cell| cell as u32) });
             }
         }
@@ -255,21 +255,19 @@ impl<'a> Cells<'a> {
     fn sort(&self, memory: &mut CellMemory) {
         let CellMemory { firsts, lists, spans, .. } = memory;
         let cells = self.grid.count * self.grid.count;
+        // Where each list ends, and then where it begins.
         for k in 0..cells {
             firsts[k + 1] += firsts[k];
         }
         lists.clear();
         lists.resize(firsts[cells] as usize, 0);
         for span in spans.iter().rev() {
-            let [first, last] = span.cells.map(|cell| cell as usize + 1);
+            let [first, last] = span.cells.map(|cell| cell as usize);
             for end in &mut firsts[first..=last] {
                 *end -= 1;
                 lists[*end as usize] = span.piece;
             }
         }
-        // The end of each list is its beginning now.
-        firsts.remove(0);
-        firsts.push(lists.len() as u32);
     }
 
     /// Sums what pieces add, and finds where lines emit.
