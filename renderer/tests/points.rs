@@ -184,3 +184,78 @@ fn points_behind_a_plate_are_in_its_shadow() {
     assert_eq!(light(-1.0), 0.0);
     assert!(light(1.0) > 0.0);
 }
+
+/// A wall beside a panel sees a part of it above its own horizon, and of that what a sill along the panel's side leaves: the two cross at right angles, and
+/// neither may run along the rows of a mask, which would count whole rows (2 % of the light).
+#[test]
+fn a_sill_hides_a_panel_that_the_horizon_cuts() {
+    let mut scene = scene::builtin();
+    scene.environment = None;
+    let sill = Mesh::cuboid(Vec3::new(-2.1, 0.45, -0.9), Vec3::new(0.2, 0.9, 1.2));
+    scene.objects = vec![Object::mesh("sill", sill, 0, Proxy::None)];
+    let (u, v) = (Vec3::Y * 0.5, Vec3::Z * 0.6);
+    let panel = FlatLight::rectangle(Vec3::new(-2.2, 1.4, -0.9), u, v, Vec3::ONE).expect("a rectangle");
+    scene.lights = vec![panel.into()];
+    let mut renderer = renderer(scene, None);
+    let places = (0..240).map(|k| Vec3::new(-1.3 + 0.15 * (k % 20) as f32, 0.84 - 0.04 * (k / 20) as f32, -0.8));
+    let receivers = places.map(|p| Receiver::on_surface(p, Vec3::Z, Vec3::Z)).collect::<Vec<_>>();
+    let points = ShadingPoints { materials: vec![0; receivers.len()], receivers, ..ShadingPoints::default() };
+    let white = [brdf::Material::lambert(Vec3::ONE)];
+    let light = renderer.shade_points(points.clone(), Some(&white), LIGHTS).expect("light");
+    let (mut sum, mut most) = (0.0, 0.0_f64);
+    for (k, at) in points.receivers.iter().enumerate() {
+        let p = at.position.as_dvec3();
+        // Where the line over the sill's inner edge meets the panel.
+        let low = p.y + (0.9 - p.y) * (-2.2 - p.x) / (-2.0 - p.x);
+        const STEPS: u32 = 300;
+        let (mut seen, mut whole) = (0.0, 0.0);
+        for (i, j) in (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| (i, j))) {
+            let [s, t] = [i, j].map(|k| (f64::from(k) + 0.5) / f64::from(STEPS));
+            let (y, z) = (0.9 + s, p.z + t * (-0.3 - p.z));
+            let d = glam::DVec3::new(-2.2, y, z) - p;
+            let part = d.z * -d.x / d.length_squared().powi(2);
+            whole += part;
+            // The row that the line cuts counts in part.
+            seen += part * ((0.9 + (s + 0.5 / f64::from(STEPS)) - low) * f64::from(STEPS)).clamp(0.0, 1.0);
+        }
+        let scale = (-0.3 - p.z) / f64::from(STEPS * STEPS) * core::f64::consts::FRAC_1_PI;
+        assert!((f64::from(light.unshadowed[k].x) - whole * scale).abs() < 1e-3 * whole * scale, "{p}");
+        let error = (f64::from(light.radiance[k].x) - seen * scale).abs() / (whole * scale);
+        (sum, most) = (sum + error, most.max(error));
+    }
+    let mean = sum / points.receivers.len() as f64;
+    assert!(mean < 0.0015 && most < 0.008, "{mean} {most}");
+}
+
+/// A glossy floor of a room under a uniform sky has the light of a panel in its window, also where the reflection shows little but the window: all of the
+/// lobe is seen there, through few samples of the sky.
+#[test]
+fn a_window_is_mirrored_as_the_panel_that_fills_it() {
+    let (window, outside) = ([-0.6, 0.6, -0.3, 0.7], -test_scenes::ROOM.z - 1e-4);
+    let panel = FlatLight::rectangle(Vec3::new(0.0, 0.2, outside), Vec3::X * 0.6, Vec3::Y * 0.5, Vec3::ONE);
+    let with_panel = test_scenes::room(window, panel.expect("a rectangle").into());
+    let world = Sphere { center: Vec3::ZERO, radius: 9.0 };
+    let sky = Environment::new(EnvironmentMap::uniform(Vec3::ONE), 2, world);
+    let mut under_sky = Scene { lights: sky.lights().to_vec(), ..with_panel.clone() };
+    under_sky.environment = Some(sky.into());
+    let floor = |k: u32| Vec3::new(-1.4 + 0.1 * (k % 29) as f32, -test_scenes::ROOM.y, -2.2 + 0.1 * (k / 29) as f32);
+    let eye = Vec3::new(0.3, 0.5, 2.2);
+    let at = |p: Vec3| Receiver { view: (eye - p).normalize(), ..Receiver::on_surface(p, Vec3::Y, Vec3::Y) };
+    let receivers: Vec<Receiver> = (0..29 * 40).map(|k| at(floor(k))).collect();
+    let points = ShadingPoints { materials: vec![0; receivers.len()], receivers, ..ShadingPoints::default() };
+    let [mut sky, mut panel] = [under_sky, with_panel].map(|scene| renderer(scene, None));
+    let phong = |exponent| brdf::ModifiedPhong { kd: Vec3::ZERO, ks: Vec3::ONE, exponent }.into();
+    let metal = brdf::MetallicRoughness::new(Vec3::ONE, 1.0, 0.2).expect("a metal").into();
+    for material in [phong(8.0), phong(40.0), metal] {
+        let materials = [material];
+        let [got, want] = [&mut sky, &mut panel].map(|renderer| {
+            renderer.shade_points(points.clone(), Some(&materials), LayerSet::NONE).expect("light").radiance
+        });
+        let most = want.iter().map(|v| v.x).fold(0.0, f32::max);
+        let bright = || got.iter().zip(&want).filter(|(_, want)| want.x > 0.05 * most);
+        let errors = bright().map(|(got, want)| (got.x / want.x - 1.0).abs());
+        let (mean, largest) = (errors.clone().sum::<f32>() / bright().count() as f32, errors.fold(0.0, f32::max));
+        println!("{}: {mean} {largest}", materials[0].name());
+        assert!(mean < 0.002 && largest < 0.01, "{}: {mean} {largest}", materials[0].name());
+    }
+}

@@ -17,10 +17,10 @@ pub(crate) const PLANE: f32 = 4.0;
 /// an edge and its opposite are the same, and two edges at right angles cancel. Lengths are in radii of the light's disc, and
 /// become zero as an edge leaves the light: the rotation therefore follows any motion without a step, except if the sum vanishes.
 ///
-/// An edge along the rows changes a whole row at once. Straight edges at right angles ([`add_lines`](Self::add_lines)) therefore
-/// make the mask lean, so that none of them runs along the rows. With s the length of the first sum, 2α its angle, and c the
-/// component of the sum of `length·(cos 4φ, sin 4φ)` along 4α, the mask leans by δ with `tan 2δ = (c − s)/s`: not at all for edges
-/// of one direction, by 45° for a right angle between equal lengths.
+/// An edge along the rows changes a whole row at once. Straight edges at right angles, the horizon's among them, therefore make the mask
+/// lean, so that none of them runs along the rows. With s the length of the first sum, 2α its angle, and c the component of the sum of
+/// `length·(cos 4φ, sin 4φ)` along 4α, the mask leans by δ with `tan 2δ = (c − s)/s`: not at all for edges of one direction, by 45° for a
+/// right angle between equal lengths.
 ///
 /// ```
 /// use glam::Vec3;
@@ -36,6 +36,8 @@ pub struct Edges {
     right: Vec3,
     up: Vec3,
     sum: Vec2,
+    /// That of the straight edges in it with four times their angles.
+    four: Vec2,
     /// The sum of the edges that may be added in any order, in [`STEP`]s, and the sum with four times their angles.
     whole: [i64; 2],
     fourfold: [i64; 2],
@@ -49,7 +51,7 @@ impl Edges {
     #[must_use]
     pub fn new(cone: &Cone) -> Self {
         let (right, up) = frame(cone.axis);
-        Self { right, up, sum: Vec2::new(NOTHING, 0.0), whole: [0; 2], fourfold: [0; 2] }
+        Self { right, up, sum: Vec2::new(NOTHING, 0.0), four: Vec2::ZERO, whole: [0; 2], fourfold: [0; 2] }
     }
 
     /// Adds an edge perpendicular to `across` (world space, any length), `length` radii of the light's disc long.
@@ -58,7 +60,9 @@ impl Edges {
         let d = Vec2::new(self.right.dot(across), self.up.dot(across));
         let square = d.length_squared();
         if square > 0.0 && length.is_finite() {
-            self.sum += Vec2::new(d.x * d.x - d.y * d.y, 2.0 * d.x * d.y) * (length / square);
+            let two = Vec2::new(d.x * d.x - d.y * d.y, 2.0 * d.x * d.y) / square;
+            self.sum += two * length;
+            self.four += two.rotate(two) * length;
         }
     }
 
@@ -131,6 +135,7 @@ impl Edges {
         let sum = self.sum + Vec2::new(x, y);
         let d = sum.normalize_or(Vec2::X);
         let [x, y] = self.fourfold.map(|whole| whole as f32 * STEP);
+        let Vec2 { x, y } = self.four + Vec2::new(x, y);
         let c = x * (d.x * d.x - d.y * d.y) + y * (2.0 * d.x * d.y);
         let s = sum.length();
         let d = if s < c { d.rotate(Vec2::new(s, c - s)).normalize() } else { d };
@@ -182,6 +187,8 @@ mod tests {
             }
             let sum = eight.sum + Vec2::from_array(eight.whole.map(|whole| whole as f32 * STEP));
             assert!(one.sum.distance(sum) < 1e-3, "{one:?} {eight:?}");
+            let four = Vec2::from_array(eight.fourfold.map(|whole| whole as f32 * STEP));
+            assert!(one.four.distance(four) < 1e-3, "{one:?} {eight:?}");
             assert_eq!((eight.whole, eight.fourfold), (turned.whole, turned.fourfold));
         }
     }

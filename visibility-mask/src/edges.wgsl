@@ -12,16 +12,18 @@ fn edges_frame(axis: vec3f) -> EdgeFrame {
     return EdgeFrame(right, up);
 }
 
-// An edge perpendicular to `across` (world space, any length), `length` radii of the light's disc long.
-fn edges_add(frame: EdgeFrame, across: vec3f, length: f32) -> vec2f {
+// A straight edge perpendicular to `across` (world space, any length), `length` radii of the light's disc long: the sum, and the same with four times
+// its angle.
+fn edges_add(frame: EdgeFrame, across: vec3f, length: f32) -> vec4f {
     let d = vec2f(dot(frame.right, across), dot(frame.up, across));
     let square = dot(d, d);
     let sound = square > 0.0 && abs(length) < 3e38;
-    return select(vec2f(0.0), vec2f(d.x * d.x - d.y * d.y, 2.0 * d.x * d.y) * (length / square), sound);
+    let two = vec2f(d.x * d.x - d.y * d.y, 2.0 * d.x * d.y) / square;
+    return select(vec4f(0.0), vec4f(two, two.x * two.x - two.y * two.y, 2.0 * two.x * two.y) * length, sound);
 }
 
 // The edge of a plane through the receiver with this normal, as far as it crosses the disc of the cone.
-fn edges_add_plane(frame: EdgeFrame, normal: vec3f, cone: Cone) -> vec2f {
+fn edges_add_plane(frame: EdgeFrame, normal: vec3f, cone: Cone) -> vec4f {
     let cos = dot(normal, cone.axis);
     // Distance of its chord from the centre: cos β/(sin β tan θ).
     let tan = cone_tan(cone);
@@ -29,7 +31,7 @@ fn edges_add_plane(frame: EdgeFrame, normal: vec3f, cone: Cone) -> vec2f {
     if (off_sq < 1.0) {
         return edges_add(frame, normal, EDGES_PLANE * 2.0 * sqrt(1.0 - off_sq));
     }
-    return vec2f(0.0);
+    return vec4f(0.0);
 }
 
 // The arc of a circle that lies inside the light's disc: `to` is its centre (world space, relative to the disc's; the part along

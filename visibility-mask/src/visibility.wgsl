@@ -201,6 +201,6 @@ fn visibility_alike() -> f32 { return select(0.0, visibility_areas.x / visibilit
 fn visibility_across(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec3f {
     let basis = edges_frame(window.axis);
     let edges = total(lane, blockers_edges(lane, tile, at, light, window));
-    let sum = EDGES_NOTHING + edges.xy + edges_add_plane(basis, at.normal, window);
-    return edges_across(basis, sum, edges.zw);
+    let sum = edges + edges_add_plane(basis, at.normal, window);
+    return edges_across(basis, EDGES_NOTHING + sum.xy, sum.zw);
 }

@@ -53,7 +53,7 @@ fn spheres_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) 
     let across = edges_frame(window.axis);
     let tan = cone_tan(window);
     let count = spheres_count(tile);
-    var sum = vec2f(0.0);
+    var sum = vec4f(0.0);
     if (lane == 0u && spheres_facet(at, light) == PARTIAL) {
         sum = edges_add_plane(across, at.face, window);
     }
@@ -63,10 +63,10 @@ fn spheres_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) 
         }
         let seen = spheres_look(spheres_index(tile, first + lane), at, light, sphere);
         if (seen.coverage != LIT) {
-            sum += blocked_add_edge(seen.blocked, across, window.axis, tan);
+            sum += vec4f(blocked_add_edge(seen.blocked, across, window.axis, tan), 0.0, 0.0);
         }
     }
-    return vec4f(sum, 0.0, 0.0);
+    return sum;
 }
 
 // Blocks what the spheres hide of the mask: each thread makes one ready, then takes all of these to its own row.

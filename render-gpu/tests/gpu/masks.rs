@@ -158,8 +158,8 @@ fn edges(gpu: &Gpu) {
         let basis = edges_frame(vec3f(x(0u), x(1u), x(2u)));
         var sum = EDGES_NOTHING + edges_add_circle(basis, vec3f(x(5u), x(6u), x(7u)) * x(8u), x(9u));
         sum += edges_add_circle(basis, vec3f(x(10u), x(11u), x(12u)) * x(13u), x(14u));
-        sum += edges_add(basis, vec3f(x(15u), x(16u), x(4u)), x(3u));
-        let across = edges_across(basis, sum, vec2f(0.0));
+        let straight = edges_add(basis, vec3f(x(15u), x(16u), x(4u)), x(3u));
+        let across = edges_across(basis, sum + straight.xy, straight.zw);
         y(0u, across.x);
         y(1u, across.y);
         y(2u, across.z);";
@@ -322,7 +322,7 @@ fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: 
         var<private> frame: Frame;
         fn curtain() -> vec3f { return vec3f(x(13u), x(14u), x(15u)); }
         fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f {
-            return vec4f(select(vec2f(0.0), edges_add(edges_frame(window.axis), curtain(), 1.5), lane == 5u), 0.0, 0.0);
+            return select(vec4f(0.0), edges_add(edges_frame(window.axis), curtain(), 1.5), lane == 5u);
         }
         fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
             let n = square_local(mask.square, curtain());

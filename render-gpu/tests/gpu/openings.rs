@@ -25,8 +25,8 @@ const DOOR: Opening = [-0.45, 0.45, -1.5, 0.5];
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![
-        trial("a_room_behind_a_window", gpu, |gpu| diffuse(gpu, WINDOW, [0.004, 0.015], 0.03)),
-        trial("a_room_behind_a_small_window", gpu, |gpu| diffuse(gpu, SMALL, [0.004, 0.015], 0.1)),
+        trial("a_room_behind_a_window", gpu, |gpu| diffuse(gpu, WINDOW, [0.004, 0.015], 0.01)),
+        trial("a_room_behind_a_small_window", gpu, |gpu| diffuse(gpu, SMALL, [0.004, 0.015], 0.05)),
         trial("the_sky_behind_a_window", gpu, sky),
         trial("rooms_behind_a_slit_and_a_door", gpu, between_samples),
         trial("rooms_behind_many_openings", gpu, many),
@@ -121,15 +121,15 @@ fn many(gpu: &Gpu) {
 fn glossy(gpu: &Gpu) {
     let mut scene = room(WINDOW, square().into());
     scene.materials = vec![ModifiedPhong { kd: Vec3::splat(0.5), ks: Vec3::splat(0.1), exponent: 3.0 }.into()];
-    check(gpu, "modified Phong", &scene, [0.004, 0.015], 0.03);
+    check(gpu, "modified Phong", &scene, [0.004, 0.015], 0.01);
     let door = with_door(room(DOOR, square().into()), DOOR);
     for (name, mut beside) in [("slit", room(SLIT, square().into())), ("door", door)] {
         beside.materials.clone_from(&scene.materials);
-        check(gpu, &format!("modified Phong, {name}"), &beside, [0.008, 0.03], 0.3);
+        check(gpu, &format!("modified Phong, {name}"), &beside, [0.008, 0.03], 0.2);
     }
     let metal: Material = MetallicRoughness::new(Vec3::splat(0.8), 0.0, 1.0).expect("in range").into();
     scene.materials = vec![metal];
-    check(gpu, "metallic roughness", &scene, [0.004, 0.015], 0.03);
+    check(gpu, "metallic roughness", &scene, [0.004, 0.015], 0.01);
 }
 
 /// By channel, through the same masks.
