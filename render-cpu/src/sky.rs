@@ -1,5 +1,5 @@
 use glam::Vec3;
-use lobe_core::{BrdfLobe, Lobe, Receiver, TileLobes};
+use lobe_core::{BrdfLobe, Lobe, Receiver, TileLobes, is_lambert};
 use shading::{Contribution, Observer, Stage, TileContributions};
 use visibility_mask::sky::{Horizon, SkyBlend, SkyBlockers, SkyResolution, SkyTable, SkyTile, SkyView, SkyWindow};
 
@@ -150,14 +150,11 @@ struct Seen {
     is_shut: bool,
     /// So little that samples are too coarse: found only for receivers with narrow lobes.
     is_little: bool,
-    /// So little of a sky that is uneven, whatever light that gives.
+    /// So little of a sky, whatever light that gives: found where the sky is uneven, or a lobe is.
     is_small: bool,
     /// The part of the light below which it is little.
     little: f32,
 }
-
-/// Where so much of a sky's light is seen, it does not matter how much of the sky that is.
-const MUCH: f32 = 0.8;
 
 impl Seen {
     /// Whether lobes of so much light, seen and whole, are better left to patches. Narrow ones see little of a wide sky where they reflect something else;
@@ -229,10 +226,17 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
                 sum.all += all;
             }
             if level == 0 {
+                let of = &receivers[place];
                 let wide = own.iter().filter(|sum| sum.level == 0);
-                let [seen, all] = wide.fold([Vec3::ZERO; 2], |[seen, all], sum| [seen + sum.seen, all + sum.all]);
-                let may_be_small = seen.cmplt(MUCH * all).any();
-                all_seen[number].is_small = may_be_small && view.is_small(table, receivers[place].normal);
+                let [seen, all] = wide.fold([Vec3::ZERO; 2], |[seen, all], sum| {
+                    let flux = sum.lobe.flux();
+                    [seen + flux * sum.seen, all + flux * sum.all]
+                });
+                let may_be_small = seen.cmplt(SkyView::MUCH * all).any() || own.iter().all(|sum| sum.level > 0);
+                // Lambert's light of an even sky says itself how much of it is seen.
+                let is_diffuse = |sum: &LobeSum| matches!(sum.lobe, BrdfLobe::Cosine(lobe) if is_lambert(of, &lobe));
+                let is_unsaid = table.is_uneven() || !own.iter().all(is_diffuse);
+                all_seen[number].is_small = may_be_small && is_unsaid && view.is_small(table, of.normal);
             }
             if level == 0 && own.iter().any(|sum| sum.level > 0) {
                 let lambert = Lobe::new(receivers[place].normal, 1.0, Vec3::ONE).into();

@@ -77,7 +77,12 @@ pub static SKY_BUFFER: Piece =
         .needs(&[&lobes::SPECIAL, &lobes::GEOMETRY]);
 /// Sums of lobes over what is seen. Needs one of [`SKY_MICROFACETS`] and [`SKY_NO_MICROFACETS`].
 pub static SKY_VIEW: Piece = Piece::new(include_str!("sky/view.wgsl"))
-    .numbers(wgsl_numbers![SKY_STEEP = view::STEEP, SKY_LITTLE = view::LITTLE, SKY_CROWD_LITTLE = view::CROWD_LITTLE])
+    .numbers(wgsl_numbers![
+        SKY_STEEP = view::STEEP,
+        SKY_LITTLE = view::LITTLE,
+        SKY_CROWD_LITTLE = view::CROWD_LITTLE,
+        SKY_MUCH = crate::sky::SkyView::MUCH
+    ])
     .needs(&[&SKY_BUFFER, &TOTAL, &lobes::LOBE]);
 /// [`SKY_VIEW`] with microfacet lobes. Needs one of [`lobes::MICROFACETS`] and [`lobes::MICROFACETS_GRAIN`].
 pub static SKY_MICROFACETS: Piece = Piece::new(include_str!("sky/facets.wgsl")).needs(&[&SKY_VIEW]);

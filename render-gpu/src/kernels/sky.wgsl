@@ -98,9 +98,14 @@ fn sky_point(lane: u32, point: u32) {
     var lit = vec3f(0.0);
     var unshadowed = vec3f(0.0);
     var pruned = 0u;
+    // Of a uniform sky: all, and what is seen.
+    var open = vec2f(0.0);
     for (var k = 0u; k < count; k++) {
-        let seen = total(lane, vec4f(sky_sums_seen[k], 0.0)).xyz;
-        let all = sky_lobes[k].flux * total(lane, vec4f(sky_sums_all[k], 0.0)).xyz;
+        let sum_seen = total(lane, vec4f(sky_sums_seen[k], sky_open_seen));
+        let sum_all = total(lane, vec4f(sky_sums_all[k], sky_open_all));
+        open = vec2f(sum_all.w, sum_seen.w);
+        let seen = sum_seen.xyz;
+        let all = sky_lobes[k].flux * sum_all.xyz;
         if ((resolved & (1u << k)) == 0u) {
             continue;
         }
@@ -117,7 +122,9 @@ fn sky_point(lane: u32, point: u32) {
     }
     let little = select(SKY_LITTLE, SKY_CROWD_LITTLE, sky_is_crowd);
     let is_little = max(max(lit.x, lit.y), lit.z) < little * max(max(unshadowed.x, unshadowed.y), unshadowed.z);
-    if (is_little && !(is_dark && sky_is_empty())) {
+    // Little of the sky itself, whatever light that gives.
+    let is_small = open.y < little * open.x && any(lit < SKY_MUCH * unshadowed);
+    if ((is_little || is_small) && !(is_dark && sky_is_empty())) {
         sky_leave(point, all_lobes);
         return;
     }

@@ -47,6 +47,9 @@ pub struct SkyView {
 }
 
 impl SkyView {
+    /// Where this part of a sky's light is seen, it does not matter how [small](Self::is_small) the visible part of the sky is.
+    pub const MUCH: f32 = 0.8;
+
     /// Begins a receiver.
     pub fn begin(&mut self, table: &SkyTable, horizon: Horizon) {
         self.begin_in(table, horizon, SkyWindow::whole(table.meridians().resolution()));
@@ -113,9 +116,9 @@ impl SkyView {
         if self.buffer.is_crowd() { CROWD_LITTLE } else { LITTLE }
     }
 
-    /// Whether the visible part of an [uneven](SkyTable::is_uneven) sky is as small, whatever light it gives.
+    /// Whether the visible part of the sky is as small, whatever light it gives.
     pub fn is_small(&self, table: &SkyTable, normal: Vec3) -> bool {
-        if !table.is_uneven() || self.coverage() != Coverage::Partial {
+        if self.coverage() != Coverage::Partial {
             return false;
         }
         // Where a third of all rows is open, much is seen.

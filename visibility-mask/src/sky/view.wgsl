@@ -7,6 +7,9 @@ var<workgroup> sky_resolved: u32;
 // The thread's sums of each lobe, over what is seen and over all.
 var<private> sky_sums_seen: array<vec3f, SKY_LOBES>;
 var<private> sky_sums_all: array<vec3f, SKY_LOBES>;
+// A uniform sky's light by Lambert's lobe: the part that is seen, and all, in a unit of their own.
+var<private> sky_open_seen: f32;
+var<private> sky_open_all: f32;
 
 // Light and direction of a sample.
 fn sky_table_at(row: u32, sample: u32, component: u32) -> f32 {
@@ -52,11 +55,13 @@ fn sky_value(lobe: Lobe, at: Receiver, v: vec3f, cosine: f32) -> f32 {
     return select(value, value * positive(cosine), lobe.kind == LOBE_COSINE);
 }
 
-// Adds the part's samples to the sums of a lobe.
+// Adds the part's samples to the sums of a lobe, and with the first one to those of a uniform sky.
 fn sky_add(lane: u32, at: Receiver, k: u32) {
     if (sky_part == 0u) {
         sky_sums_seen[k] = vec3f(0.0);
         sky_sums_all[k] = vec3f(0.0);
+        sky_open_seen = select(sky_open_seen, 0.0, k == 0u);
+        sky_open_all = select(sky_open_all, 0.0, k == 0u);
     }
     let row = sky_row(lane);
     if (row >= SKY_ROWS) {
@@ -85,10 +90,16 @@ fn sky_add(lane: u32, at: Receiver, k: u32) {
             let inside = select(min(end - column, 1.0), select(0.0, 1.0, cosine > 0.0), is_steep);
             value = sky_value(lobe, at, v, cosine) * inside;
         }
+        var part = sky_seen_part(lane, c);
+        if (k == 0u) {
+            let along = dot(sky_horizon.frame[2], v);
+            let weight = positive(cosine) * sqrt(positive(1.0 - along * along));
+            sky_open_all += weight;
+            sky_open_seen += weight * part;
+        }
         if (value == 0.0) {
             continue;
         }
-        var part = sky_seen_part(lane, c);
         if (sky_horizon.is_facet) {
             part *= clamp(facet - column, 0.0, 1.0);
         }
