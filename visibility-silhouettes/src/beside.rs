@@ -106,4 +106,15 @@ impl Beside {
         }
         beside | low.simd_gt(size) | high.simd_lt(zero - size)
     }
+
+    /// Whether a chord in which the light's plane or the light cuts a surface certainly passes beside.
+    pub(crate) fn misses_chord(&self, a: Vec3, b: Vec3) -> bool {
+        let (planes, corners) = (&self.planes[..self.count], &self.corners[..self.count]);
+        let normal = a.cross(b - a);
+        let size = normal.length() * self.margin;
+        let sides = || corners.iter().map(|p| normal.dot(*p));
+        planes.iter().any(|n| n.dot(a).max(n.dot(b)) < 0.0)
+            || sides().all(|side| side > size)
+            || sides().all(|side| side < -size)
+    }
 }

@@ -184,7 +184,8 @@ impl<'m> SilhouetteBlockers<'m> {
         let SilhouetteScratch { near, arcs, silhouettes, outside, before, body, is_flat_cut, origin, .. } = scratch;
         arcs.clear();
         let Some(near) = near.current() else { return false };
-        let plane = Behind::new(light, light.depth_to(body.is_some()));
+        let depth = light.depth_to(body.is_some());
+        let plane = Behind::new(light, depth);
         let body = body.as_ref().map(|body| Hidden::new(body, plane));
         let [nearest, cut] = near.cut(&plane, *origin, body.as_ref());
         let relative = |corners: &[Vec3; 3]| corners.map(|p| p - *origin);
@@ -195,6 +196,11 @@ impl<'m> SilhouetteBlockers<'m> {
         }
         arcs.extend(cut.iter().filter_map(|corners| plane.clip(relative(corners), || side(*corners, *origin))));
         *is_flat_cut |= !arcs.is_empty();
+        if !arcs.is_empty() {
+            // A ceiling above a tube is cut for most receivers, and seldom where they see the tube.
+            let beside = Beside::new(light, depth);
+            arcs.retain(|(a, b, _)| !beside.misses_chord(*a, *b));
+        }
         if *is_flat_cut {
             plane.before(silhouettes, outside);
             if let Some(body) = &body {

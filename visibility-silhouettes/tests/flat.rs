@@ -259,3 +259,31 @@ fn every_sample_of_a_tube_is_that_of_a_ray() {
     assert!(worst.iter().all(|worst| worst[0] <= 4) && sums.iter().all(|sum| sum[2] <= 20), "{worst:?} {sums:?}");
     assert!(part(0) < 1e-5 && part(1) < 2e-5, "{} {}", part(0), part(1));
 }
+
+/// A ceiling above a tube is cut by the tube's plane for most receivers, but beside the tube: they see all of it without a mask.
+#[test]
+fn a_ceiling_above_a_tube_hides_nothing_of_it() {
+    let mut soup = Soup::default();
+    let [a, b, c, d] = [(-3.0, -3.0), (3.0, -3.0), (3.0, 3.0), (-3.0, 3.0)].map(|(x, z)| Vec3::new(x, 2.8, z));
+    soup.add([a, b, c]);
+    soup.add([a, c, d]);
+    let tube =
+        TubeLight { ends: [Vec3::new(-0.8, 2.6, 0.0), Vec3::new(0.8, 2.6, 0.0)], radius: 0.02, radiance: Vec3::ONE };
+    let meshes = [SilhouetteMesh::new(0, &soup.positions, &soup.triangles)];
+    let blockers = SilhouetteBlockers::new(&meshes, Rays(&soup));
+    let (mut cut, mut lit) = (0, 0);
+    for k in 0..400 {
+        let position = Vec3::new(0.25 * (k % 20) as f32 - 2.4, 0.0, 0.25 * (k / 20) as f32 - 2.4);
+        let at = Receiver::on_surface(position, Vec3::Y, Vec3::Y);
+        let outline = tube.outline(&at).expect("above the floor");
+        let cone = outline.cone();
+        let query = VisibilityQuery {
+            outline: Some(&outline),
+            ..VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::default())
+        };
+        let behind = [a, b, c, d].map(|p| outline.axis().dot(p - position) > outline.depth_to(false));
+        cut += u32::from(behind.contains(&true) && behind.contains(&false));
+        lit += u32::from(blockers.select(&query, &mut blockers.scratch()) == Coverage::Lit);
+    }
+    assert!(cut > 300 && lit == 400, "{cut} cut, {lit} lit");
+}
