@@ -118,15 +118,17 @@ fn silhouettes_push_around() {
     }
 }
 
-// Whether an edge certainly passes beside a flat light, or lies behind its plane: one of the outline's sides or the edge's own line parts
-// them.
+// Whether an edge certainly passes beside a flat light, or lies behind its plane.
 fn silhouettes_beside_outline(a: vec3f, b: vec3f) -> bool {
-    let count = silhouettes_plane_count;
-    if (count == 0u) {
-        return false;
-    }
     let plane = light_plane();
-    var beside = dot(plane.xyz, a) > plane.w && dot(plane.xyz, b) > plane.w;
+    let is_behind = dot(plane.xyz, a) > plane.w && dot(plane.xyz, b) > plane.w;
+    return silhouettes_plane_count > 0u && (is_behind || silhouettes_misses(a, b));
+}
+
+// Whether a segment certainly passes beside a flat light: one of the outline's sides or the segment's own line parts them.
+fn silhouettes_misses(a: vec3f, b: vec3f) -> bool {
+    let count = silhouettes_plane_count;
+    var beside = false;
     let normal = cross(a, b - a);
     var low = 3e38;
     var high = -3e38;
@@ -138,7 +140,7 @@ fn silhouettes_beside_outline(a: vec3f, b: vec3f) -> bool {
         high = max(high, at);
     }
     let size = sqrt(dot(normal, normal)) * silhouettes_margin;
-    return beside || low > size || high < -size;
+    return count > 0u && (beside || low > size || high < -size);
 }
 
 // Depth of the circle where a cone touches its light.

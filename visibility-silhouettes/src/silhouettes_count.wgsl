@@ -101,7 +101,7 @@ fn silhouettes_draw(world_a: vec3f, world_b: vec3f, step: i32) {
 }
 
 // Draws the outlines in which a flat light's plane cuts triangles: from the point at which a triangle goes behind it to the one at
-// which it comes back.
+// which it comes back. Those that certainly pass beside it change nothing.
 fn silhouettes_draw_clipped(lane: u32, eye: SilhouetteEye) {
     let near = silhouettes_near();
     for (var t = lane; t < near.y; t += LANES) {
@@ -124,7 +124,9 @@ fn silhouettes_draw_clipped(lane: u32, eye: SilhouetteEye) {
             }
         }
         let side = any_hit_side(corners[0], corners[1], corners[2], eye.x);
-        if (start.z > 0.0 && end.z > 0.0 && side != 0.0) {
+        let square = silhouettes_view.square;
+        if (start.z > 0.0 && end.z > 0.0 && side != 0.0
+            && !silhouettes_misses(square_world(square, start), square_world(square, end))) {
             atomicStore(&silhouettes_cut, 1u);
             silhouettes_count(start, end, cross(start, end - start), select(-1, 1, side > 0.0));
         }

@@ -36,16 +36,33 @@ fn silhouettes_any(eye: SilhouetteEye) -> bool {
     return false;
 }
 
-// Whether a flat light's plane cuts any triangle near it.
+// Whether a flat light's plane cuts any triangle near it, not certainly beside it.
 fn silhouettes_are_clipped(eye: SilhouetteEye) -> bool {
     let near = silhouettes_near();
     let plane = light_plane();
     for (var row = near.x; row < near.x + 3u * near.y; row += 3u) {
-        var behind = vec3<bool>();
+        var corners: array<vec3f, 3>;
+        var heights: vec3f;
         for (var k = 0u; k < 3u; k++) {
-            behind[k] = dot(plane.xyz, bitcast<vec3f>(silhouettes_data[row + k].xyz) - eye.x) >= plane.w;
+            corners[k] = bitcast<vec3f>(silhouettes_data[row + k].xyz) - eye.x;
+            heights[k] = dot(plane.xyz, corners[k]) - plane.w;
         }
-        if (any(behind) && !all(behind)) {
+        let behind = heights >= vec3f(0.0);
+        if (!any(behind) || all(behind)) {
+            continue;
+        }
+        // Two of its sides cross the plane.
+        var ends: array<vec3f, 2>;
+        var count = 0u;
+        for (var k = 0u; k < 3u; k++) {
+            let next = (k + 1u) % 3u;
+            if (behind[k] != behind[next]) {
+                let part = clamp(heights[k] / (heights[k] - heights[next]), 0.0, 1.0);
+                ends[count] = corners[k] + part * (corners[next] - corners[k]);
+                count = 1u;
+            }
+        }
+        if (!silhouettes_misses(ends[0], ends[1])) {
             return true;
         }
     }
