@@ -19,7 +19,7 @@ fn edges_add(frame: EdgeFrame, across: vec3f, length: f32) -> vec4f {
     let square = dot(d, d);
     let sound = square > 0.0 && abs(length) < 3e38;
     let two = vec2f(d.x * d.x - d.y * d.y, 2.0 * d.x * d.y) / square;
-    return select(vec4f(0.0), vec4f(two, two.x * two.x - two.y * two.y, 2.0 * two.x * two.y) * length, sound);
+    return select(vec4f(0.0), vec4f(two, mat2x2f(two, vec2f(-two.y, two.x)) * two) * length, sound);
 }
 
 // The edge of a plane through the receiver with this normal, as far as it crosses the disc of the cone.
@@ -28,10 +28,7 @@ fn edges_add_plane(frame: EdgeFrame, normal: vec3f, cone: Cone) -> vec4f {
     // Distance of its chord from the centre: cos β/(sin β tan θ).
     let tan = cone_tan(cone);
     let off_sq = cos * cos / (max(1.0 - cos * cos, 0.0) * (tan * tan));
-    if (off_sq < 1.0) {
-        return edges_add(frame, normal, EDGES_PLANE * 2.0 * sqrt(1.0 - off_sq));
-    }
-    return vec4f(0.0);
+    return edges_add(frame, normal, EDGES_PLANE * 2.0 * sqrt(max(1.0 - off_sq, 0.0)));
 }
 
 // The arc of a circle that lies inside the light's disc: `to` is its centre (world space, relative to the disc's; the part along
