@@ -157,6 +157,26 @@ struct Seen {
 }
 
 impl Seen {
+    /// By a receiver, whose lobes have been summed over the first table.
+    fn of(sums: &[LobeSum], at: &Receiver, table: &SkyTable, view: &mut SkyView) -> Self {
+        let mut seen = Self { is_shut: view.is_shut(), little: view.little(), ..Self::default() };
+        let wide = sums.iter().filter(|sum| sum.level == 0);
+        let [lit, whole] = wide.fold([Vec3::ZERO; 2], |[lit, whole], sum| {
+            let flux = sum.lobe.flux();
+            [lit + flux * sum.seen, whole + flux * sum.all]
+        });
+        let may_be_small = lit.cmplt(SkyView::MUCH * whole).any() || sums.iter().all(|sum| sum.level > 0);
+        // Lambert's light of an even sky says itself how much of it is seen.
+        let is_diffuse = |sum: &LobeSum| matches!(sum.lobe, BrdfLobe::Cosine(lobe) if is_lambert(at, &lobe));
+        let is_unsaid = table.is_uneven() || !sums.iter().all(is_diffuse);
+        seen.is_small = may_be_small && is_unsaid && view.is_small(table, at.normal);
+        if sums.iter().any(|sum| sum.level > 0) {
+            let lambert = Lobe::new(at.normal, 1.0, Vec3::ONE).into();
+            seen.is_little = seen.are_little(view.integrals(table, at, &lambert));
+        }
+        seen
+    }
+
     /// Whether lobes of so much light, seen and whole, are better left to patches. Narrow ones see little of a wide sky where they reflect something else;
     /// their samples are fine enough for that.
     fn leaves(self, is_narrow: bool, sum: &Contribution) -> bool {
@@ -217,7 +237,6 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
                     view.settle(table, in_doubt, |v| self.blockers.hides(&tile, place, v, blockers));
                     if level == 0 {
                         observer.coverage(view.coverage());
-                        (all_seen[number].is_shut, all_seen[number].little) = (view.is_shut(), view.little());
                     }
                     observer.end(Stage::Mask);
                 }
@@ -226,22 +245,7 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
                 sum.all += all;
             }
             if level == 0 {
-                let of = &receivers[place];
-                let wide = own.iter().filter(|sum| sum.level == 0);
-                let [seen, all] = wide.fold([Vec3::ZERO; 2], |[seen, all], sum| {
-                    let flux = sum.lobe.flux();
-                    [seen + flux * sum.seen, all + flux * sum.all]
-                });
-                let may_be_small = seen.cmplt(SkyView::MUCH * all).any() || own.iter().all(|sum| sum.level > 0);
-                // Lambert's light of an even sky says itself how much of it is seen.
-                let is_diffuse = |sum: &LobeSum| matches!(sum.lobe, BrdfLobe::Cosine(lobe) if is_lambert(of, &lobe));
-                let is_unsaid = table.is_uneven() || !own.iter().all(is_diffuse);
-                all_seen[number].is_small = may_be_small && is_unsaid && view.is_small(table, of.normal);
-            }
-            if level == 0 && own.iter().any(|sum| sum.level > 0) {
-                let lambert = Lobe::new(receivers[place].normal, 1.0, Vec3::ONE).into();
-                let integrals = view.integrals(table, &receivers[place], &lambert);
-                all_seen[number].is_little = all_seen[number].are_little(integrals);
+                all_seen[number] = Seen::of(own, &receivers[place], table, view);
             }
             observer.end(Stage::Integration);
         }
