@@ -24,6 +24,7 @@ const GAUSS: f32 = 0.288_675_13;
 pub struct LitArea {
     /// Of a window's width.
     pieces: f32,
+    shows_image: bool,
     /// `x`, `y`, area.
     points: Vec<Vec3>,
     trapezoids: Vec<Trapezoid>,
@@ -38,6 +39,7 @@ impl Default for LitArea {
     fn default() -> Self {
         Self {
             pieces: PIECES,
+            shows_image: false,
             points: Vec::new(),
             trapezoids: Vec::new(),
             hidden: Vec::new(),
@@ -49,8 +51,9 @@ impl Default for LitArea {
 
 impl LitArea {
     /// Begins again. Rows have as many points as an image has texels there, from 32 to 96.
-    pub(crate) fn begin(&mut self, image: Option<&LightImage>, is_ordinary: bool) {
+    pub(crate) fn begin(&mut self, image: Option<&LightImage>, is_ordinary: bool, shows_image: bool) {
         self.is_ordinary = is_ordinary;
+        self.shows_image = shows_image;
         self.pieces = image.map_or(PIECES, |image| (0.5 * image.texels() as f32).clamp(PIECES, MOST_PIECES));
         self.truncate(0);
         self.clear_hidden();
@@ -66,6 +69,12 @@ impl LitArea {
     #[must_use]
     pub fn rows(&self) -> u32 {
         2 * self.pieces as u32
+    }
+
+    /// Whether the light shows an image: parts are to be cut along rows then.
+    #[must_use]
+    pub const fn shows_image(&self) -> bool {
+        self.shows_image
     }
 
     /// Lets only those parts be hidden that may meet the lit one, whose points are those from one on.

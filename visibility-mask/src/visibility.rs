@@ -299,7 +299,7 @@ impl<B: Blockers> MaskVisibility<B> {
         // Of an image that is seen through an opening each texel counts.
         let image = query.image.filter(|_| counts.are_little() && masks.is_opening());
         let holds_light = query.outline.is_some() || query.cone.tan() < WIDEST_TAN;
-        if (seeks || is_few) && holds_light && masks.find_lit((image, !is_opening), &mut find) {
+        if (seeks || is_few) && holds_light && masks.find_lit((image, !is_opening, query.image.is_some()), &mut find) {
             return;
         }
         let are_known = seeks && masks.mark(|mask| self.blockers.mark_openings(query, blockers, mask, narrowest));

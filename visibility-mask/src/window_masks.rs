@@ -150,10 +150,10 @@ impl WindowMasks {
     /// Lets `find` find the lit part of each mask as it is, as finely as the light's image wants, and whether it is that of an ordinary penumbra. Returns whether it does so for all.
     pub(crate) fn find_lit(
         &mut self,
-        (image, is_ordinary): (Option<&LightImage>, bool),
+        (image, is_ordinary, shows_image): (Option<&LightImage>, bool, bool),
         mut find: impl FnMut(&Mask, &mut LitArea) -> bool,
     ) -> bool {
-        self.lit.begin(image, is_ordinary);
+        self.lit.begin(image, is_ordinary, shows_image);
         let count = (self.grid[0] * self.grid[1]) as usize;
         let Self { masks, lit, .. } = self;
         if !masks[..count].iter().all(|mask| find(mask, lit)) {

@@ -14,10 +14,12 @@ pub(super) struct Bounds<'a> {
     /// Half-planes in which the light emits, those with long sides, and all corners.
     pub(super) sides: &'a [Vec3],
     pub(super) corners: &'a [Vec2],
+    /// Whether cells are cut along rows as well: before round bounds, which are no lines, and images.
+    pub(super) is_in_rows: bool,
     /// The window.
     pub(super) low: Vec2,
     pub(super) high: Vec2,
-    /// No part is higher than that of the window's height by this number.
+    /// If so, no part is higher than that of the window's height by this number.
     pub(super) rows: u32,
     /// Narrower parts are left out, and smaller ones may be slivers.
     pub(super) narrowest: f32,
@@ -245,8 +247,10 @@ impl Cells<'_> {
             }
         };
         let whole = [low.y, high.y];
-        let count = self.rows_in_cell();
-        (1..count).for_each(|k| add(low.y + (high.y - low.y) * (k as f32 / count as f32), whole));
+        if self.bounds.is_in_rows {
+            let count = self.rows_in_cell();
+            (1..count).for_each(|k| add(low.y + (high.y - low.y) * (k as f32 / count as f32), whole));
+        }
         for (k, part) in parts.iter().enumerate() {
             let own = part.heights;
             let piece = &part.piece;

@@ -102,7 +102,10 @@ fn open_parts_have_their_area() {
         let emits = Emits { mask: &mask, outline: None, facet: line };
         let sides = sides(&emits, &[]);
         let (narrowest, slivers) = (1e-6, SLIVERS);
-        let bounds = Bounds { emits: &emits, sides: &sides, corners: &[], low, high, rows: 32, narrowest, slivers };
+        // Divided by rows as well, or not.
+        let is_in_rows = case % 2 == 0;
+        let bounds =
+            Bounds { emits: &emits, sides: &sides, corners: &[], is_in_rows, low, high, rows: 32, narrowest, slivers };
         let is_in = |polygon: &[Vec2], p: Vec2| sides_of(polygon).all(|[a, b]| (b - a).perp_dot(p - a) > 0.0);
         let mut is_open = |p: Vec2| !polygons.iter().any(|polygon| is_in(polygon, p));
         let mut found = Vec::new();
