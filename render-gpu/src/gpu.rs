@@ -17,6 +17,8 @@ const BESIDE_PAGES: u32 = 11;
 
 /// The shortest and the longest time between two looks at a device that other threads use.
 const NAPS: Range<Duration> = Duration::from_micros(25)..Duration::from_micros(400);
+/// How long it may nap beside a device that has nothing to do.
+const MOST_IDLE: Duration = Duration::from_secs(2);
 
 /// Features that are used where they are there. A browser's clock is too coarse for stages, and reading it takes another turn.
 const FEATURES: wgpu::Features =
@@ -227,10 +229,17 @@ impl Gpu {
         let how = || if in_turns { wgpu::PollType::Poll } else { wgpu::PollType::wait_indefinitely() };
         let lost = |error: wgpu::PollError| GpuError::Lost { reason: self.lost().unwrap_or(error.to_string()) };
         let mut nap = NAPS.start;
+        let mut idle = Duration::ZERO;
         loop {
-            self.device.poll(how()).map_err(lost)?;
+            let status = self.device.poll(how()).map_err(lost)?;
             if !in_turns || is_done() {
                 return Ok(());
+            }
+            // A device that is given up, as when its window closes, does not call back.
+            idle = if status.is_queue_empty() { idle + nap } else { Duration::ZERO };
+            if idle > MOST_IDLE {
+                let reason = "all its work is done, and it does not say so".to_owned();
+                return Err(GpuError::Lost { reason: self.lost().unwrap_or(reason) });
             }
             std::thread::sleep(nap);
             nap = (2 * nap).min(NAPS.end);
