@@ -235,7 +235,7 @@ impl Gpu {
             if !in_turns || is_done() {
                 return Ok(());
             }
-            // A device that is given up, as when its window closes, does not call back.
+            // A device that is given up, as when its window closes, may never call back.
             idle = if status.is_queue_empty() { idle + nap } else { Duration::ZERO };
             if idle > MOST_IDLE {
                 let reason = "all its work is done, and it does not say so".to_owned();

@@ -1,6 +1,6 @@
 //! Edges beside the outline of a flat light.
 
-use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
+use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*};
 use glam::{Vec2, Vec3};
 use lobe_core::vec3x8::Vec3x8;
 use lobe_core::{Outline, orthonormal_basis};
@@ -86,16 +86,23 @@ impl Beside {
     }
 
     /// Which of eight edges certainly pass beside, or lie behind the light's plane.
+    #[inline(always)]
+    pub(crate) fn misses_edges<S: Simd>(&self, simd: S, a: Vec3x8<S>, b: Vec3x8<S>) -> mask32x8<S> {
+        let far = f32x8::splat(simd, self.far);
+        (a.dot_one(self.axis).simd_gt(far) & b.dot_one(self.axis).simd_gt(far)) | self.misses(simd, a, b)
+    }
+
+    /// Whether a chord in which the light's plane or the light cuts a surface certainly passes beside.
+    pub(crate) fn misses_chord(&self, a: Vec3, b: Vec3) -> bool {
+        dispatch!(Level::new(), simd => self.misses(simd, Vec3x8::splat(simd, a), Vec3x8::splat(simd, b)).any_true())
+    }
+
+    /// Which of eight segments certainly pass beside.
     ///
     /// A convex polygon and a segment are apart if one of the polygon's sides or the segment's own line parts them.
     #[inline(always)]
-    pub(crate) fn misses_edges<S: Simd>(&self, simd: S, a: Vec3x8<S>, b: Vec3x8<S>) -> mask32x8<S> {
+    fn misses<S: Simd>(&self, simd: S, a: Vec3x8<S>, b: Vec3x8<S>) -> mask32x8<S> {
         let zero = f32x8::splat(simd, 0.0);
-        let far = f32x8::splat(simd, self.far);
-        let mut beside = a.dot_one(self.axis).simd_gt(far) & b.dot_one(self.axis).simd_gt(far);
-        for n in &self.planes[..self.count] {
-            beside |= a.dot_one(*n).max(b.dot_one(*n)).simd_lt(zero);
-        }
         let normal = a.cross(b - a);
         let size = normal.dot(normal).sqrt() * self.margin;
         let (mut low, mut high) = (f32x8::splat(simd, f32::INFINITY), f32x8::splat(simd, f32::NEG_INFINITY));
@@ -104,17 +111,10 @@ impl Beside {
             low = low.min(at);
             high = high.max(at);
         }
-        beside | low.simd_gt(size) | high.simd_lt(zero - size)
-    }
-
-    /// Whether a chord in which the light's plane or the light cuts a surface certainly passes beside.
-    pub(crate) fn misses_chord(&self, a: Vec3, b: Vec3) -> bool {
-        let (planes, corners) = (&self.planes[..self.count], &self.corners[..self.count]);
-        let normal = a.cross(b - a);
-        let size = normal.length() * self.margin;
-        let sides = || corners.iter().map(|p| normal.dot(*p));
-        planes.iter().any(|n| n.dot(a).max(n.dot(b)) < 0.0)
-            || sides().all(|side| side > size)
-            || sides().all(|side| side < -size)
+        let mut beside = low.simd_gt(size) | high.simd_lt(zero - size);
+        for n in &self.planes[..self.count] {
+            beside |= a.dot_one(*n).max(b.dot_one(*n)).simd_lt(zero);
+        }
+        beside
     }
 }
