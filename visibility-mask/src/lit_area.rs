@@ -150,8 +150,20 @@ impl LitArea {
     }
 
     /// Adds a trapezoid with two level sides, in plane coordinates of a window: the ends of the line halfway between these, by how much these ends move from the lower side to
-    /// the higher one, and the height.
+    /// the higher one, and the height. It may be as high as the window.
     pub fn add(&mut self, window: &UnitSquare, ends: [f32; 2], leans: [f32; 2], y: f32, height: f32) {
+        let rows = self.rows() as f32;
+        // The last digit of a row's own height makes no second one.
+        let count = (0.5 * rows * height / window.half.y - 1e-3).ceil().min(rows).max(1.0);
+        for k in 0..count as u32 {
+            let up = (k as f32 + 0.5) / count - 0.5;
+            let ends = [ends[0] + up * leans[0], ends[1] + up * leans[1]];
+            self.add_row(window, ends, leans.map(|lean| lean / count), y + up * height, height / count);
+        }
+    }
+
+    /// Adds one that is no higher than a row.
+    fn add_row(&mut self, window: &UnitSquare, ends: [f32; 2], leans: [f32; 2], y: f32, height: f32) {
         self.trapezoids.push(Trapezoid { ends, leans, y, height, first: self.points.len() });
         let pieces = |length: f32| (0.5 * self.pieces * length / window.half.x).ceil().clamp(1.0, self.pieces);
         let rows = pieces(leans[0].abs().max(leans[1].abs()));
@@ -250,6 +262,31 @@ impl Trapezoid {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Three rows for one that is 2.5 rows high, which fit together.
+    #[test]
+    fn rows_fill_a_trapezoid() {
+        let (ends, leans, y, height) = ([0.2, 0.6], [0.3, -0.1], 1.0, 0.5);
+        let cone = lobe_core::Cone { axis: Vec3::Z, one_minus_cos: 0.5, distance: 1.0 };
+        let mut window = UnitSquare::facing(&cone, Vec3::X);
+        let mut lit = LitArea::default();
+        // Rows are 0.2 high.
+        window.half.y = 0.1 * lit.rows() as f32;
+        lit.add(&window, ends, leans, y, height);
+        let rows = &lit.trapezoids;
+        assert_eq!(rows.len(), 3);
+        let near = |a: f32, b: f32| (a - b).abs() < 1e-6;
+        let edge = |ends: [f32; 2], leans: [f32; 2], up: f32| [0, 1].map(|side| ends[side] + up * leans[side]);
+        let of = |row: &Trapezoid, up: f32| edge(row.ends, row.leans, up);
+        let [low, high] = [-0.5, 0.5].map(|up| edge(ends, leans, up));
+        assert!(near(rows[0].y - 0.5 * rows[0].height, 0.75) && near(rows[2].y + 0.5 * rows[2].height, 1.25));
+        assert!((0..2).all(|k| near(of(&rows[0], -0.5)[k], low[k]) && near(of(&rows[2], 0.5)[k], high[k])));
+        assert!(rows.windows(2).all(|two| (0..2).all(|k| near(of(&two[0], 0.5)[k], of(&two[1], -0.5)[k]))));
+        assert!(near(lit.area(), (ends[1] - ends[0]) * height));
+        let mut one = LitArea::default();
+        one.add(&window, ends, leans, y, 0.2);
+        assert_eq!(one.trapezoids.len(), 1);
+    }
 
     #[test]
     fn points_are_in_hidden_parts() {

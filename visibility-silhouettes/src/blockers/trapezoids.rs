@@ -154,19 +154,6 @@ impl Trapezoid {
     fn middle(&self) -> Vec2 {
         Vec2::new(0.5 * (self.ends[0] + self.ends[1]), self.y)
     }
-
-    /// The same in parts that are no higher than some rows.
-    fn rows(&self, height: f32) -> impl Iterator<Item = Self> {
-        // The last digit of a row's own height makes no second one.
-        let count = (self.height / height - 1e-3).ceil().max(1.0);
-        let Self { ends, leans, .. } = *self;
-        (0..count as u32).map(move |k| {
-            let up = (k as f32 + 0.5) / count - 0.5;
-            let ends = [ends[0] + up * leans[0], ends[1] + up * leans[1]];
-            let leans = leans.map(|lean| lean / count);
-            Self { ends, leans, y: self.y + up * self.height, height: self.height / count, ..*self }
-        })
-    }
 }
 
 /// Where the light emits, besides the mask's own bounds.
@@ -243,8 +230,7 @@ impl Trapezoids {
             return false;
         }
         let Some(open) = open_numbers(&self.found, slivers, &mut is_open) else { return false };
-        let row = (high.y - low.y) / lit.rows() as f32;
-        for part in self.found.iter().filter(|part| open.contains(&Some(part.number))).flat_map(|part| part.rows(row)) {
+        for part in self.found.iter().filter(|part| open.contains(&Some(part.number))) {
             lit.add(&view.square, part.ends, part.leans, part.y, part.height);
         }
         true
@@ -361,22 +347,6 @@ fn long_sides(half_planes: &[Vec3], corners: &[Vec2]) -> Vec<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Three rows for one that is 2.5 rows high, which fit together.
-    #[test]
-    fn rows_fill_a_trapezoid() {
-        let part = Trapezoid { ends: [0.2, 0.6], leans: [0.3, -0.1], y: 1.0, height: 0.5, number: 2 };
-        let rows: Vec<Trapezoid> = part.rows(0.2).collect();
-        assert_eq!(rows.len(), 3);
-        let near = |a: f32, b: f32| (a - b).abs() < 1e-6;
-        let edge = |part: &Trapezoid, up: f32| [0, 1].map(|side| part.ends[side] + up * part.leans[side]);
-        let [low, high] = [-0.5, 0.5].map(|up| edge(&part, up));
-        assert!(near(rows[0].y - 0.5 * rows[0].height, 0.75) && near(rows[2].y + 0.5 * rows[2].height, 1.25));
-        assert!((0..2).all(|k| near(edge(&rows[0], -0.5)[k], low[k]) && near(edge(&rows[2], 0.5)[k], high[k])));
-        assert!(rows.windows(2).all(|two| (0..2).all(|k| near(edge(&two[0], 0.5)[k], edge(&two[1], -0.5)[k]))));
-        assert!(near(rows.iter().map(Trapezoid::area).sum(), part.area()));
-        assert_eq!(part.rows(0.5).count(), 1);
-    }
 
     /// Rounding leaves a sliver between two outlines, with a surface less than there is: all around it is open as well.
     #[test]
