@@ -289,7 +289,8 @@ fn grown(mask: &Mask, job: &Job) -> Option<Turned> {
         low[k] -= if at_low[k] { size[k] } else { 0.0 };
         high[k] += if at_high[k] { size[k] } else { 0.0 };
     }
-    (low != job.window.low || high != job.window.high).then_some(Turned { right, low, high })
+    let window = Turned { right, low, high }.within(&job.cell);
+    (window.low != job.window.low || window.high != job.window.high).then_some(window)
 }
 
 #[cfg(test)]

@@ -18,6 +18,8 @@ pub(crate) const ROOM_SAMPLES: f32 = 2.0;
 pub(crate) const ROOM_ROWS: f32 = 1.0;
 /// The number of places that show the direction of a shape.
 const SURE: usize = 3;
+/// A side is along a window's own if it turns from it by no more than this.
+const ALONG: f32 = 1e-5;
 /// The room beside exact segments, in parts of their width.
 const BESIDE: f32 = 0.15;
 
@@ -132,6 +134,26 @@ impl Turned {
         UnitSquare { right, up, center, half, ..*of }
     }
 
+    /// The part of it inside of those sides of a cell that are along its own. Rows that end where the light does see all of it; others see a row
+    /// more or less.
+    pub(crate) fn within(mut self, cell: &[Side]) -> Self {
+        for side in cell {
+            let Vec3 { x, y, z } = self.local(*side);
+            let axis = usize::from(x.abs() < y.abs());
+            let [along, other] = [[x, y], [y, x]][axis];
+            if other.abs() > ALONG * along.abs() {
+                continue;
+            }
+            let end = -z / along;
+            if along > 0.0 {
+                self.low[axis] = self.low[axis].max(end).min(self.high[axis]);
+            } else {
+                self.high[axis] = self.high[axis].min(end).max(self.low[axis]);
+            }
+        }
+        self
+    }
+
     /// A half-plane in the coordinates of this window.
     pub(crate) fn local(&self, side: Side) -> Side {
         let normal = Vec2::new(self.right.x, -self.right.y).rotate(side.truncate());
@@ -150,7 +172,7 @@ pub(crate) struct Group {
 impl Group {
     /// `None` without places.
     pub(crate) fn new(places: Vec<Place>, cell: Vec<Side>, may_turn: bool) -> Option<Self> {
-        Some(Self { window: Turned::along(&places, may_turn)?, cell, places })
+        Some(Self { window: Turned::along(&places, may_turn)?.within(&cell), cell, places })
     }
 
     /// Whether the window is filled by a part of it, as far as the lines show.
@@ -188,10 +210,10 @@ impl Group {
             return None;
         }
         let (side, [first, second], [a, b]) = best?;
-        let part = |side: Side, places, window| {
+        let part = |side: Side, places, window: Turned| {
             let mut cell = self.cell.clone();
             cell.push(side);
-            Self { window, cell, places }
+            Self { window: window.within(&cell), cell, places }
         };
         Some([part(side, first, a), part(-side, second, b)])
     }
