@@ -64,7 +64,7 @@ pub trait Blockers: Sync {
 
     /// The direction across which most of these edges run. Provided.
     fn across(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch) -> Vec3 {
-        let mut edges = Edges::new(query.cone);
+        let mut edges = Edges::before(query);
         self.edges(query, scratch, &mut edges);
         edges.across()
     }

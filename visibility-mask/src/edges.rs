@@ -3,6 +3,7 @@ use core::f32::consts::FRAC_1_SQRT_2;
 use fearless_simd::{Level, Simd, dispatch, f32x8, i32x8, prelude::*};
 use glam::{Vec2, Vec3};
 use lobe_core::Cone;
+use shading::VisibilityQuery;
 
 /// The weight of an edge without direction, as a fraction of the light's radius: it turns a mask if no edge does.
 pub(crate) const NOTHING: f32 = 1e-3;
@@ -13,7 +14,7 @@ pub(crate) const PLANE: f32 = 4.0;
 /// The directions of all edges across a light. A [`Mask`](crate::Mask) is turned by their sum, so that its rows run across most of
 /// them.
 ///
-/// The sum of `length·(cos 2φ, sin 2φ)` over the edges, where φ is the direction across an edge in the plane that faces the light:
+/// The sum of `length·(cos 2φ, sin 2φ)` over the edges, where φ is the direction across an edge in the mask's plane:
 /// an edge and its opposite are the same, and two edges at right angles cancel. Lengths are in radii of the light's disc, and
 /// become zero as an edge leaves the light: the rotation therefore follows any motion without a step, except if the sum vanishes.
 ///
@@ -55,6 +56,16 @@ impl Edges {
     pub fn new(cone: &Cone) -> Self {
         let (right, up) = frame(cone.axis);
         Self { right, up, sum: Vec2::new(NOTHING, 0.0), four: Vec2::ZERO, whole: [0; 2], fourfold: [0; 2] }
+    }
+
+    /// No edges across the light of a query. Masks of a flat light are in its plane, and directions then are those on that plane: lines that are parallel
+    /// on the light are so there, and not in the plane that faces the light's middle. Without edges such a mask is along the light's first side.
+    #[must_use]
+    pub fn before(query: &VisibilityQuery<'_>) -> Self {
+        let edges = Self::new(query.cone);
+        let Some(outline) = query.outline else { return edges };
+        let [right, up] = outline.frame(outline.corners()[1] - outline.corners()[0]);
+        Self { right, up, ..edges }
     }
 
     /// Adds an edge perpendicular to `across` (world space, any length), `length` radii of the light's disc long.
@@ -102,7 +113,7 @@ impl Edges {
         }
     }
 
-    /// Adds the arc of a circle that lies inside the light's disc. `to` is its centre (world space, relative to the disc's; the
+    /// Adds the arc of a circle that lies inside the disc of a light that is not flat. `to` is its centre (world space, relative to the disc's; the
     /// part along the axis does not matter), and its radius is in radii of the disc. With α half the arc and φ the direction of the
     /// centre: `∫ ρ (cos 2t, sin 2t) dt = ρ sin 2α (cos 2φ, sin 2φ)` over φ ± α.
     pub fn add_circle(&mut self, to: Vec3, radius: f32) {
@@ -131,7 +142,7 @@ impl Edges {
         self.sum += Vec2::new(sum((x * x - y * y) * scale), sum((x + x) * y * scale));
     }
 
-    /// The unit direction, perpendicular to the light's axis, across which most edges run.
+    /// The unit direction in that plane across which most edges run.
     #[must_use]
     pub fn across(&self) -> Vec3 {
         let [x, y] = self.whole.map(|whole| whole as f32 * STEP);
@@ -167,6 +178,8 @@ mod tests {
     use super::*;
     use core::f64::consts::TAU;
     use lobe_core::oracle::Random;
+    use lobe_core::{Outline, Receiver};
+    use shading::{Accuracy, LightId};
 
     /// Eight edges at once give the same sum as one by one, in any order.
     #[test]
@@ -193,6 +206,24 @@ mod tests {
             let four = Vec2::from_array(eight.fourfold.map(|whole| whole as f32 * STEP));
             assert!(one.four.distance(four) < 1e-3, "{one:?} {eight:?}");
             assert_eq!((eight.whole, eight.fourfold), (turned.whole, turned.fourfold));
+        }
+    }
+
+    /// Lines along a long light are so in its mask from any receiver: rows cross them at right angles from beside its end, too.
+    #[test]
+    fn lines_along_a_flat_light_are_so_in_its_mask() {
+        for behind in [-3.0, 0.0, 0.5, 2.0] {
+            let corners =
+                [[0.02, -behind], [0.02, 4.0], [-0.02, 4.0], [-0.02, -behind]].map(|[x, y]| Vec3::new(x, y, 1.0));
+            let light = Outline::new(&corners, Vec3::Z).expect("before the receiver");
+            let (at, cone) = (Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z), light.cone());
+            let whole = VisibilityQuery::new(&at, LightId::default(), &cone, Accuracy::default());
+            let mut edges = Edges::before(&VisibilityQuery { outline: Some(&light), ..whole });
+            for aside in [-0.3, 0.01, 0.8] {
+                edges.add(Vec3::new(0.0, 1.0, 0.0).cross(Vec3::new(aside, 0.0, 1.0)), 1.0);
+            }
+            // Half the weight of what has no direction.
+            assert!(edges.across().y.abs() < NOTHING, "{:?}", edges.across());
         }
     }
 

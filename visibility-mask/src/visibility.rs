@@ -100,7 +100,7 @@ impl<B: Blockers> MaskVisibility<B> {
         }
         let middle = query.outline.map(|outline| toward_middle(outline, query.cone));
         let query = VisibilityQuery { cone: middle.as_ref().unwrap_or(query.cone), ..*query };
-        let mut edges = Edges::new(query.cone);
+        let mut edges = Edges::before(&query);
         self.blockers.edges(&query, scratch, &mut edges);
         edges.add_plane(query.at.normal, query.cone);
         let across = edges.across();

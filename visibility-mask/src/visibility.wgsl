@@ -199,7 +199,7 @@ fn visibility_alike() -> f32 { return select(0.0, visibility_areas.x / visibilit
 
 // The direction across most edges in a window: those of blockers and, if it cuts the light, the horizon.
 fn visibility_across(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec3f {
-    let basis = edges_frame(window.axis);
+    let basis = edges_frame_of(window);
     let edges = total(lane, blockers_edges(lane, tile, at, light, window));
     let sum = edges + edges_add_plane(basis, at.normal, window);
     return edges_across(basis, EDGES_NOTHING + sum.xy, sum.zw);

@@ -46,7 +46,7 @@ pub static CONTOUR: Piece = Piece::new(include_str!("contour.wgsl"))
         CONTOUR_RIM = contour::rim()[..contour::RIM / 4].iter().map(|(sin, cos)| (*cos, *sin)).collect::<Vec<_>>(),
     ])
     .needs(&[&CONTOUR_SPANS]);
-/// The sum of edges that turns a mask.
+/// The sum of edges that turns a mask. Needs `OUTLINE` or `NO_OUTLINE` of `lobe-core`.
 pub static EDGES: Piece = Piece::new(include_str!("edges.wgsl"))
     .numbers(wgsl_numbers![
         EDGES_NOTHING = (edges::NOTHING, 0.0),

@@ -33,7 +33,7 @@ fn rays_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> 
     if lane > 0u || rays_facet(at, light) != PARTIAL {
         return vec4f(0.0);
     }
-    return edges_add_plane(edges_frame(window.axis), at.face, window);
+    return edges_add_plane(edges_frame_of(window), at.face, window);
 }
 
 // Blocks what is hidden. Requires uniform control flow.

@@ -131,7 +131,7 @@ fn silhouettes_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Co
     );
     var edges = vec4f(sums) / EDGES_STEPS;
     if (silhouettes_facet(at, light) == PARTIAL) {
-        edges += edges_add_plane(edges_frame(window.axis), at.face, window);
+        edges += edges_add_plane(edges_frame_of(window), at.face, window);
     }
     return edges;
 }

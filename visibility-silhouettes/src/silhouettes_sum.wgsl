@@ -34,7 +34,7 @@ fn silhouettes_add(eye: SilhouetteEye, a: vec3f, b: vec3f) {
     if (!(length > 0.0 && silhouettes_length(light, first, last, normal) > 0.0)) {
         return;
     }
-    let frame = edges_frame(silhouettes_window.axis);
+    let frame = edges_frame_of(silhouettes_window);
     let d = vec2f(dot(frame.right, normal), dot(frame.up, normal));
     let square = dot(d, d);
     if (!(square > 0.0 && length < 1e4)) {

@@ -275,9 +275,12 @@ impl Blockers for SphereBlockers {
         self.select_by(query, scratch, true)
     }
 
-    /// The spheres' rims and the facet's edge.
+    /// The spheres' rims and the facet's edge. Masks of flat lights stay along these lights' sides: rows end there without an error, and see a rim as well in any
+    /// direction.
     fn edges(&self, query: &VisibilityQuery<'_>, scratch: &SphereScratch, edges: &mut Edges) {
-        dispatch!(Level::new(), simd => scratch.cones.add_edges(simd, query.cone, edges));
+        if query.outline.is_none() {
+            dispatch!(Level::new(), simd => scratch.cones.add_edges(simd, query.cone, edges));
+        }
         if let Some(face) = scratch.facet {
             edges.add_plane(face, query.cone);
         }

@@ -45,14 +45,14 @@ fn spheres_near(tile: u32, first: u32, test: ConeTest) -> bool {
     return near;
 }
 
-// This thread's part of the sum of edges: the rims of those spheres that meet `light`, as they cross `window`, and of the
+// This thread's part of the sum of edges: the rims of those spheres that meet `light`, as they cross `window`, unless the light is flat, and of the
 // first thread the facet's edge.
 fn spheres_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f {
     let sphere = light_sphere(light);
     let test = cone_test(at.position, light);
-    let across = edges_frame(window.axis);
+    let across = edges_frame_of(window);
     let tan = cone_tan(window);
-    let count = spheres_count(tile);
+    let count = select(spheres_count(tile), 0u, light_is_flat());
     var sum = vec4f(0.0);
     if (lane == 0u && spheres_facet(at, light) == PARTIAL) {
         sum = edges_add_plane(across, at.face, window);

@@ -95,7 +95,7 @@ fn sky(gpu: &Gpu) {
 
 /// Openings that few samples of a mask meet, or none.
 fn between_samples(gpu: &Gpu) {
-    check(gpu, "slit", &room(SLIT, square().into()), [0.006, 0.02], 0.3);
+    check(gpu, "slit", &room(SLIT, square().into()), [0.006, 0.02], 0.25);
     check(gpu, "door", &with_door(room(DOOR, square().into()), DOOR), [0.008, 0.03], 0.3);
 }
 
