@@ -12,21 +12,6 @@ fn edges_frame(axis: vec3f) -> EdgeFrame {
     return EdgeFrame(right, up);
 }
 
-// The frame of a light's masks: a flat light's are in its plane, along its first side; others face the light.
-fn edges_frame_of(window: Cone) -> EdgeFrame {
-    if (!light_is_flat()) {
-        return edges_frame(window.axis);
-    }
-    let axis = light_plane().xyz;
-    let side = light_corner(1u) - light_corner(0u);
-    let size = length(side);
-    if (!(size > 0.0)) {
-        return edges_frame(axis);
-    }
-    let right = side / size;
-    return EdgeFrame(right, cross(axis, right));
-}
-
 // A straight edge perpendicular to `across` (world space, any length), `length` radii of the light's disc long: the sum, and the same with four times
 // its angle.
 fn edges_add(frame: EdgeFrame, across: vec3f, length: f32) -> vec4f {

@@ -42,6 +42,21 @@ fn light_turn(light: Cone) -> Cone {
     return Cone(light_middle(), min(light.one_minus_cos, FLAT_WIDE), light.distance);
 }
 
+// The frame in which directions of edges are summed: a flat light's is in its plane, along its first side.
+fn edges_frame_of(window: Cone) -> EdgeFrame {
+    if (!light_is_flat()) {
+        return edges_frame(window.axis);
+    }
+    let axis = light_plane().xyz;
+    let side = light_corner(1u) - light_corner(0u);
+    let size = length(side);
+    if (!(size > 0.0)) {
+        return edges_frame(axis);
+    }
+    let right = side / size;
+    return EdgeFrame(right, cross(axis, right));
+}
+
 // Half the size of the emitting region.
 fn light_size(square: UnitSquare) -> f32 {
     return select(square.disc, max(square.half.x, square.half.y), light_is_flat());

@@ -5,6 +5,9 @@ fn light_window(light: Cone, across: vec3f, normal: vec3f) -> UnitSquare {
     return square_above(square_facing(light, across), normal);
 }
 
+// The frame in which directions of edges are summed.
+fn edges_frame_of(window: Cone) -> EdgeFrame { return edges_frame(window.axis); }
+
 // The cone that the rotation of a window follows.
 fn light_turn(light: Cone) -> Cone { return light; }
 

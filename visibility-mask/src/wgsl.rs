@@ -23,11 +23,11 @@ pub static SQUARE: Piece = Piece::new(include_str!("square.wgsl"))
     ])
     .needs(&[&lobes::LOBE]);
 /// Lights that appear as discs.
-pub static ROUND: Piece = Piece::new(include_str!("round.wgsl")).needs(&[&SQUARE, &lobes::NO_OUTLINE]);
+pub static ROUND: Piece = Piece::new(include_str!("round.wgsl")).needs(&[&SQUARE, &EDGES, &lobes::NO_OUTLINE]);
 /// Lights that may have outlines, instead of [`ROUND`].
 pub static FLAT: Piece = Piece::new(include_str!("flat.wgsl"))
     .numbers(wgsl_numbers![FLAT_WIDE = visibility::WIDE])
-    .needs(&[&SQUARE, &lobes::OUTLINE]);
+    .needs(&[&SQUARE, &EDGES, &lobes::OUTLINE]);
 /// The thread's row of the mask.
 pub static MASK: Piece = Piece::new(include_str!("mask.wgsl")).needs(&[&SQUARE]);
 
@@ -46,7 +46,7 @@ pub static CONTOUR: Piece = Piece::new(include_str!("contour.wgsl"))
         CONTOUR_RIM = contour::rim()[..contour::RIM / 4].iter().map(|(sin, cos)| (*cos, *sin)).collect::<Vec<_>>(),
     ])
     .needs(&[&CONTOUR_SPANS]);
-/// The sum of edges that turns a mask. Needs `OUTLINE` or `NO_OUTLINE` of `lobe-core`.
+/// The sum of edges that turns a mask.
 pub static EDGES: Piece = Piece::new(include_str!("edges.wgsl"))
     .numbers(wgsl_numbers![
         EDGES_NOTHING = (edges::NOTHING, 0.0),

@@ -4,7 +4,7 @@ use crate::call::{call, call_groups, trial};
 use glam::Vec3;
 use libtest_mimic::Trial;
 use lobe_core::oracle::Random;
-use lobe_core::wgsl::{NO_OUTLINE, SPECIAL, join};
+use lobe_core::wgsl::{SPECIAL, join};
 use lobe_core::{Cone, Lobe, PackedLobe, Receiver};
 use render_gpu::Gpu;
 use shading::{Accuracy, Coverage, LightCoverage, LightId, LightVisibility, Visibility, VisibilityQuery};
@@ -163,7 +163,7 @@ fn edges(gpu: &Gpu) {
         y(0u, across.x);
         y(1u, across.y);
         y(2u, across.z);";
-    let got = call(gpu, &join(&[&NO_OUTLINE, &wgsl::EDGES]), body, rows.as_flattened(), 17, 3);
+    let got = call(gpu, &join(&[&wgsl::EDGES]), body, rows.as_flattened(), 17, 3);
     let mut spread = Spread::default();
     for (row, got) in rows.iter().zip(got.chunks(3)) {
         let axis = Vec3::from_slice(row);

@@ -3,7 +3,7 @@
 use crate::validated::module;
 use crate::{FRAMED, QUEUED, SHADED};
 use lighting::SphereLight;
-use lobe_core::wgsl::{NO_OUTLINE, join};
+use lobe_core::wgsl::join;
 use render_gpu::wgsl::{INTEGRALS, PENUMBRA};
 use shading::gpu::GpuLight as _;
 use visibility_mask::{Fineness, wgsl};
@@ -26,10 +26,9 @@ fn variants() -> impl Iterator<Item = (u32, f32)> {
 
 #[test]
 fn pieces_validate_alone() {
-    for piece in [&wgsl::ROUND, &wgsl::FLAT, &wgsl::FACET] {
+    for piece in [&wgsl::ROUND, &wgsl::FLAT, &wgsl::EDGES, &wgsl::FACET] {
         module(&join(&[piece]));
     }
-    module(&join(&[&NO_OUTLINE, &wgsl::EDGES]));
     for (depth, tolerance) in variants() {
         let header = wgsl::header(depth, Fineness::broad(tolerance));
         module(&(join(&[&wgsl::MASK, &wgsl::ROUND]) + &header));
