@@ -1,4 +1,4 @@
-//! What a lip along a long light leaves of it, from beside the light's end.
+//! The part of a long light that a lip along it leaves, from beside the light's end.
 
 use glam::Vec3;
 use lobe_core::{Cone, Lobe, Outline, Receiver, light_integral};
