@@ -1,14 +1,14 @@
 //! The rims of blocked cones as polygons in a window.
 
 use crate::splat::BlockedCone;
+use core::f32::consts::PI;
 use glam::{Vec2, Vec3};
 use lobe_core::orthonormal_basis;
 use visibility_mask::{LitArea, UnitSquare};
 
-/// Sides of a polygon.
+/// Sides of a polygon, and how many of these stand for the part of the rim that a window may show.
 pub(crate) const SIDES: usize = 32;
-/// Its corners are so much farther out than the rim, so that both have one area.
-const OUT: f32 = 1.003_223_6;
+const SHOWN: usize = 24;
 /// Cones are cut where they are this near to the plane through the receiver, at distance 1 from it.
 const NEAR: f32 = 1e-3;
 /// Wider cones, by the cosine, are left out.
@@ -21,11 +21,20 @@ impl BlockedCone {
             return false;
         }
         let axis = window.local(self.to).normalize_or(Vec3::Z);
+        let sin = self.tangent_radius / self.to.length();
+        let (shown, sides) = shown(window, axis, sin);
+        let step = 2.0 * shown / sides as f32;
+        let rest = 2.0 * (PI - shown) / (SIDES - sides).max(1) as f32;
+        // Corners are so much farther out than the rim that both have one area.
+        let tan = (step / step.sin()).sqrt() * sin / self.cos;
+        // Toward the middle of the window.
         let (u, v) = orthonormal_basis(axis);
-        let tan = OUT * self.tangent_radius / (self.to.length() * self.cos);
+        let middle = window.center.extend(1.0);
+        let toward = Vec2::new(u.dot(middle), v.dot(middle)).normalize_or(Vec2::X);
         let corner = |k: usize| {
-            let (sin, cos) = (core::f32::consts::TAU * k as f32 / SIDES as f32).sin_cos();
-            axis + tan * (cos * u + sin * v)
+            let angle = if k <= sides { k as f32 * step - shown } else { shown + (k - sides) as f32 * rest };
+            let at = toward.rotate(Vec2::from_angle(angle));
+            axis + tan * (at.x * u + at.y * v)
         };
         let mut corners = Vec::with_capacity(SIDES + 1);
         for k in 0..SIDES {
@@ -43,6 +52,16 @@ impl BlockedCone {
         }
         true
     }
+}
+
+/// Half the angle about a rim's axis that a window may show, and how many sides stand for it. `sin` of the rim's half-angle.
+///
+/// The point of the rim toward the window's middle is no farther from that than any other point, so that points in the window are no farther from it than twice as
+/// far as the window reaches.
+fn shown(window: &UnitSquare, axis: Vec3, sin: f32) -> (f32, usize) {
+    let reach = window.half.length();
+    let is_around = window.center.extend(1.0).cross(axis).length() <= reach;
+    if reach < sin && !is_around { (2.0 * (reach / sin).asin(), SHOWN) } else { (PI, SIDES) }
 }
 
 #[cfg(test)]
@@ -72,5 +91,31 @@ mod tests {
             }
         }
         assert!(inside > 10_000 && wrong < inside / 200, "{wrong} of {inside}");
+    }
+
+    /// So are those of a window that shows a small part of a rim: what is left of a light beside a large sphere is as wide as it is.
+    #[test]
+    fn windows_show_a_part_of_a_rim_as_finely() {
+        let mut random = Random::new(6);
+        let (mut inside, mut wrong) = (0, 0);
+        for _ in 0..300 {
+            let axis = random.axis().as_vec3();
+            let (right, up) = orthonormal_basis(axis);
+            let half = random.log_uniform(1e-3, 0.3) as f32;
+            let window = UnitSquare { axis, right, up, half: Vec2::splat(half), ..UnitSquare::default() };
+            let angle = random.between(0.1, 1.2);
+            let aside = angle + f64::from(half) * random.between(-0.8, 0.8);
+            let to = random.axis_at(axis.as_dvec3().normalize(), aside.max(0.0)).as_vec3() * 3.0;
+            let cone = BlockedCone::new(to, angle.sin() as f32 * to.length(), 1.0, 0.0);
+            let mut lit = LitArea::default();
+            assert!(cone.add_rim(&window, &mut lit));
+            for _ in 0..200 {
+                let p = half * Vec2::new(random.between(-1.0, 1.0) as f32, random.between(-1.0, 1.0) as f32);
+                let is_blocked = cone.contains(window.world(p.extend(1.0)).normalize());
+                inside += i32::from(is_blocked);
+                wrong += i32::from(is_blocked != lit.is_hidden(p));
+            }
+        }
+        assert!(inside > 10_000 && wrong < inside / 500, "{wrong} of {inside}");
     }
 }
