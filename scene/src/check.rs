@@ -90,6 +90,7 @@ impl Scene {
                 "material {number} (`{name}`) has textures: the model takes none"
             )));
         }
+        check_maps(number, surface)?;
         check_emission(number, surface)
     }
 
@@ -170,6 +171,25 @@ impl Scene {
     }
 }
 
+fn check_maps(number: usize, surface: &Surface) -> Result<(), SceneError> {
+    let fault = |what: &str, value: &dyn Display| {
+        SceneError::invalid(format!("material {number}: {what} is {value}: expected finite numbers"))
+    };
+    if let Some((name, map)) = surface.maps().find(|(_, map)| !map.transform.is_finite()) {
+        return Err(fault(&format!("the transform of its {name} texture"), &map.transform));
+    }
+    let scales =
+        [&surface.normal, &surface.clearcoat_normal].map(|normal| normal.as_ref().map_or(1.0, |normal| normal.1));
+    if let Some(scale) = scales.iter().find(|scale| !scale.is_finite()) {
+        return Err(fault("the scale of a normal map", scale));
+    }
+    if surface.anisotropy_turn.is_finite() {
+        Ok(())
+    } else {
+        Err(fault("the turn of its grain", &surface.anisotropy_turn))
+    }
+}
+
 fn check_emission(number: usize, surface: &Surface) -> Result<(), SceneError> {
     let emission = surface.emission;
     if is_color(emission) {
@@ -207,6 +227,8 @@ const MAX_RADIUS_SEEN: f64 = 2e6;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Encoding, Texture, TextureMap};
+    use glam::{Affine2, Vec2};
 
     #[test]
     fn spheres_are_seen_in_pictures_that_are_not_too_small() {
@@ -216,6 +238,21 @@ mod tests {
         assert!(check_seen(&camera(1.0), &sphere).is_ok());
         let refused = check_seen(&camera(1e-4), &sphere).expect_err("too small").to_string();
         assert!(refused.contains("1.000e-4 high: expected at least 5.000e-4"), "{refused}");
+    }
+
+    #[test]
+    fn maps_have_finite_places() {
+        let texture = Texture::new("grey", [1, 1], vec![[128; 4]], Encoding::Linear);
+        let map = |transform| TextureMap { transform, ..TextureMap::new(texture.clone()) };
+        let lambert = Material::lambert(Vec3::ONE);
+        let check = |surface| Scene::check_material(3, &lambert, &surface).map_err(|error| error.to_string());
+        let colored = |transform| Surface { color: Some(map(transform)), ..Surface::default() };
+        assert_eq!(check(colored(Affine2::IDENTITY)), Ok(()));
+        let refused = check(colored(Affine2::from_scale(Vec2::new(f32::NAN, 1.0)))).expect_err("a scale of NaN");
+        assert!(refused.starts_with("material 3: the transform of its color texture is "), "{refused}");
+        let bumpy = Surface { normal: Some((map(Affine2::IDENTITY), f32::INFINITY)), ..Surface::default() };
+        let refused = check(bumpy).expect_err("an infinite scale");
+        assert_eq!(refused, "material 3: the scale of a normal map is inf: expected finite numbers");
     }
 
     #[test]
