@@ -37,8 +37,9 @@ impl BlockedCone {
             axis + tan * (at.x * u + at.y * v)
         };
         let mut corners = Vec::with_capacity(SIDES + 1);
-        for k in 0..SIDES {
-            let (a, b) = (corner(k), corner(k + 1));
+        let mut a = corner(0);
+        for k in 1..=SIDES {
+            let b = corner(k);
             if a.z > NEAR {
                 corners.push(a.truncate() / a.z);
             }
@@ -46,6 +47,7 @@ impl BlockedCone {
                 let cut = a.lerp(b, (NEAR - a.z) / (b.z - a.z));
                 corners.push(Vec2::new(cut.x, cut.y) / NEAR);
             }
+            a = b;
         }
         if corners.len() > 2 {
             lit.hide(&corners);
@@ -69,6 +71,20 @@ mod tests {
     use super::*;
     use lobe_core::oracle::Random;
 
+    /// Of 200 points of a window around its origin: how many the cone blocks, and of how many the polygon says otherwise.
+    fn blocked_and_wrong(cone: &BlockedCone, window: &UnitSquare, random: &mut Random) -> [i32; 2] {
+        let mut lit = LitArea::default();
+        assert!(cone.add_rim(window, &mut lit));
+        let mut counts = [0; 2];
+        for _ in 0..200 {
+            let p = window.half * Vec2::new(random.between(-1.0, 1.0) as f32, random.between(-1.0, 1.0) as f32);
+            let is_blocked = cone.contains(window.world(p.extend(1.0)).normalize());
+            counts[0] += i32::from(is_blocked);
+            counts[1] += i32::from(is_blocked != lit.is_hidden(p));
+        }
+        counts
+    }
+
     /// Points of a window are in the polygon where their directions are in the cone, but for a thin rim.
     #[test]
     fn rims_are_those_of_cones() {
@@ -81,14 +97,8 @@ mod tests {
             let to = 3.0 * (axis + 0.9 * random.axis().as_vec3());
             let tangent_radius = random.between(0.1, 0.9) as f32 * to.length();
             let cone = BlockedCone::new(to, tangent_radius, 1.0, 0.0);
-            let mut lit = LitArea::default();
-            assert!(cone.add_rim(&window, &mut lit));
-            for _ in 0..200 {
-                let p = Vec2::new(random.between(-2.0, 2.0) as f32, random.between(-2.0, 2.0) as f32);
-                let is_blocked = cone.contains(window.world(p.extend(1.0)).normalize());
-                inside += i32::from(is_blocked);
-                wrong += i32::from(is_blocked != lit.is_hidden(p));
-            }
+            let [more, off] = blocked_and_wrong(&cone, &window, &mut random);
+            (inside, wrong) = (inside + more, wrong + off);
         }
         assert!(inside > 10_000 && wrong < inside / 200, "{wrong} of {inside}");
     }
@@ -107,14 +117,8 @@ mod tests {
             let aside = angle + f64::from(half) * random.between(-0.8, 0.8);
             let to = random.axis_at(axis.as_dvec3().normalize(), aside.max(0.0)).as_vec3() * 3.0;
             let cone = BlockedCone::new(to, angle.sin() as f32 * to.length(), 1.0, 0.0);
-            let mut lit = LitArea::default();
-            assert!(cone.add_rim(&window, &mut lit));
-            for _ in 0..200 {
-                let p = half * Vec2::new(random.between(-1.0, 1.0) as f32, random.between(-1.0, 1.0) as f32);
-                let is_blocked = cone.contains(window.world(p.extend(1.0)).normalize());
-                inside += i32::from(is_blocked);
-                wrong += i32::from(is_blocked != lit.is_hidden(p));
-            }
+            let [more, off] = blocked_and_wrong(&cone, &window, &mut random);
+            (inside, wrong) = (inside + more, wrong + off);
         }
         assert!(inside > 10_000 && wrong < inside / 500, "{wrong} of {inside}");
     }
