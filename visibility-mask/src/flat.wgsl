@@ -47,14 +47,8 @@ fn edges_frame_of(window: Cone) -> EdgeFrame {
     if (!light_is_flat()) {
         return edges_frame(window.axis);
     }
-    let axis = light_plane().xyz;
-    let side = light_corner(1u) - light_corner(0u);
-    let size = length(side);
-    if (!(size > 0.0)) {
-        return edges_frame(axis);
-    }
-    let right = side / size;
-    return EdgeFrame(right, cross(axis, right));
+    let right = outline_frame(outline_corners[1] - outline_corners[0]);
+    return EdgeFrame(right, cross(outline.axis, right));
 }
 
 // Half the size of the emitting region.
