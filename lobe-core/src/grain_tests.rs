@@ -134,10 +134,10 @@ fn errors(alphas: [f64; 2], half_angle: f64, crosses: bool) -> [f64; 2] {
 fn integrals_are_those_of_quadrature() {
     for alphas in [[0.3, 0.1], [0.5, 0.1], [1.0, 0.1], [0.2, 0.04], [1.0, 0.5]] {
         for (degrees, crosses, limits) in [
-            (2.0, false, [2e-3, 0.01]),
-            (8.0, false, [2e-3, 0.01]),
-            (25.0, false, [5e-3, 0.02]),
-            (20.0, true, [0.02, 0.08]),
+            (2.0, false, [1e-5, 1e-4]),
+            (8.0, false, [1e-4, 1e-3]),
+            (25.0, false, [1e-3, 6e-3]),
+            (20.0, true, [1e-3, 4e-3]),
         ] {
             let got = errors(alphas, f64::to_radians(degrees), crosses);
             println!(

@@ -49,15 +49,12 @@ fn longer_axis([xx, yy, xy]: [f32; 3]) -> ([f32; 2], f32) {
 /// Steps of Newton's method to the point of an ellipse next to the origin.
 pub(super) const STEPS: usize = 3;
 
-/// The direction of chords, and how far the ellipse is from the origin: toward the ellipse's point next to that, or along the longer axis of the second
-/// moment about the origin where this is inside, or the horizon cuts the light.
+/// The direction of chords, and how far the ellipse is from the origin: across the way to the ellipse's point next to that, or along the longer axis of the
+/// second moment about the origin where this is inside. Of a light that the horizon cuts the ellipse is not all there, and how far it is counts as 0.
 #[inline(always)]
 pub(super) fn chords_of<const IS_CUT: bool>(ellipse: &Moments) -> ([f32; 2], f32) {
     let ([mx, my], [xx, yy, xy]) = (ellipse.middle, ellipse.second);
     let (along, _) = longer_axis([xx + mx * mx, yy + my * my, xy + mx * my]);
-    if IS_CUT {
-        return (along, 0.0);
-    }
     // In its own axes: a²p²/(a² + λ)² + b²q²/(b² + λ)² = 1.
     let ([ex, ey], root) = longer_axis(ellipse.second);
     let semi_axis_sq = |twice: f32| if twice > 1e-30 { 2.0 * twice } else { 2e-30 };
@@ -77,5 +74,9 @@ pub(super) fn chords_of<const IS_CUT: bool>(ellipse: &Moments) -> ([f32; 2], f32
     let is_outside = lambda > 0.0 && length > 0.0 && length < f32::INFINITY;
     let over = 1.0 / if is_outside { length } else { 1.0 };
     let toward = [(x * ex - y * ey) * over, (x * ey + y * ex) * over];
-    if is_outside { (toward, lambda * length) } else { (along, 0.0) }
+    if !is_outside {
+        return (along, 0.0);
+    }
+    let across = [-toward[1], toward[0]];
+    (across, if IS_CUT { 0.0 } else { lambda * length })
 }

@@ -83,9 +83,6 @@ fn ellipse_longer_axis(second: vec3f) -> vec3f {
 fn ellipse_chords(ellipse: EllipseMoments, is_cut: bool) -> vec3f {
     let m = ellipse.middle;
     let inside = vec3f(ellipse_longer_axis(ellipse.second + vec3f(m * m, m.x * m.y)).xy, 0.0);
-    if (is_cut) {
-        return inside;
-    }
     let axis = ellipse_longer_axis(ellipse.second);
     let sum = ellipse.second.x + ellipse.second.y;
     let square = 2.0 * max(vec2f(sum + axis.z, sum - axis.z), vec2f(1e-30));
@@ -97,13 +94,14 @@ fn ellipse_chords(ellipse: EllipseMoments, is_cut: bool) -> vec3f {
         let parts = scaled * over * over;
         lambda += max(0.5 * (parts.x + parts.y - 1.0) / dot(parts, over), 0.0);
     }
-    let toward = p / (square + lambda);
-    let length = sqrt(dot(toward, toward));
+    let nearest = p / (square + lambda);
+    let length = sqrt(dot(nearest, nearest));
     if (!(lambda > 0.0 && length > 0.0 && length < 1e30)) {
         return inside;
     }
-    let n = toward / length;
-    return vec3f(n.x * axis.x - n.y * axis.y, n.x * axis.y + n.y * axis.x, lambda * length);
+    let n = nearest / length;
+    let toward = vec2f(n.x * axis.x - n.y * axis.y, n.x * axis.y + n.y * axis.x);
+    return vec3f(-toward.y, toward.x, select(lambda * length, 0.0, is_cut));
 }
 
 // Middle and half of the chords' places, of view and light along the chords and the square of the places' width. `flat` is the squared length of the
@@ -248,16 +246,16 @@ fn ellipse_node(ellipse: Ellipse, cosine: f32, weight: f32) -> vec2f {
     let unit = 1.0 / (along * b);
     let least = (v.x / v.z - reach) * unit - shift;
     let most = (v.x / v.z + reach) * unit - shift;
-    // One range from p to q, or all but what is between q and p.
-    let cut = least > p || most < q || !is_one;
-    let high = select(most, min(q, most), is_one);
+    // One range from p to q, in halves by its angle, or all but what is between q and p.
     let low = max(p, least);
-    var sum = ellipse_part(ellipse, at, low, high, select(length, high - low, cut));
-    if (!is_one) {
-        let high = min(q, most);
-        sum += ellipse_part(ellipse, at, least, high, high - least);
-    }
-    return own_weight * sum;
+    let high = min(q, most);
+    let whole = select(length, high - low, least > p || most < q);
+    let of_low = sqrt(1.0 + low * low);
+    let before = whole * of_low / (of_low + sqrt(1.0 + high * high));
+    let ends = select(vec2f(most, least), vec2f(low + before), is_one);
+    let lengths = select(vec2f(most - low, high - least), vec2f(before, whole - before), is_one);
+    let first = ellipse_part(ellipse, at, low, ends.x, lengths.x);
+    return own_weight * (first + ellipse_part(ellipse, at, ends.y, high, lengths.y));
 }
 
 fn ellipse_end(end: f32, steep: f32) -> f32 {

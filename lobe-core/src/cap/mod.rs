@@ -42,7 +42,7 @@ use glam::Vec3;
 ///   how it cuts them; 32 below exponent 1 and for lights wider than 66°.
 ///
 /// - microfacets: in the plane of half vectors the light is an ellipse and the distribution a cosine lobe, whose integral along a chord is
-///   closed; the rest of the reflectance is smooth and taken at two points of each of 10 chords, of 32 through the horizon.
+///   closed; the rest of the reflectance is smooth and taken at two points of each of 10 chords, or of both halves of 32 through the horizon.
 /// - microfacets with a [grain](crate::Grain): the same, as lines and ellipses stay what they are where slopes are stretched;
 /// - microfacets inside the light: the mean over the facets that the eye sees, 64 of them above the horizon.
 ///
