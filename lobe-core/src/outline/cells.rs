@@ -6,7 +6,21 @@ use super::{LightImage, Places};
 use glam::{Mat2, UVec2, Vec2, Vec3};
 
 /// A cell is small if half its diagonal is at most this part of `√(1 + t²)`, where `t` is its distance from the peak; both in the peak's widths.
-pub(super) const SMALL_CELL: f32 = 0.2;
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cells(pub(super) f32);
+
+impl Cells {
+    /// Of Lambert's and other wide lobes.
+    pub(super) const WIDE: Self = Self(0.07);
+    pub(super) const POWER: Self = Self(0.12);
+    pub(super) const FACETS: Self = Self(0.2);
+}
+
+/// Cells are halved at least this often: a reflectance varies a little over small lights too.
+pub(super) const SHALLOWEST: u32 = 3;
+
+/// A cell that a horizon crosses is small from this part of that on.
+pub(super) const AT_HORIZON: f32 = 0.25;
 
 /// Cells are halved this often at most: single precision resolves no smaller ones.
 pub(super) const DEEPEST: u32 = 20;
@@ -38,19 +52,21 @@ impl Cell {
     }
 }
 
-/// The mean of an image by channel, weighted by a reflectance above the horizon of `normal`. None where nothing has a weight.
+/// The mean of an image by channel, weighted by a reflectance above the receiver's horizon, the first one; it may end at the second one. None where nothing
+/// has a weight.
 ///
 /// Microfacets have long tails: a bright place far beside the peak may give most of the light, and nodes in rows and columns would see it through
 /// few long parts of the image. So the image is divided into cells that grow with their distance from the peak. Each is a texel of one of the
 /// image's copies, the exact mean of what it covers, or a part of a texel of the finest one.
 pub(super) fn mean_shown(
-    normal: Vec3,
+    horizons: [Vec3; 2],
     light: &OnPlane<'_>,
     peak: &Peak,
     value: impl Value,
     image: &LightImage,
+    Cells(small): Cells,
 ) -> Option<Vec3> {
-    let normal = light.local(normal);
+    let horizons = horizons.map(|n| light.local(n));
     let (middle, sides) = on_plane(&light.outline.places(light.frame))?;
     // Squares of texels: the copy that has one texel across has as many of them upward, or the other way round.
     let least = image.size().min_element();
@@ -66,14 +82,20 @@ pub(super) fn mean_shown(
             let away = (p - peak.point) / peak.width;
             let diagonal =
                 [sides.x_axis * half.x, sides.y_axis * half.y].map(|side| (side / peak.width).length_squared());
-            let is_large = diagonal[0] + diagonal[1] > SMALL_CELL * SMALL_CELL * (1.0 + away.length_squared());
+            let is_crossed = horizons.iter().any(|n| {
+                let [x, y] = [sides.x_axis * half.x, sides.y_axis * half.y].map(|side| n.truncate().dot(side).abs());
+                n.dot(p.extend(1.0)).abs() < x + y
+            });
+            let small = if is_crossed { AT_HORIZON * small } else { small };
+            let is_large =
+                cell.depth < SHALLOWEST || diagonal[0] + diagonal[1] > small * small * (1.0 + away.length_squared());
             if is_large && cell.depth < DEEPEST {
                 next = Some(cell.first_quarter());
                 continue;
             }
             next = cell.next();
             let p = p.extend(1.0);
-            if normal.dot(p) <= 0.0 {
+            if horizons[0].dot(p) <= 0.0 {
                 continue;
             }
             let inverse = 1.0 / p.length_squared();

@@ -1,7 +1,7 @@
 //! Integrals over the plane of an outline by rows of nodes that are gathered about a peak.
 
+use super::Outline;
 use super::on_plane::OnPlane;
-use super::{LightImage, Outline, Places};
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use glam::{Vec2, Vec3};
 
@@ -22,9 +22,6 @@ const TURNED_SIXTEEN: [(f32, f32); 8] = [
     (0.996_212_54, 0.008_502_77),
     (0.999_861_4, 0.000710062),
 ];
-
-/// A reflectance varies little over a light that is nearer to its peak than the root of this, in its widths.
-pub(super) const SMALL_LIGHT: f32 = 0.6;
 
 /// Pieces of this part of all rows are taken together.
 pub(super) const SMALL: f32 = 0.04;
@@ -69,8 +66,6 @@ pub(super) fn half_rules() -> Vec<(f32, f32)> {
 pub(super) struct Peak {
     pub(super) point: Vec2,
     pub(super) width: Vec2,
-    /// A narrow lobe has its largest value elsewhere: what it gives here is little.
-    pub(super) is_beside: bool,
 }
 
 /// A reflectance in the direction of a point of the plane at distance 1; `inverse` is one over its squared length.
@@ -78,88 +73,10 @@ pub(super) trait Value: Copy {
     fn at(&self, p: Vec3, inverse: f32) -> f32;
 }
 
-/// The `N` numbers of a sample that are summed, a reflectance among them.
-trait Shown<const N: usize> {
-    /// Of a group of samples: their places, the areas for which they stand on the light's plane, what they weigh, the reflectances,
-    /// and one over their squared distances.
-    fn of(&self, at: &Group) -> [[f32; LANES]; N];
-}
-
-/// Samples side by side. Those that weigh nothing are none.
-struct Group {
-    x: [f32; LANES],
-    y: [f32; LANES],
-    area: [f32; LANES],
-    weight: [f32; LANES],
-    value: [f32; LANES],
-    inverse: [f32; LANES],
-}
-
-/// The reflectance alone.
-struct Alone;
-
-impl Shown<1> for Alone {
-    #[inline(always)]
-    fn of(&self, at: &Group) -> [[f32; LANES]; 1] {
-        [at.value]
-    }
-}
-
-/// The reflectance times an image, and alone.
-struct Picture<'a> {
-    image: &'a LightImage,
-    places: Places,
-}
-
-impl Picture<'_> {
-    /// By channel.
-    #[inline(always)]
-    fn looked_up(&self, at: &Group) -> [[f32; LANES]; 3] {
-        let mut level = [0.0; LANES];
-        for (level, area) in level.iter_mut().zip(at.area) {
-            *level = self.image.level(self.places.area(area));
-        }
-        let mut out = [[0.0; LANES]; 3];
-        for lane in 0..LANES {
-            if at.weight[lane] != 0.0 {
-                let Vec3 { x, y, z } = self.image.at(self.places.at(at.x[lane], at.y[lane]), level[lane]);
-                [out[0][lane], out[1][lane], out[2][lane]] = [x, y, z];
-            }
-        }
-        out
-    }
-}
-
-#[inline(always)]
-fn times(a: [f32; LANES], b: [f32; LANES]) -> [f32; LANES] {
-    core::array::from_fn(|lane| a[lane] * b[lane])
-}
-
-impl Shown<4> for Picture<'_> {
-    #[inline(always)]
-    fn of(&self, at: &Group) -> [[f32; LANES]; 4] {
-        let [r, g, b] = self.looked_up(at).map(|channel| times(channel, at.value));
-        [r, g, b, at.value]
-    }
-}
-
-/// The same; the image alone, and one, over the light's plane.
-impl Shown<8> for Picture<'_> {
-    #[inline(always)]
-    fn of(&self, at: &Group) -> [[f32; LANES]; 8] {
-        let plane = at.inverse.map(|inverse| 1.0 / (inverse * inverse.sqrt()));
-        let channels = self.looked_up(at);
-        let [r, g, b] = channels.map(|channel| times(channel, at.value));
-        let [x, y, z] = channels.map(|channel| times(channel, plane));
-        [r, g, b, at.value, x, y, z, plane]
-    }
-}
-
-/// An integrand: a reflectance, the numbers that are summed with it, and where it is largest.
-struct Integrand<V, W> {
+/// An integrand: a reflectance, and where it is largest.
+struct Integrand<V> {
     peak: Peak,
     value: V,
-    shown: W,
 }
 
 /// Samples of rows, to be evaluated side by side.
@@ -174,18 +91,18 @@ struct Samples {
 impl Samples {
     /// Takes a row's samples; the sum of those that had no room beside them.
     #[inline(always)]
-    fn row<S: Simd, const N: usize>(
+    fn row<S: Simd>(
         &mut self,
         simd: S,
         [low, high]: [f32; 2],
         y: f32,
         weight: f32,
-        integrand: &Integrand<impl Value, impl Shown<N>>,
-    ) -> [f32; N] {
+        integrand: &Integrand<impl Value>,
+    ) -> f32 {
         let [middle, half] = [0.5 * (low + high), 0.5 * (high - low)];
-        let rule = rule::<N>(high - low, &integrand.peak);
+        let rule = rule(high - low);
         let full = self.count + 2 * rule.len() > BATCH;
-        let sum = if full { self.sum(simd, integrand) } else { [0.0; N] };
+        let sum = if full { self.sum(simd, integrand) } else { 0.0 };
         for (node, part) in both_halves(rule) {
             self.u[self.count] = middle + half * node;
             self.y[self.count] = y;
@@ -197,71 +114,39 @@ impl Samples {
 
     /// The sum of those that wait.
     #[inline(always)]
-    fn sum<S: Simd, const N: usize>(&mut self, simd: S, integrand: &Integrand<impl Value, impl Shown<N>>) -> [f32; N] {
-        let mut sums = [f32x16::splat(simd, 0.0); N];
+    fn sum<S: Simd>(&mut self, simd: S, integrand: &Integrand<impl Value>) -> f32 {
+        let mut sums = f32x16::splat(simd, 0.0);
         // In registers, not behind a reference that stores might change.
-        let (value, Peak { point, width, .. }) = (integrand.value, integrand.peak);
+        let (value, Peak { point, width }) = (integrand.value, integrand.peak);
         let [(u, _), (y, _), (weight, _)] = [&self.u, &self.y, &self.weight].map(|column| column.as_chunks::<LANES>());
         for ((u, y), weight) in u.iter().zip(y).zip(weight).take(self.count.div_ceil(LANES)) {
-            let [mut x, mut area, mut by_angle, mut values, mut inverses] = [[0.0; LANES]; 5];
+            let [mut weights, mut values] = [[0.0; LANES]; 2];
             for lane in 0..LANES {
                 let rest = (1.0 - u[lane]) * (1.0 + u[lane]);
                 let rest = 1.0 / if rest > 1e-12 { rest } else { 1e-12 };
                 let root = rest.sqrt();
-                x[lane] = point.x + width.x * u[lane] * root;
-                let inverse = 1.0 / (1.0 + x[lane] * x[lane] + y[lane] * y[lane]);
-                let of_widths = weight[lane] * rest * root;
-                area[lane] = of_widths * width.x * width.y;
-                by_angle[lane] = of_widths * (inverse * inverse.sqrt());
-                values[lane] = value.at(Vec3::new(x[lane], y[lane], 1.0), inverse);
-                inverses[lane] = inverse;
+                let x = point.x + width.x * u[lane] * root;
+                let inverse = 1.0 / (1.0 + x * x + y[lane] * y[lane]);
+                weights[lane] = weight[lane] * rest * root * (inverse * inverse.sqrt());
+                values[lane] = value.at(Vec3::new(x, y[lane], 1.0), inverse);
             }
-            let group = Group { x, y: *y, area, weight: by_angle, value: values, inverse: inverses };
-            let weight = f32x16::simd_from(simd, group.weight);
-            for (sum, values) in sums.iter_mut().zip(integrand.shown.of(&group)) {
-                *sum += weight * f32x16::simd_from(simd, values);
-            }
+            sums += f32x16::simd_from(simd, weights) * f32x16::simd_from(simd, values);
         }
         // Lanes behind the last sample weigh nothing from now on.
         self.weight = [0.0; BATCH];
         self.count = 0;
-        sums.map(|sums| <[f32; LANES]>::from(sums).into_iter().fold(0.0, |sum, x| sum + x))
+        <[f32; LANES]>::from(sums).into_iter().fold(0.0, |sum, x| sum + x)
     }
 }
 
-/// The integral with an image, by channel, and without.
-pub(super) fn cubature(
-    normal: Vec3,
-    light: &OnPlane<'_>,
-    peak: Peak,
-    value: impl Value,
-    image: Option<&LightImage>,
-) -> [f32; 4] {
-    let Some(image) = image else {
-        let integrand = Integrand { peak, value, shown: Alone };
-        let [sum] = dispatch!(Level::new(), simd => of_rows(simd, normal, light, &integrand));
-        return [0.0, 0.0, 0.0, sum];
-    };
-    let shown = Picture { image, places: light.outline.places(light.frame) };
-    let is_small = light.corners().iter().all(|p| ((*p - peak.point) / peak.width).length_squared() < SMALL_LIGHT);
-    let integrand = Integrand { peak, value, shown };
-    if !is_small || light.outline.is_clipped {
-        return dispatch!(Level::new(), simd => of_rows::<_, 4>(simd, normal, light, &integrand));
-    }
-    let [r, g, b, alone, x, y, z, plane] =
-        dispatch!(Level::new(), simd => of_rows::<_, 8>(simd, normal, light, &integrand));
-    // The mean of the image is one: the part of it that the nodes miss, they miss of the product.
-    let off = |sum: f32| alone * (1.0 - sum / plane);
-    [r + off(x), g + off(y), b + off(z), alone]
+/// The integral of a reflectance.
+pub(super) fn cubature(normal: Vec3, light: &OnPlane<'_>, peak: Peak, value: impl Value) -> f32 {
+    let integrand = Integrand { peak, value };
+    dispatch!(Level::new(), simd => of_rows(simd, normal, light, &integrand))
 }
 
 #[inline(always)]
-fn of_rows<S: Simd, const N: usize>(
-    simd: S,
-    normal: Vec3,
-    light: &OnPlane<'_>,
-    integrand: &Integrand<impl Value, impl Shown<N>>,
-) -> [f32; N] {
+fn of_rows<S: Simd>(simd: S, normal: Vec3, light: &OnPlane<'_>, integrand: &Integrand<impl Value>) -> f32 {
     let peak = &integrand.peak;
     // Relative to the peak, in its widths.
     let mut corners = [Vec2::ZERO; Outline::ROOM];
@@ -299,16 +184,16 @@ fn of_rows<S: Simd, const N: usize>(
 
 /// Rows between cuts, each as far as half-planes and an ellipse let it.
 #[inline(always)]
-fn over_pieces<S: Simd, const N: usize>(
+fn over_pieces<S: Simd>(
     simd: S,
     cuts: &[f32],
     sides: &[[f32; 3]],
     ellipse: Option<(Vec2, Vec2)>,
-    integrand: &Integrand<impl Value, impl Shown<N>>,
-) -> [f32; N] {
+    integrand: &Integrand<impl Value>,
+) -> f32 {
     let peak = &integrand.peak;
     let mut samples = Samples { u: [0.0; BATCH], y: [0.0; BATCH], weight: [0.0; BATCH], count: 0 };
-    let mut sum = [0.0; N];
+    let mut sum = 0.0;
     for pair in cuts.windows(2) {
         let (from, to) = (place(pair[0]), place(pair[1]));
         if to - from <= 1e-6 * (pair[1].abs() + 1e-6) {
@@ -316,7 +201,7 @@ fn over_pieces<S: Simd, const N: usize>(
         }
         // Rows of what is round begin and end like roots: more of them.
         let is_round = ellipse.is_some();
-        let rule = if is_round { turned_rule(to - from) } else { rule::<N>(to - from, peak) };
+        let rule = if is_round { turned_rule(to - from) } else { rule(to - from) };
         for (node, weight) in both_halves(rule) {
             let u = 0.5 * ((from + to) + (to - from) * node);
             let rest = 1.0 / ((1.0 - u) * (1.0 + u)).max(1e-12);
@@ -340,17 +225,11 @@ fn over_pieces<S: Simd, const N: usize>(
             }
             if low < high && high - low < f32::INFINITY {
                 let y = peak.point.y + peak.width.y * y;
-                add(&mut sum, samples.row(simd, [place(low), place(high)], y, weight, integrand));
+                sum += samples.row(simd, [place(low), place(high)], y, weight, integrand);
             }
         }
     }
-    add(&mut sum, samples.sum(simd, integrand));
-    sum.map(|sum| sum * peak.width.x * peak.width.y)
-}
-
-#[inline(always)]
-fn add<const N: usize>(sum: &mut [f32; N], other: [f32; N]) {
-    sum.iter_mut().zip(other).for_each(|(sum, other)| *sum += other);
+    (sum + samples.sum(simd, integrand)) * peak.width.x * peak.width.y
 }
 
 /// A place in widths from the peak, as nodes are even in it.
@@ -374,12 +253,10 @@ fn few(cuts: &mut [f32]) -> &[f32] {
     &cuts[..kept]
 }
 
-/// The rule for a length in places. An image varies where a reflectance does not.
+/// The rule for a length in places.
 #[inline(always)]
-fn rule<const N: usize>(length: f32, peak: &Peak) -> &'static [(f32, f32)] {
+fn rule(length: f32) -> &'static [(f32, f32)] {
     match length {
-        length if N > 1 && length < 0.5 && !peak.is_beside => &EIGHT,
-        length if N > 1 && length < 0.5 => &FOUR,
         length if length < 0.08 => &TWO,
         length if length < 0.5 => &FOUR,
         length if length < 1.1 => &EIGHT,

@@ -5,40 +5,12 @@ alias OutlineSum = vec4f;
 
 const OUTLINE_SHOWS = true;
 
-// Of the reflectance times the image, and alone; of the image alone over the plane, and of one.
-var<private> outline_shown: vec4f;
-var<private> outline_plane: vec4f;
 var<private> outline_places: Places;
-// Whether the reflectance has long tails: cells see the image then, and nodes do not.
-var<private> outline_has_tails: bool;
 
 // Only of lights without images.
 fn outline_in_parts(value: OutlineValue) -> f32 { return 0.0; }
 
-fn outline_rule(length: f32, is_beside: bool) -> vec2u {
-    if (length < 0.5) {
-        return select(OUTLINE_EIGHT, OUTLINE_FOUR, is_beside);
-    }
-    return select(OUTLINE_SIXTEEN, OUTLINE_EIGHT, length < 1.1);
-}
-
-fn outline_begin(right: vec3f, value: OutlineValue) {
-    outline_places = image_places(right);
-    outline_has_tails = value.kind == OUTLINE_FACETS;
-    outline_shown = vec4f(0.0);
-    outline_plane = vec4f(0.0);
-}
-
-fn outline_sample(p: vec3f, area: f32, angle: f32, value: f32) {
-    if (outline_has_tails) {
-        outline_shown.w += area * angle * value;
-        return;
-    }
-    let place = outline_places.origin + outline_places.x * p.x + outline_places.y * p.y;
-    let texel = vec4f(image_at(place, image_level(image_area(outline_places, area))), 1.0);
-    outline_shown += texel * (area * angle * value);
-    outline_plane += texel * area;
-}
+fn outline_begin(right: vec3f) { outline_places = image_places(right); }
 
 // The mean of the image, weighted by a reflectance, and 1; 0 where nothing has a weight. `mean_shown` says why.
 fn outline_mean_shown(peak: OutlinePeak, value: OutlineValue) -> vec4f {
@@ -52,6 +24,12 @@ fn outline_mean_shown(peak: OutlinePeak, value: OutlineValue) -> vec4f {
     let least = min(finest.x, finest.y);
     let roots = finest / least;
     let levels = firstTrailingBit(least);
+    let is_power = value.kind == OUTLINE_POWER;
+    let is_wide_power = is_power && value.half_exponent < 0.5 * OUTLINE_STEEP;
+    let of_cosines = select(OUTLINE_CELL_WIDE, OUTLINE_CELL_POWER, is_power && !is_wide_power);
+    let small_cell = select(of_cosines, OUTLINE_CELL_FACETS, value.kind == OUTLINE_FACETS);
+    // Where the reflectance may end.
+    let horizons = mat2x3f(value.normal, select(value.normal, value.axis, is_wide_power));
     var sum = vec4f(0.0);
     for (var k = 0u; k < roots.x * roots.y; k++) {
         let root = vec2u(k % roots.x, k / roots.x);
@@ -64,13 +42,17 @@ fn outline_mean_shown(peak: OutlinePeak, value: OutlineValue) -> vec4f {
             let away = (on_plane - peak.point) / peak.width;
             let across = right * half.x / peak.width;
             let along = up * half.y / peak.width;
-            let small = OUTLINE_SMALL_CELL * OUTLINE_SMALL_CELL * (1.0 + dot(away, away));
-            if (dot(across, across) + dot(along, along) > small && depth < OUTLINE_DEEPEST) {
+            let p = vec3f(on_plane, 1.0);
+            let across_horizons = abs(vec3f(right * half.x, 0.0) * horizons) + abs(vec3f(up * half.y, 0.0) * horizons);
+            let is_crossed = any(abs(p * horizons) < across_horizons);
+            let part = small_cell * select(1.0, OUTLINE_AT_HORIZON, is_crossed);
+            let small = part * part * (1.0 + dot(away, away));
+            let is_large = depth < OUTLINE_SHALLOWEST || dot(across, across) + dot(along, along) > small;
+            if (is_large && depth < OUTLINE_DEEPEST) {
                 cell *= 2u;
                 depth += 1u;
                 continue;
             }
-            let p = vec3f(on_plane, 1.0);
             if (dot(value.normal, p) > 0.0) {
                 let inverse = 1.0 / dot(p, p);
                 let weight = half.x * half.y * inverse * sqrt(inverse) * outline_value(value, p, inverse);
@@ -97,19 +79,7 @@ fn outline_mean_shown(peak: OutlinePeak, value: OutlineValue) -> vec4f {
     return select(vec4f(0.0), sum / sum.w, sum.w > 0.0);
 }
 
-fn outline_end(peak: OutlinePeak, value: OutlineValue) -> vec4f {
-    if (outline_has_tails) {
-        return outline_shown.w * outline_mean_shown(peak, value);
-    }
-    var is_small = !outline.is_clipped;
-    for (var i = 0u; i < outline_point_count; i++) {
-        let away = (outline_points[i] - peak.point) / peak.width;
-        is_small = is_small && dot(away, away) < OUTLINE_SMALL_LIGHT;
-    }
-    // The mean of the image is one: the part of it that the nodes miss, they miss of the product.
-    let off = outline_shown.w * (1.0 - outline_plane.xyz / outline_plane.w);
-    return outline_shown + select(vec4f(0.0), vec4f(off, 0.0), is_small);
-}
+fn outline_end(peak: OutlinePeak, value: OutlineValue) -> vec4f { return outline_sum * outline_mean_shown(peak, value); }
 
 fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> vec3f {
     if (!light_is_flat()) {

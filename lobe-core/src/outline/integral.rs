@@ -1,4 +1,4 @@
-use super::cells::mean_shown;
+use super::cells::{Cells, mean_shown};
 use super::cubature::{Peak, Value, cubature};
 use super::lambert::irradiance;
 use super::on_plane::OnPlane;
@@ -52,11 +52,16 @@ pub fn light_integral(at: &Receiver, lobe: &BrdfLobe, cone: &Cone, outline: Opti
 }
 
 /// [`outline_integral`] of a light that shows an image, by channel: the image's place in the integrand has a mean of one, so that light
-/// which shows nothing gives the same. The same rules, at nodes that see the image as finely as they are dense.
+/// which shows nothing gives the same. That light times the mean of the image, weighted by the reflectance, over cells that grow with their distance from its
+/// peak; each is a texel of one of the image's coarser and coarser copies.
 ///
 /// # Accuracy
 /// Against quadrature in f64, over squares from a receiver's hemisphere to a tenth of their distance, of waves and
-/// grain that are half as bright again: ≤ 0.5 % in the mean, 2 % at worst, of what the whole light gives.
+/// grain that are half as bright again: ≤ 0.3 % in the mean, 1 % at worst, of what the whole light gives. Of own values, for ramps, edges and stripes of
+/// full contrast beside a floor: ≤ 0.6 % in the mean, at worst 4 % by Lambert and 7 % by powers.
+///
+/// # Cost
+/// 64 to 600 evaluations of the lobe.
 #[must_use]
 pub fn image_integral(at: &Receiver, lobe: impl Into<BrdfLobe>, light: &Outline, image: &LightImage) -> Vec3 {
     light.above(at.normal).map_or(Vec3::ZERO, |above| light_image_integral(at, &lobe.into(), &above, image))
@@ -113,8 +118,8 @@ fn lambert(normal: Vec3, light: &Outline, image: Option<&LightImage>) -> [f32; 4
     let lobe = Cosine { normal: light.local(normal) };
     let peak = light.nearest(Vec2::ZERO);
     let width = Vec2::splat((1.0 + peak.length_squared()).sqrt());
-    let peak = Peak { point: peak, width, is_beside: false };
-    cubature(normal, &light, peak, lobe, image)
+    let peak = Peak { point: peak, width };
+    shown([normal; 2], &light, peak, lobe, image.map(|image| (image, Cells::WIDE)))
 }
 
 /// The angles that the sides are seen under, together.
@@ -152,11 +157,11 @@ fn power(normal: Vec3, lobe: &Lobe, light: &Outline, image: Option<&LightImage>)
     let narrow = |sigma: f32, slope: f32| 1.5 * sigma / (0.5 * slope.abs() * sigma).max(1.0);
     let sigma = 1.0 / (e + 3.0).sqrt();
     let width = Vec2::new(narrow(stretch * sigma, slope.x), narrow(stretch.sqrt() * sigma, slope.y));
-    let is_beside = point.distance(place) > 2.0 * sigma * stretch;
-    let peak = Peak { point, width, is_beside };
+    let peak = Peak { point, width };
     let f = Power { axis, half_exponent: 0.5 * e, normal: light.local(normal), has_cosine: lobe.has_cosine };
     let norm = (e + 1.0) / TAU;
-    cubature(normal, &light, peak, f, image).map(|value| norm * value)
+    let (end, cells) = if lobe.exponent < STEEP { (lobe.axis, Cells::WIDE) } else { (normal, Cells::POWER) };
+    shown([normal, end], &light, peak, f, image.map(|image| (image, cells))).map(|value| norm * value)
 }
 
 /// How far from the foot of the receiver's perpendicular on the plane at distance 1, toward a lobe's axis, the lobe times the light's
@@ -194,27 +199,26 @@ fn microfacets(normal: Vec3, facets: &Microfacets, light: &Outline, image: Optio
     let foot = (least > 1.0).then(|| light.nearest(Vec2::ZERO));
     let point = foot.filter(|foot| least > (1.0 + foot.length_squared()).sqrt()).unwrap_or(point);
     let width = width.min(Vec2::splat((1.0 + point.length_squared()).sqrt()));
-    let peak = Peak { point, width, is_beside: beside > 2.0 * alpha * stretch };
+    let peak = Peak { point, width };
     let (part, of_surface) = (facets.part, light.local(normal));
+    let image = image.map(|image| (image, Cells::FACETS));
     match facets.grain {
-        None => with_tails(normal, &light, peak, Part(here.at(of_surface), part), image),
-        Some(grain) => with_tails(normal, &light, peak, Part(BrushedAt::new(&here, grain, of_surface), part), image),
+        None => shown([normal; 2], &light, peak, Part(here.at(of_surface), part), image),
+        Some(grain) => shown([normal; 2], &light, peak, Part(BrushedAt::new(&here, grain, of_surface), part), image),
     }
 }
 
-/// [`cubature`] of a reflectance with long tails, which see an image by its [cells](mean_shown).
-fn with_tails(
-    normal: Vec3,
+/// The integral with an image, by channel, which is seen by its [cells](mean_shown), and without.
+fn shown(
+    horizons: [Vec3; 2],
     light: &OnPlane<'_>,
     peak: Peak,
     value: impl Value,
-    image: Option<&LightImage>,
+    image: Option<(&LightImage, Cells)>,
 ) -> [f32; 4] {
-    let Some(mean) = image.and_then(|image| mean_shown(normal, light, &peak, value, image)) else {
-        return cubature(normal, light, peak, value, image);
-    };
-    let [.., alone] = cubature(normal, light, peak, value, None);
-    let [r, g, b] = (mean * alone).to_array();
+    let alone = cubature(horizons[0], light, peak, value);
+    let mean = image.and_then(|(image, cells)| mean_shown(horizons, light, &peak, value, image, cells));
+    let [r, g, b] = (mean.unwrap_or(Vec3::ZERO) * alone).to_array();
     [r, g, b, alone]
 }
 

@@ -10,6 +10,14 @@ const OUTLINE_FOUR = vec2u(1u, 2u);
 const OUTLINE_EIGHT = vec2u(3u, 4u);
 const OUTLINE_SIXTEEN = vec2u(7u, 8u);
 
+// The rule for a length in places.
+fn outline_rule(length: f32) -> vec2u {
+    if (length < 0.5) {
+        return select(OUTLINE_FOUR, OUTLINE_TWO, length < 0.08);
+    }
+    return select(OUTLINE_SIXTEEN, OUTLINE_EIGHT, length < 1.1);
+}
+
 fn outline_turned_rule(length: f32) -> vec2u { return select(vec2u(19u, 8u), vec2u(15u, 4u), length < 0.5); }
 
 // The `k`-th node of a rule.
@@ -23,8 +31,6 @@ fn outline_node(rule: vec2u, k: u32) -> vec2f {
 struct OutlinePeak {
     point: vec2f,
     width: vec2f,
-    // A narrow lobe has its largest value elsewhere: what it gives here is little.
-    is_beside: bool,
 }
 
 const OUTLINE_COSINE = 0u;
@@ -141,7 +147,7 @@ fn outline_lambert(right: vec3f, normal: vec3f) -> OutlineTerm {
     let point = outline_nearest(vec2f(0.0));
     let width = vec2f(sqrt(1.0 + dot(point, point)));
     let value = OutlineValue(OUTLINE_COSINE, true, 0.0, outline_local(right, normal), vec3f(0.0));
-    return OutlineTerm(1.0, OutlinePeak(point, width, false), value);
+    return OutlineTerm(1.0, OutlinePeak(point, width), value);
 }
 
 fn outline_power(right: vec3f, normal: vec3f, lobe: Lobe) -> OutlineTerm {
@@ -175,9 +181,7 @@ fn outline_power(right: vec3f, normal: vec3f, lobe: Lobe) -> OutlineTerm {
     let sigmas = vec2f(stretch, sqrt(stretch)) * sigma;
     let width = 1.5 * sigmas / max(0.5 * abs(slope) * sigmas, vec2f(1.0));
     let value = OutlineValue(OUTLINE_POWER, lobe.kind == LOBE_COSINE, 0.5 * e, outline_local(right, normal), axis);
-    let apart = point - place;
-    let is_beside = sqrt(dot(apart, apart)) > 2.0 * sigma * stretch;
-    return OutlineTerm((e + 1.0) / TAU, OutlinePeak(point, width, is_beside), value);
+    return OutlineTerm((e + 1.0) / TAU, OutlinePeak(point, width), value);
 }
 
 // How far from the foot of the receiver's perpendicular on the plane at distance 1, toward a lobe's axis, the lobe times the light's
@@ -247,9 +251,12 @@ fn outline_value(value: OutlineValue, p: vec3f, inverse: f32) -> f32 {
     return select(0.0, power * select(1.0, cos, value.has_cosine), along > 0.0);
 }
 
+var<private> outline_sum: f32;
+
 // Over the projected outline: rows between its corners, or over a disc, as far as its sides let them.
 fn outline_cubature(right: vec3f, peak: OutlinePeak, value: OutlineValue) -> OutlineSum {
-    outline_begin(right, value);
+    outline_begin(right);
+    outline_sum = 0.0;
     let count = outline_point_count;
     var corners: array<vec2f, OUTLINE_ROOM>;
     var cuts: array<f32, OUTLINE_ROOM>;
@@ -294,7 +301,7 @@ fn outline_cubature(right: vec3f, peak: OutlinePeak, value: OutlineValue) -> Out
         if (!(length > 1e-6 * (abs(cuts[piece + 1u]) + 1e-6))) {
             continue;
         }
-        var rule = outline_rule(length, peak.is_beside);
+        var rule = outline_rule(length);
         if (is_round) {
             rule = outline_turned_rule(length);
         }
@@ -338,7 +345,7 @@ fn outline_within(ends: vec2f, side: vec3f, y: f32) -> vec2f {
 fn outline_row(ends: vec2f, y: f32, row_weight: f32, peak: OutlinePeak, value: OutlineValue) {
     let low = outline_place(ends.x);
     let high = outline_place(ends.y);
-    let rule = outline_rule(high - low, peak.is_beside);
+    let rule = outline_rule(high - low);
     for (var k = 0u; k < 2u * rule.y; k++) {
         let node = outline_node(rule, k);
         let u = 0.5 * (low + high) + 0.5 * (high - low) * node.x;
@@ -346,6 +353,6 @@ fn outline_row(ends: vec2f, y: f32, row_weight: f32, peak: OutlinePeak, value: O
         let p = vec3f(peak.point.x + peak.width.x * u * sqrt(rest), y, 1.0);
         let inverse = 1.0 / dot(p, p);
         let area = row_weight * 0.5 * (high - low) * node.y * rest * sqrt(rest) * peak.width.x * peak.width.y;
-        outline_sample(p, area, inverse * sqrt(inverse), outline_value(value, p, inverse));
+        outline_sum += area * inverse * sqrt(inverse) * outline_value(value, p, inverse);
     }
 }

@@ -46,5 +46,5 @@ fn outline_microfacets(right: vec3f, normal: vec3f, lobe: Lobe) -> OutlineTerm {
     outline_surface = microfacets_local(surface, right, cross(outline.axis, right), outline.axis);
     outline_is_edge = microfacets_is_edge(lobe);
     let value = OutlineValue(OUTLINE_FACETS, false, 0.0, outline_surface.normal, axis);
-    return OutlineTerm(1.0, OutlinePeak(point, width, beside > 2.0 * alpha * stretch), value);
+    return OutlineTerm(1.0, OutlinePeak(point, width), value);
 }

@@ -335,3 +335,64 @@ fn a_light_on_both_sides_does_not_light_itself() {
         }
     }
 }
+
+/// Ramps, an edge and stripes on a screen. A floor near their plane sees little of what is bright at the top.
+#[test]
+fn screens_beside_a_floor_are_those_of_quadrature() {
+    const SIDE: u32 = 64;
+    const N: i32 = 256;
+    type Picture = fn(f64, f64) -> f64;
+    let pictures: [(&str, Picture); 6] = [
+        ("bright above", |_, y| (0.5 + 0.5 * y).powf(2.2)),
+        ("bright below", |_, y| (0.5 - 0.5 * y).powf(2.2)),
+        ("bright to the right", |x, _| (0.5 + 0.5 * x).powf(2.2)),
+        ("a bar", |_, y| f64::from(y > 0.5)),
+        ("an edge", |x, _| f64::from(x > 0.0)),
+        ("stripes", |x, _| f64::from((x * 8.0).rem_euclid(2.0) < 1.0)),
+    ];
+    let (u, v, toward) = (DVec3::X * 1.2, DVec3::NEG_Z * 0.65, DVec3::Y);
+    for (name, picture) in pictures {
+        let texels = (0..SIDE * SIDE).map(|k| {
+            let [x, y] = [k % SIDE, k / SIDE].map(|k| f64::from(2 * k + 1) / f64::from(SIDE) - 1.0);
+            Vec3::splat(picture(x, -y) as f32)
+        });
+        let (image, _) = LightImage::new(UVec2::splat(SIDE), &texels.collect::<Vec<_>>()).expect("an image");
+        for exponent in [0.5, 1.0, 3.0] {
+            let mut random = Random::new(5);
+            let (mut worst, mut mean, mut count) = (0.0_f64, 0.0, 0);
+            for _ in 0..40 {
+                let middle = DVec3::new(random.between(-1.5, 1.5), random.between(0.05, 3.0), 0.7);
+                let corners = [-u - v, u - v, u + v, v - u].map(|p| (middle + p).as_vec3());
+                let sides = [u, v].map(DVec3::as_vec3);
+                let outline = Outline::new(&corners, toward.as_vec3()).expect("before its plane").with_sides(sides);
+                let aside = random.axis() * if exponent == 1.0 { 0.0 } else { 0.5 };
+                let axis = (DVec3::Z + aside).normalize();
+                let lobe = Lobe::new(axis.as_vec3().normalize(), exponent as f32, Vec3::ONE);
+                let (mut want, mut all) = (0.0, 0.0);
+                for k in 0..N * N {
+                    let [s, t] = [k % N, k / N].map(|k| f64::from(2 * k + 1) / f64::from(N) - 1.0);
+                    let p = middle + u * s + v * t;
+                    let r = p.length();
+                    if p.z > 0.0 {
+                        let w = (axis.dot(p) / r).max(0.0).powf(exponent) * toward.dot(p) / (r * r * r);
+                        want += w * f64::from(image.at(Vec2::new(s as f32, t as f32), 0.0).x);
+                        all += w;
+                    }
+                }
+                if want < 0.05 * all {
+                    continue;
+                }
+                let norm = (exponent + 1.0) / TAU * 4.0 * u.cross(v).length() / f64::from(N * N);
+                let got = f64::from(image_integral(&receiver(DVec3::Z), lobe, &outline, &image).x);
+                let error = (got / (want * norm) - 1.0).abs();
+                worst = worst.max(error);
+                mean += error;
+                count += 1;
+            }
+            println!("{name}, e {exponent}: {count} cases, mean {:.1e}, worst {worst:.1e}", mean / f64::from(count));
+            let limit = if exponent == 1.0 { 0.04 } else { 0.1 };
+            let is_near = mean < 0.008 * f64::from(count) && worst < limit;
+            assert!(count > 20 && is_near, "{name} {exponent}: {mean} {worst}");
+        }
+    }
+}

@@ -54,8 +54,11 @@ pub static IMAGE: Piece = Piece::new(include_str!("image.wgsl"))
 /// `light_integral` by channel for lights that show an image, in place of [`OUTLINE_PLAIN`].
 pub static OUTLINE_IMAGE: Piece = Piece::new(include_str!("image_integral.wgsl"))
     .numbers(wgsl_numbers![
-        OUTLINE_SMALL_LIGHT = cubature::SMALL_LIGHT,
-        OUTLINE_SMALL_CELL = cells::SMALL_CELL,
+        OUTLINE_CELL_WIDE = cells::Cells::WIDE.0,
+        OUTLINE_CELL_POWER = cells::Cells::POWER.0,
+        OUTLINE_CELL_FACETS = cells::Cells::FACETS.0,
+        OUTLINE_AT_HORIZON = cells::AT_HORIZON,
+        OUTLINE_SHALLOWEST = cells::SHALLOWEST,
         OUTLINE_DEEPEST = cells::DEEPEST,
     ])
     .needs(&[&OUTLINE_INTEGRAL, &IMAGE]);
