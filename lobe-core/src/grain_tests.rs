@@ -200,6 +200,56 @@ fn rectangles_are_those_of_quadrature() {
     assert!(sum < 5e-3 && worst < 0.05, "{sum} {worst}");
 }
 
+/// Discs in the highlight, beside it and cut by the horizon, by rings of their points, relative to own values.
+#[test]
+fn discs_are_those_of_quadrature() {
+    let kinds = [[0.38, 0.04], [0.82, 0.04], [0.04, 0.04]].map(|alphas| [(alphas, false), (alphas, true)]);
+    for (alphas, is_cut) in kinds.into_iter().flatten() {
+        let (mut random, mut sum, mut worst, mut count) = (Random::new(17), 0.0, 0.0_f64, 0);
+        while count < 24 {
+            let (at, facets, printed) = case(&mut random, [0.2, 1.3], alphas);
+            let mirror = DVec3::new(-printed.view.x, -printed.view.y, printed.view.z);
+            let aside = random.between(0.0, 0.8);
+            let center = random.axis_at(mirror, aside) * random.between(0.6, 1.5);
+            let tilt = random.between(0.0, 0.8);
+            let face = random.axis_at(center.normalize(), tilt);
+            let (u, v) = face.any_orthonormal_pair();
+            let radius = 0.3;
+            if (center.z < radius * (1.0 - face.z * face.z).sqrt()) != is_cut {
+                continue;
+            }
+            let Some(light) = Outline::disc(center.as_vec3(), radius as f32, face.as_vec3().normalize()) else {
+                continue;
+            };
+            let (rings, around) = (200, 600);
+            let mut want = [0.0; 2];
+            for i in 0..rings {
+                let r = radius * (f64::from(i) + 0.5) / f64::from(rings);
+                let area = r * radius / f64::from(rings) * TAU / f64::from(around);
+                for k in 0..around {
+                    let (sin, cos) = (TAU * f64::from(k) / f64::from(around)).sin_cos();
+                    let p = center + (u * cos + v * sin) * r;
+                    if p.z > 0.0 {
+                        let (distance, l) = (p.length(), p.normalize());
+                        let f = printed.both(l);
+                        let angle = area * face.dot(l) / (distance * distance);
+                        want = [want[0] + f[0] * angle, want[1] + f[1] * angle];
+                    }
+                }
+            }
+            if want[0] < 1e-4 {
+                continue;
+            }
+            let got = facets.map(|facets| f64::from(outline_integral(&at, facets, &light)));
+            let error = (got[0] + got[1]) / (want[0] + want[1]) - 1.0;
+            (sum, worst, count) = (sum + error.abs(), worst.max(error.abs()), count + 1);
+        }
+        println!("discs, α {alphas:?}, cut {is_cut}: mean {:.1e}, worst {worst:.1e}", sum / f64::from(count));
+        let limits = if is_cut { [3e-3, 0.03] } else { [3e-4, 3e-3] };
+        assert!(sum < limits[0] * f64::from(count) && worst < limits[1], "{alphas:?} {is_cut}: {sum} {worst}");
+    }
+}
+
 /// Finite and not negative, whatever the input.
 #[test]
 fn integrals_are_total() {

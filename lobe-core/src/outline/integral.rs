@@ -69,17 +69,45 @@ pub fn image_integral(at: &Receiver, lobe: impl Into<BrdfLobe>, light: &Outline,
 
 /// [`outline_integral`] of a light that is above the horizon.
 pub(crate) fn integral(at: &Receiver, lobe: &BrdfLobe, light: &Outline) -> f32 {
-    let value = if has_parts(lobe, light) { in_parts(at.normal, lobe, light) } else { over(at, lobe, light, None)[3] };
+    let value = if has_parts(lobe, light) {
+        match light.radius {
+            None => in_parts(at.normal, lobe, light),
+            Some(radius) => in_parts(at.normal, lobe, &polygon_for_disc(light, radius)),
+        }
+    } else {
+        over(at, lobe, light, None)[3]
+    };
     if value > 0.0 && value.is_finite() { value } else { 0.0 }
 }
 
-/// Whether the light is a polygon, and the lobe smooth all over it.
+/// The corners of the polygon around a disc, moved toward its middle by this factor, make one as large as the disc: `√(π/(24 tan(π/24)))`.
+pub(super) const AS_LARGE: f32 = 0.997_134;
+
+/// The polygon for a disc: of the same area, but for corners at a horizon, which stay.
+fn polygon_for_disc(light: &Outline, radius: f32) -> Outline {
+    let mut polygon = *light;
+    polygon.radius = None;
+    let center = light.center;
+    for corner in &mut polygon.corners[..polygon.count] {
+        let away = *corner - center;
+        if away.length() > AT_CORNER * radius {
+            *corner = center + away * AS_LARGE;
+        }
+    }
+    polygon
+}
+
+/// Corners that a horizon makes are nearer to a disc's middle than this, in its radii.
+pub(super) const AT_CORNER: f32 = 1.0085;
+
+/// Whether the lobe is smooth all over the light, and that a polygon, or a disc that is taken as the polygon around it: highlights along a grain are
+/// too thin for rows, and so are those that the horizon cuts.
 fn has_parts(lobe: &BrdfLobe, light: &Outline) -> bool {
-    let is_smooth = match lobe {
-        BrdfLobe::Cosine(lobe) => lobe.exponent >= STEEP,
-        BrdfLobe::Microfacets(_) => true,
-    };
-    is_smooth && light.radius.is_none()
+    let is_polygon = light.radius.is_none();
+    match lobe {
+        BrdfLobe::Cosine(lobe) => is_polygon && lobe.exponent >= STEEP,
+        BrdfLobe::Microfacets(facets) => is_polygon || light.is_clipped || facets.grain.is_some(),
+    }
 }
 
 /// [`image_integral`] over an outline that is above the horizon.

@@ -86,10 +86,24 @@ fn outline_integral(at: Receiver, lobe: Lobe) -> OutlineSum {
         return OutlineSum();
     }
     let is_smooth = is_facets || lobe.exponent >= OUTLINE_STEEP;
-    if (!OUTLINE_SHOWS && !is_diffuse && is_smooth && outline.radius == 0.0) {
+    // Discs as polygons where rows of them are too few.
+    let is_polygon = outline.radius == 0.0 || (is_facets && (outline.is_clipped || lobe.kind >= LOBE_MICROFACETS_GRAIN));
+    if (!OUTLINE_SHOWS && !is_diffuse && is_smooth && is_polygon) {
+        outline_as_polygon(right);
         return OutlineSum(term.factor * outline_in_parts(term.value));
     }
     return term.factor * outline_cubature(right, term.peak, term.value);
+}
+
+// The corners around a disc become those of a polygon of the same area.
+fn outline_as_polygon(right: vec3f) {
+    let circle = outline_circle(right);
+    for (var i = 0u; i < outline_point_count && outline.radius > 0.0; i++) {
+        let away = outline_points[i] - circle.xy;
+        if (sqrt(dot(away, away)) > OUTLINE_AT_CORNER * circle.z) {
+            outline_points[i] = circle.xy + away * OUTLINE_AS_LARGE;
+        }
+    }
 }
 
 // Lambert's formula in the form of lambert.rs, which does not cancel, and the angles of the edges together.
