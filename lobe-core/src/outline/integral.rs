@@ -120,10 +120,8 @@ pub fn light_image_integral(at: &Receiver, lobe: &BrdfLobe, light: &Outline, ima
     {
         return irradiance.max(Vec3::ZERO) * FRAC_1_PI;
     }
-    let [r, g, b, alone] = over(at, lobe, light, Some(image));
-    // A closed form is nearer to the truth than its rows.
-    let part = if is_lambert { lambert(at.normal, light, None)[3] / alone } else { 1.0 };
-    let value = Vec3::new(r, g, b) * part;
+    let [r, g, b, _] = over(at, lobe, light, Some(image));
+    let value = Vec3::new(r, g, b);
     if value.is_finite() { value.max(Vec3::ZERO) } else { Vec3::ZERO }
 }
 
@@ -139,15 +137,19 @@ fn over(at: &Receiver, lobe: &BrdfLobe, light: &Outline, image: Option<&LightIma
 fn lambert(normal: Vec3, light: &Outline, image: Option<&LightImage>) -> [f32; 4] {
     // Of a disc that the horizon cuts the polygon around it is not as large in all parts.
     let is_cut_disc = light.is_clipped && light.radius.is_some();
-    if image.is_none() && (!is_cut_disc || angle_around(light) > WIDE) {
-        return [0.0, 0.0, 0.0, irradiance(normal, light)];
+    let closed = (!is_cut_disc || angle_around(light) > WIDE).then(|| irradiance(normal, light));
+    if image.is_none()
+        && let Some(alone) = closed
+    {
+        return [0.0, 0.0, 0.0, alone];
     }
     let light = OnPlane::new(light, light.frame(normal));
     let lobe = Cosine { normal: light.local(normal) };
     let peak = light.nearest(Vec2::ZERO);
     let width = Vec2::splat((1.0 + peak.length_squared()).sqrt());
     let peak = Peak { point: peak, width };
-    shown([normal; 2], &light, peak, lobe, image.map(|image| (image, Cells::WIDE)))
+    let alone = closed.unwrap_or_else(|| cubature(normal, &light, peak, lobe));
+    times_mean(alone, [normal; 2], &light, peak, lobe, image.map(|image| (image, Cells::WIDE)))
 }
 
 /// The angles that the sides are seen under, together.
@@ -244,7 +246,18 @@ fn shown(
     value: impl Value,
     image: Option<(&LightImage, Cells)>,
 ) -> [f32; 4] {
-    let alone = cubature(horizons[0], light, peak, value);
+    times_mean(cubature(horizons[0], light, peak, value), horizons, light, peak, value, image)
+}
+
+/// The same where the integral without is known.
+fn times_mean(
+    alone: f32,
+    horizons: [Vec3; 2],
+    light: &OnPlane<'_>,
+    peak: Peak,
+    value: impl Value,
+    image: Option<(&LightImage, Cells)>,
+) -> [f32; 4] {
     let mean = image.and_then(|(image, cells)| mean_shown(horizons, light, &peak, value, image, cells));
     let [r, g, b] = (mean.unwrap_or(Vec3::ZERO) * alone).to_array();
     [r, g, b, alone]
