@@ -1,13 +1,13 @@
 use crate::any_hit::DynAnyHit;
 use crate::beside::Beside;
-use crate::clip::{Behind, LightSphere};
+use crate::clip::{Behind, LightSphere, add_chord};
 use crate::fit::{is_flat, side};
 use crate::hidden::Hidden;
 use crate::hull::Fineness;
 use crate::lists::{Lists, Meshes, SkyMeshes};
 use crate::penumbra::narrowest;
 use crate::project::View;
-use crate::select::{add_edges, silhouettes};
+use crate::select::{add_arcs, add_edges, silhouettes};
 use crate::topology::normal;
 use crate::{AnyHit, SilhouetteInstances, SilhouetteMesh};
 use fearless_simd::{Level, Simd, dispatch};
@@ -181,7 +181,9 @@ impl<'m> SilhouetteBlockers<'m> {
 
     /// Finds the outlines in which a flat light's plane, or a tube, cuts triangles near it. Returns whether there are any.
     fn clip_by_light(&self, light: &Outline, scratch: &mut SilhouetteScratch) -> bool {
-        let SilhouetteScratch { near, arcs, silhouettes, outside, before, body, is_flat_cut, origin, .. } = scratch;
+        let SilhouetteScratch {
+            near, arcs, silhouettes, outside, before, body, is_flat_cut, first_arc, origin, ..
+        } = scratch;
         arcs.clear();
         let Some(near) = near.current() else { return false };
         let depth = light.depth_to(body.is_some());
@@ -201,14 +203,17 @@ impl<'m> SilhouetteBlockers<'m> {
             let beside = Beside::new(light, depth);
             arcs.retain(|(a, b, _)| !beside.misses_chord(*a, *b));
         }
+        let are_there = !arcs.is_empty();
         if *is_flat_cut {
             plane.before(silhouettes, outside);
             if let Some(body) = &body {
                 core::mem::swap(outside, before);
                 body.outside(before, outside);
             }
+            *first_arc = outside.len();
+            arcs.drain(..).for_each(|arc| add_chord(outside, arc));
         }
-        !arcs.is_empty()
+        are_there
     }
 
     /// Lists the silhouettes of one receiver.
@@ -319,7 +324,12 @@ impl Blockers for SilhouetteBlockers<'_> {
             // A flat light's cone may be a hemisphere, which has no disc.
             light.one_minus_cos = light.one_minus_cos.min(WIDEST_DISC);
         }
-        dispatch!(Level::new(), simd => add_edges(simd, query.cone, &light, &scratch.silhouettes, edges));
+        dispatch!(Level::new(), simd => {
+            add_edges(simd, query.cone, &light, &scratch.silhouettes, edges);
+            if scratch.is_flat_cut {
+                add_arcs(simd, query.cone, &light, (&scratch.outside, scratch.first_arc), edges);
+            }
+        });
     }
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {
@@ -374,7 +384,7 @@ impl Blockers for SilhouetteBlockers<'_> {
         narrowest: f32,
         lit: &mut LitArea,
     ) -> bool {
-        // Simplified outlines, and arcs in which a light cuts triangles, are left to masks.
+        // Simplified outlines, and arcs in which a round light cuts triangles, are left to masks.
         if scratch.is_coarse || scratch.lists.is_too_long() {
             return false;
         }

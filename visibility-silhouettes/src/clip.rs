@@ -263,14 +263,20 @@ pub(crate) fn keep_outside(silhouettes: &Silhouettes, inside: impl Fn(Vec3, Vec3
     for i in 0..silhouettes.len() {
         let end = |c: usize| Vec3::from_array([c, c + 1, c + 2].map(|c| silhouettes.get(c, i)));
         let (a, b, step) = (end(0), end(3), silhouettes.get(STEP, i));
-        let push = |a: Vec3, b: Vec3| {
-            let mut numbers = [step; NUMBERS];
-            numbers[..3].copy_from_slice(&a.to_array());
-            numbers[3..6].copy_from_slice(&b.to_array());
-            Columns::push(out, numbers);
-        };
-        inside(a, b).each_outside(a, b, push);
+        inside(a, b).each_outside(a, b, |a, b| add(out, [a, b], step));
     }
+}
+
+/// Adds a chord to silhouettes.
+pub(crate) fn add_chord(out: &mut Silhouettes, (a, b, step): Chord) {
+    add(out, [a, b], step as f32);
+}
+
+fn add(out: &mut Silhouettes, [a, b]: [Vec3; 2], step: f32) {
+    let mut numbers = [step; NUMBERS];
+    numbers[..3].copy_from_slice(&a.to_array());
+    numbers[3..6].copy_from_slice(&b.to_array());
+    Columns::push(out, numbers);
 }
 
 /// The plane of a flat light, seen from a receiver: only surfaces in front of it block.

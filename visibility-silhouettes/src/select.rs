@@ -188,18 +188,42 @@ pub(crate) const BESIDE: f32 = 1e-5;
 /// front of the light count, since the list has only some of the others.
 #[inline(always)]
 pub(crate) fn add_edges<S: Simd>(simd: S, part: &Cone, light: &Cone, silhouettes: &Silhouettes, edges: &mut Edges) {
+    let far = light.distance * light.cos() * light.cos();
+    add_lines(simd, part, light, (silhouettes, 0, far), edges);
+}
+
+/// The same of the outlines from a number on in which a light cuts surfaces: all are known.
+#[inline(always)]
+pub(crate) fn add_arcs<S: Simd>(
+    simd: S,
+    part: &Cone,
+    light: &Cone,
+    (outlines, first): (&Silhouettes, usize),
+    edges: &mut Edges,
+) {
+    add_lines(simd, part, light, (outlines, first, f32::INFINITY), edges);
+}
+
+#[inline(always)]
+fn add_lines<S: Simd>(
+    simd: S,
+    part: &Cone,
+    light: &Cone,
+    (outlines, first, far): (&Silhouettes, usize, f32),
+    edges: &mut Edges,
+) {
     let is_finite = light.distance.is_finite();
-    let (nearest, far) = (1e-6 * light.distance.min(1.0), light.distance * light.cos() * light.cos());
+    let nearest = 1e-6 * light.distance.min(1.0);
     let [nearest, far] = [nearest, far].map(|depth| f32x8::splat(simd, depth));
-    for first in (0..silhouettes.len()).step_by(8) {
-        let [a, b] = [silhouettes.load3(simd, 0, first), silhouettes.load3(simd, 3, first)];
+    for first in (first..outlines.len()).step_by(8) {
+        let [a, b] = [outlines.load3(simd, 0, first), outlines.load3(simd, 3, first)];
         // An edge that passes beside the receiver, far outside the disc of a light at infinity, has a depth of nothing but
         // rounding.
         let near = if is_finite { nearest } else { (a.dot(a) + b.dot(b)).sqrt() * BESIDE };
         // Behind the light or the receiver only some edges are listed, so none counts.
         let [depth_a, depth_b] = [a.dot_one(light.axis), b.dot_one(light.axis)];
         let edge = b - a;
-        let mut is_there = mask32x8::from_bitmask(simd, u64::from(silhouettes.lanes(first)));
+        let mut is_there = mask32x8::from_bitmask(simd, u64::from(outlines.lanes(first)));
         let (mut from, mut to) = (a, b);
         for (limit, out_a, out_b) in
             [(near, depth_a.simd_lt(near), depth_b.simd_lt(near)), (far, depth_a.simd_gt(far), depth_b.simd_gt(far))]

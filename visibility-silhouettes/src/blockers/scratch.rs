@@ -38,12 +38,14 @@ pub struct SilhouetteScratch {
     pub(super) silhouettes: Silhouettes,
     /// Whether any of them may belong to a simplified form.
     pub(super) is_coarse: bool,
-    /// Their parts outside the light, the arcs in which it cuts triangles, and whether both are those of the current receiver.
+    /// Their parts outside the light, then the outlines in which a flat light or a tube cuts triangles, and where these begin.
     pub(super) outside: Silhouettes,
+    pub(super) first_arc: usize,
     /// Before a tube's plane, whatever it hides.
     pub(super) before: Silhouettes,
     /// The tube that is the light, if triangles touch it.
     pub(super) body: Option<Capsule>,
+    /// The arcs in which a round light cuts triangles, and whether they and `outside` are those of the current receiver.
     pub(super) arcs: Vec<Chord>,
     pub(super) is_outside_known: bool,
     /// Whether a flat light or a tube has cut them.
@@ -84,6 +86,7 @@ impl SilhouetteScratch {
             silhouettes: Silhouettes::default(),
             is_coarse: false,
             outside: Silhouettes::default(),
+            first_arc: 0,
             before: Silhouettes::default(),
             body: None,
             is_flat_cut: false,
