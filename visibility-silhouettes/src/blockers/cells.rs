@@ -235,7 +235,7 @@ impl<'a> Cells<'a> {
         for row in first..=last {
             grid.count(piece, row, (x, place), [xs, ys], numbers);
             if from < to {
-                x = piece.at(to.min(ys[row + 1]));
+                x = piece.at_or_end(to.min(ys[row + 1]));
                 let end = grid.place(x);
                 (left, right) = if place < end { (place, end) } else { (end, place) };
                 place = end;

@@ -62,7 +62,7 @@ struct Part {
 impl Part {
     fn of(piece: &Piece, cell: &Cell) -> Option<Self> {
         let heights = [piece.heights[0].max(cell.low.y), piece.heights[1].min(cell.high.y)];
-        let ends = heights.map(|y| piece.at(y));
+        let ends = heights.map(|y| piece.at_or_end(y));
         (heights[0] <= heights[1]).then_some(Self { piece: *piece, heights, ends })
     }
 
@@ -254,8 +254,10 @@ impl Cells<'_> {
         for (k, part) in parts.iter().enumerate() {
             let own = part.heights;
             let piece = &part.piece;
+            // Where one that is nearly level crosses others is lost in rounding: it is cut off as a whole.
+            let is_level = piece.is_nearly_level() && cell.has(piece.places);
             for y in piece.heights {
-                if cell.has(piece.ends_at(y)) {
+                if is_level || cell.has(piece.ends_at(y)) {
                     add(y, whole);
                 }
             }

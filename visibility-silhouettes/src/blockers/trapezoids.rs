@@ -4,7 +4,7 @@ use super::cells::{CellMemory, Cells};
 use super::parts::Bounds;
 use crate::project::{View, ends_of, line_through};
 use crate::select::{STEP, Silhouettes};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec2Swizzles, Vec3};
 use lobe_core::Outline;
 use visibility_mask::{LitArea, Mask, UnitSquare};
 
@@ -21,11 +21,13 @@ pub(super) const DOUBTFUL: usize = 3;
 
 /// A part of a window that may be slivers alone.
 pub(crate) const SLIVER: f32 = 1e-6;
+/// They may also be as large as its sides times this part of how far it reaches from the origin across them: what pieces along them are rounded by.
+const ROUNDED: f32 = 64.0 * f32::EPSILON;
 
 /// A second ray is traced into a trapezoid that is not smaller than this part of the largest.
 const SECOND: f32 = 0.01;
 
-/// The side of a piece that moves by more than this to the side on its way up is not certain.
+/// A piece that moves by more than this to the side on its way up is nearly level.
 const STEEP: f32 = 1e3;
 
 /// A piece of an outline.
@@ -93,13 +95,17 @@ impl Piece {
         (self.is_left[0] != self.is_left[1]).then_some((self.crosses, step))
     }
 
+    /// Whether the side of it on which a point is may be lost in rounding.
+    pub(super) fn is_nearly_level(&self) -> bool {
+        !(self.line[1].abs() < STEEP)
+    }
+
     /// By how much the number falls at most where it is crossed on the way from a point.
     #[inline(always)]
     pub(super) fn falls_from(&self, p: Vec2) -> i32 {
         let [start, slope] = self.line;
         let is_left = start + slope * p.y < p.x;
-        let is_certain = slope.abs() < STEEP;
-        if is_certain { (if is_left { self.step } else { -self.step }).max(0) } else { self.step.abs() }
+        if !self.is_nearly_level() { (if is_left { self.step } else { -self.step }).max(0) } else { self.step.abs() }
     }
 
     /// The change of the number from one point to another, if the line between them crosses it.
@@ -210,10 +216,10 @@ impl Trapezoids {
         self.gather(silhouettes, lit.hidden(), view, path);
         self.found.clear();
         let (low, high) = view.corners();
-        let UnitSquare { right, up, half, .. } = view.square;
+        let UnitSquare { right, up, .. } = view.square;
         let corners: Vec<Vec2> = emits.outline.iter().flat_map(|outline| outline.on_plane([right, up])).collect();
         let sides = sides(emits, &corners);
-        let slivers = narrowest * narrowest + SLIVER * half.element_product();
+        let slivers = slivers(&view.square, narrowest);
         let bounds = Bounds {
             emits,
             sides: &sides,
@@ -275,6 +281,13 @@ impl Trapezoids {
             crosses,
         });
     }
+}
+
+/// Parts of a window that are not larger may be slivers alone.
+pub(super) fn slivers(window: &UnitSquare, narrowest: f32) -> f32 {
+    let UnitSquare { center, half, .. } = window;
+    let reach = center.abs() + *half;
+    narrowest * narrowest + SLIVER * half.element_product() + ROUNDED * half.dot(reach.yx())
 }
 
 /// The numbers of surfaces of parts that are open, by rays. None if these contradict each other.
