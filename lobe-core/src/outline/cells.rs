@@ -3,7 +3,7 @@
 use super::cubature::{Peak, Value};
 use super::on_plane::OnPlane;
 use super::{LightImage, Places};
-use glam::{Mat2, UVec2, Vec2, Vec3};
+use glam::{Mat2, UVec2, Vec2, Vec3, Vec3A};
 
 /// A cell is small if half its diagonal is at most this part of `√(1 + t²)`, where `t` is its distance from the peak; both in the peak's widths.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +21,12 @@ pub(super) const SHALLOWEST: u32 = 3;
 
 /// A cell that a horizon crosses is small from this part of that on.
 pub(super) const AT_HORIZON: f32 = 0.25;
+
+/// The image is taken to change evenly within texels of this copy and coarser ones. It does not within those of the finest, nor of four of them.
+pub(super) const SMOOTH: u32 = 2;
+
+/// Among quarters of a cell of which one has less than this part of another's weight, the reflectance is far from linear: it ends at a horizon, or peaks.
+pub(super) const EVEN: f32 = 0.25;
 
 /// Cells are halved this often at most: single precision resolves no smaller ones.
 pub(super) const DEEPEST: u32 = 20;
@@ -52,6 +58,43 @@ impl Cell {
     }
 }
 
+/// The four quarters of a cell, as far as they have come.
+///
+/// Each counts with the mean of the image times the reflectance at its middle, and so misses by how much both change together within it. The reflectance changes
+/// as it does from quarter to quarter, and the image as it does from half to half of each.
+#[derive(Clone, Copy, Default)]
+struct Quarters {
+    depth: u32,
+    count: u32,
+    weights: [f32; 4],
+    /// Twice by how much the image changes from half to half, to the right and upward.
+    changes: [Vec3A; 2],
+}
+
+impl Quarters {
+    /// Adds the next cell. Returns what all four miss with the last one; 0 where some of them are divided or have no weight.
+    fn add(&mut self, cell: Cell, changes: [Vec3A; 2], weight: f32) -> Vec3A {
+        let place = cell.x % 2 + 2 * (cell.y % 2);
+        if place == 0 {
+            *self = Self { depth: cell.depth, ..Self::default() };
+        } else if (self.depth, self.count) != (cell.depth, place) {
+            return Vec3A::ZERO;
+        }
+        self.count += 1;
+        self.weights[place as usize] = weight;
+        self.changes = [0, 1].map(|axis| self.changes[axis] + changes[axis]);
+        if self.count < 4 {
+            return Vec3A::ZERO;
+        }
+        let [a, b, c, d] = self.weights;
+        if a.min(b).min(c).min(d) < EVEN * a.max(b).max(c).max(d) {
+            return Vec3A::ZERO;
+        }
+        // Over a cell of width 1 two lines of slopes s and t are `s t/12` above the product of their means; halves differ by `s/2`.
+        (self.changes[0] * (b + d - a - c) + self.changes[1] * (c + d - a - b)) / 24.0
+    }
+}
+
 /// The mean of an image by channel, weighted by a reflectance above the receiver's horizon, the first one; it may end at the second one. None where nothing
 /// has a weight.
 ///
@@ -71,13 +114,14 @@ pub(super) fn mean_shown(
     // Squares of texels: the copy that has one texel across has as many of them upward, or the other way round.
     let least = image.size().min_element();
     let (roots, levels) = (image.size() / least, least.ilog2());
-    let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+    let (mut sum, mut weights, mut quarters) = (Vec3A::ZERO, 0.0, Quarters::default());
     for root in 0..roots.element_product() {
         let root = UVec2::new(root % roots.x, root / roots.x);
         let mut next = Some(Cell::default());
         while let Some(cell) = next {
             let half = (roots << cell.depth).as_vec2().recip();
-            let place = ((root << cell.depth) + UVec2::new(cell.x, cell.y)).as_vec2() * (2.0 * half) + half - 1.0;
+            let texel = (root << cell.depth) + UVec2::new(cell.x, cell.y);
+            let place = texel.as_vec2() * (2.0 * half) + half - 1.0;
             let p = middle + sides * place;
             let away = (p - peak.point) / peak.width;
             let diagonal =
@@ -100,15 +144,19 @@ pub(super) fn mean_shown(
             }
             let inverse = 1.0 / p.length_squared();
             let weight = half.element_product() * (inverse * inverse.sqrt()) * value.at(p, inverse);
-            let shown = match levels.checked_sub(cell.depth) {
-                Some(level) => image.row(level as usize, place.y)[image.column(level as usize, place.x)].into(),
-                None => image.at(place, 0.0),
+            sum += match levels.checked_sub(cell.depth) {
+                Some(level) if level >= SMOOTH => {
+                    let [a, b, c, d] = image.four(level - 1, 2 * texel);
+                    let changes = [b + d - a - c, c + d - a - b];
+                    (a + b + c + d) * (0.25 * weight) + quarters.add(cell, changes, weight)
+                }
+                Some(level) => image.texel(level, texel) * weight,
+                None => Vec3A::from(image.at(place, 0.0)) * weight,
             };
-            sum += shown * weight;
             weights += weight;
         }
     }
-    (weights > 0.0).then(|| sum / weights)
+    (weights > 0.0).then(|| Vec3::from(sum / weights))
 }
 
 /// An image's middle and its half sides on the plane at distance 1.

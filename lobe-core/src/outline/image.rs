@@ -111,6 +111,22 @@ impl LightImage {
         if part > 0.0 { here.lerp(self.levels[fine + 1].at(place), part).into() } else { here.into() }
     }
 
+    /// A texel of a copy, and the three to the right of it and above: it has an even place.
+    #[inline(always)]
+    pub(super) fn four(&self, level: u32, UVec2 { x, y }: UVec2) -> [Vec3A; 4] {
+        let Level { size, texels } = &self.levels[level as usize];
+        let row = |y: u32| &texels[(y * size.x + x) as usize..][..2];
+        let [low, high] = [row(y), row(y + 1)];
+        [low[0], low[1], high[0], high[1]]
+    }
+
+    /// A texel of a copy.
+    #[inline(always)]
+    pub(super) fn texel(&self, level: u32, UVec2 { x, y }: UVec2) -> Vec3A {
+        let Level { size, texels } = &self.levels[level as usize];
+        texels[(y * size.x + x) as usize]
+    }
+
     /// The texels of a copy, or of the coarsest, in the row of a place's y.
     #[must_use]
     #[inline]

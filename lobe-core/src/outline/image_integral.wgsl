@@ -12,6 +12,36 @@ fn outline_in_parts(value: OutlineValue) -> f32 { return 0.0; }
 
 fn outline_begin(right: vec3f) { outline_places = image_places(right); }
 
+// The four quarters of a cell, as far as they have come: `Quarters` says why. Sums of the image, and of its changes from half to half of each.
+struct OutlineQuarters {
+    weights: vec4f,
+    sides: mat3x3f,
+    depth: u32,
+    count: u32,
+}
+
+// Adds the next cell. Returns what all four miss with the last one.
+fn outline_quarters_add(all: ptr<function, OutlineQuarters>, depth: u32, cell: vec2u, weight: f32, sides: mat3x3f) -> vec3f {
+    let place = (cell.x & 1u) + 2u * (cell.y & 1u);
+    if (place == 0u) {
+        *all = OutlineQuarters();
+        (*all).depth = depth;
+    }
+    if ((*all).depth != depth || (*all).count != place) {
+        return vec3f(0.0);
+    }
+    (*all).count += 1u;
+    (*all).weights[place] = weight;
+    (*all).sides += sides;
+    let w = (*all).weights;
+    let least = min(min(w.x, w.y), min(w.z, w.w));
+    let most = max(max(w.x, w.y), max(w.z, w.w));
+    if ((*all).count < 4u || least < OUTLINE_EVEN * most) {
+        return vec3f(0.0);
+    }
+    return ((*all).sides[1] * (w.y + w.w - w.x - w.z) + (*all).sides[2] * (w.z + w.w - w.x - w.y)) / 12.0;
+}
+
 // The mean of the image, weighted by a reflectance, and 1; 0 where nothing has a weight. `mean_shown` says why.
 fn outline_mean_shown(peak: OutlinePeak, value: OutlineValue) -> vec4f {
     let places = outline_places;
@@ -31,6 +61,7 @@ fn outline_mean_shown(peak: OutlinePeak, value: OutlineValue) -> vec4f {
     // Where the reflectance may end.
     let horizons = mat2x3f(value.normal, select(value.normal, value.axis, is_wide_power));
     var sum = vec4f(0.0);
+    var quarters = OutlineQuarters();
     for (var k = 0u; k < roots.x * roots.y; k++) {
         let root = vec2u(k % roots.x, k / roots.x);
         var cell = vec2u(0u);
@@ -57,7 +88,17 @@ fn outline_mean_shown(peak: OutlinePeak, value: OutlineValue) -> vec4f {
                 let inverse = 1.0 / dot(p, p);
                 let weight = half.x * half.y * inverse * sqrt(inverse) * outline_value(value, p, inverse);
                 var shown = vec3f(0.0);
-                if (depth <= levels) {
+                if (depth + OUTLINE_SMOOTH <= levels) {
+                    let copy = image_copy(levels - depth - 1u);
+                    var sides = mat3x3f();
+                    for (var k = 0u; k < 4u; k++) {
+                        let to = vec2f(vec2u(k & 1u, k >> 1u)) - 0.5;
+                        let quarter = image_nearest(copy, place + half * to);
+                        sides += mat3x3f(0.25 * quarter, to.x * quarter, to.y * quarter);
+                    }
+                    shown = sides[0];
+                    sum += vec4f(outline_quarters_add(&quarters, depth, cell, weight, sides), 0.0);
+                } else if (depth <= levels) {
                     shown = image_nearest(image_copy(levels - depth), place);
                 } else {
                     shown = image_at(place, 0.0);

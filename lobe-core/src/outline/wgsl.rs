@@ -61,6 +61,8 @@ pub static OUTLINE_IMAGE: Piece = Piece::new(include_str!("image_integral.wgsl")
         OUTLINE_CELL_FACETS = cells::Cells::FACETS.0,
         OUTLINE_AT_HORIZON = cells::AT_HORIZON,
         OUTLINE_SHALLOWEST = cells::SHALLOWEST,
+        OUTLINE_SMOOTH = cells::SMOOTH,
+        OUTLINE_EVEN = cells::EVEN,
         OUTLINE_DEEPEST = cells::DEEPEST,
     ])
     .needs(&[&OUTLINE_INTEGRAL, &IMAGE]);

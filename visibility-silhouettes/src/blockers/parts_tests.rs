@@ -129,7 +129,7 @@ fn slivers_along_a_level_edge_do_not_close_a_window() {
     let mut random = Random::new(5);
     let (mut dark, mut off) = (0, 0.0_f32);
     let mut mask = Mask::default();
-    for case in 0..20_000 {
+    for _ in 0..20_000 {
         let mut between = |low: f64, high: f64| random.between(low, high) as f32;
         let half = Vec2::new(between(0.01, 0.1), between(0.3, 1.0));
         let center = Vec2::new(between(-0.2, 0.2), between(-3.0, 3.0));

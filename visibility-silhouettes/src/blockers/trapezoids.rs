@@ -97,7 +97,7 @@ impl Piece {
 
     /// Whether the side of it on which a point is may be lost in rounding.
     pub(super) fn is_nearly_level(&self) -> bool {
-        !(self.line[1].abs() < STEEP)
+        !self.line[1].is_finite() || self.line[1].abs() >= STEEP
     }
 
     /// By how much the number falls at most where it is crossed on the way from a point.
@@ -105,7 +105,7 @@ impl Piece {
     pub(super) fn falls_from(&self, p: Vec2) -> i32 {
         let [start, slope] = self.line;
         let is_left = start + slope * p.y < p.x;
-        if !self.is_nearly_level() { (if is_left { self.step } else { -self.step }).max(0) } else { self.step.abs() }
+        if self.is_nearly_level() { self.step.abs() } else { (if is_left { self.step } else { -self.step }).max(0) }
     }
 
     /// The change of the number from one point to another, if the line between them crosses it.
