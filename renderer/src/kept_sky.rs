@@ -97,7 +97,7 @@ const LOW: [f32; 2] = [0.25, 1.0];
 const MANY: usize = 100_000;
 const BETWEEN_COPIES: f32 = 0.6;
 
-/// The resolution of a tolerance, and as many finer ones as the narrowest lobes of the materials need.
+/// The resolution of a tolerance, a finer one for receivers that see little of the sky, and as many more as the narrowest lobes of the materials need.
 fn resolutions(scene: &Scene, frame: &Frame<'_>) -> Vec<SkyResolution> {
     let are_many = |object: &Object| matches!(&object.shape, Shape::Instances(all) if all.triangle_count() >= MANY);
     let part = if scene.objects.iter().any(are_many) { BETWEEN_COPIES } else { 1.0 };
@@ -123,6 +123,6 @@ fn resolutions(scene: &Scene, frame: &Frame<'_>) -> Vec<SkyResolution> {
         lobes.iter().all(|lobe| SkyView::resolves_at(*table, lobe, Vec3::Z))
     };
     let needed = all.iter().enumerate().position(is_enough).map_or(all.len(), |place| place + 1);
-    all.truncate(needed);
+    all.truncate(needed.max(1 + usize::from(first.for_little().is_some())));
     all
 }

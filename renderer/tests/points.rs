@@ -227,7 +227,7 @@ fn a_sill_hides_a_panel_that_the_horizon_cuts() {
     assert!(mean < 0.002 && most < 0.008, "{mean} {most}");
 }
 
-/// A glossy floor of a room under a uniform sky has the light of a panel in its window, also where the reflection shows little but the window: all of the
+/// The floor of a room under a uniform sky has the light of a panel in its window, also where a reflection shows little but the window: all of the
 /// lobe is seen there, through few samples of the sky.
 #[test]
 fn a_window_is_mirrored_as_the_panel_that_fills_it() {
@@ -246,7 +246,8 @@ fn a_window_is_mirrored_as_the_panel_that_fills_it() {
     let [mut sky, mut panel] = [under_sky, with_panel].map(|scene| renderer(scene, None));
     let phong = |exponent| brdf::ModifiedPhong { kd: Vec3::ZERO, ks: Vec3::ONE, exponent }.into();
     let metal = brdf::MetallicRoughness::new(Vec3::ONE, 1.0, 0.2).expect("a metal").into();
-    for material in [phong(8.0), phong(40.0), metal] {
+    let diffuse = brdf::Material::lambert(Vec3::ONE);
+    for (material, limit) in [(diffuse, 0.02), (phong(8.0), 0.01), (phong(40.0), 0.01), (metal, 0.01)] {
         let materials = [material];
         let [got, want] = [&mut sky, &mut panel].map(|renderer| {
             renderer.shade_points(points.clone(), Some(&materials), LayerSet::NONE).expect("light").radiance
@@ -256,6 +257,6 @@ fn a_window_is_mirrored_as_the_panel_that_fills_it() {
         let errors = bright().map(|(got, want)| (got.x / want.x - 1.0).abs());
         let (mean, largest) = (errors.clone().sum::<f32>() / bright().count() as f32, errors.fold(0.0, f32::max));
         println!("{}: {mean} {largest}", materials[0].name());
-        assert!(mean < 0.002 && largest < 0.01, "{}: {mean} {largest}", materials[0].name());
+        assert!(mean < 0.002 && largest < limit, "{}: {mean} {largest}", materials[0].name());
     }
 }

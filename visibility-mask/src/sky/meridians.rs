@@ -34,6 +34,9 @@ pub struct SkyResolution {
     samples: usize,
 }
 
+/// The most meridians that are worth it.
+const ROWS_FOR_LITTLE: usize = 256;
+
 impl SkyResolution {
     /// The most of both.
     pub const MOST: [usize; 2] = [1024, 512];
@@ -49,6 +52,12 @@ impl SkyResolution {
     pub fn finer(self) -> Option<Self> {
         let finer = Self::new(4 * self.rows, (2 * self.rows).max(2 * self.samples));
         (finer.rows > self.rows).then_some(finer)
+    }
+
+    /// The finer one through which diffuse receivers look that see little of a sky. None where masks of its patches cost less.
+    #[must_use]
+    pub fn for_little(self) -> Option<Self> {
+        self.finer().filter(|finer| finer.rows <= ROWS_FOR_LITTLE)
     }
 
     /// The resolution for a tolerance, a part of the unshadowed radiance.

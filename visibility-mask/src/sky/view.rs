@@ -116,8 +116,8 @@ impl SkyView {
         if self.buffer.is_crowd() { CROWD_LITTLE } else { LITTLE }
     }
 
-    /// Whether the visible part of the sky is as small, whatever light it gives.
-    pub fn is_small(&self, table: &SkyTable, normal: Vec3) -> bool {
+    /// Whether the visible part of the sky is smaller than a part of it, at most a third, whatever light it gives.
+    pub fn is_small(&self, part: f32, table: &SkyTable, normal: Vec3) -> bool {
         if self.coverage() != Coverage::Partial {
             return false;
         }
@@ -128,7 +128,7 @@ impl SkyView {
             return false;
         }
         let [seen, all] = dispatch!(Level::new(), simd => self.open(simd, table, normal));
-        seen < self.little() * all
+        seen < part * all
     }
 
     /// A uniform sky's light by Lambert's lobe: the part that is seen, and all, in a unit of their own.
