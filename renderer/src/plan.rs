@@ -50,6 +50,12 @@ impl Plan {
                 (Proxy::Count(_) | Proxy::None, Shape::Mesh(_) | Shape::Instances(_)) => Strategy::Silhouettes,
                 _ => Strategy::Spheres,
             };
+            // Lights that stand for a curved emitter are inside of it: it must not hide them, whichever strategy others have.
+            let is_inside =
+                |light: &Light| matches!(light, Light::Enclosed(inside) if inside.object as usize == number);
+            if o.strategy == Some(Strategy::None) && scene.lights.iter().any(is_inside) {
+                return Strategy::None;
+            }
             let blocks = match strategy.or(o.strategy) {
                 None if usual == Strategy::Silhouettes => !is_backdrop(number),
                 None | Some(Strategy::Spheres) => o.proxy != Proxy::None,

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test")]
 
 use glam::Vec3;
-use lighting::{Light, SphereLight};
+use lighting::{EnclosedLight, Light, SphereLight};
 use lobe_core::Sphere;
 use renderer::{Plan, Renderer, Settings};
 use scene::{Animation, Camera, Mesh, Object, Projection, Proxy, Scene, Strategy};
@@ -112,5 +112,24 @@ fn floors_block_from_the_moment_that_something_is_behind() {
         if y < -0.1 {
             assert!(image.iter().all(|p| *p == Vec3::ZERO), "{y}");
         }
+    }
+}
+
+/// A curved emitter hides nothing, whichever strategy all objects take: the lights that stand for it are inside of it.
+#[test]
+fn an_emitter_does_not_hide_its_own_lights() {
+    let shade = Object { strategy: Some(Strategy::None), ..table() };
+    let mut scene = scene(shade);
+    let number = u32::try_from(scene.objects.len() - 1).expect("few objects");
+    for strategy in [Strategy::Rays, Strategy::Silhouettes, Strategy::ShadowMap] {
+        assert_eq!(Plan::new(Some(strategy), &scene).of(number as usize), strategy);
+    }
+    scene.lights = scene
+        .lights
+        .iter()
+        .map(|light| EnclosedLight { light: Box::new(light.clone()), object: number }.into())
+        .collect();
+    for strategy in [Strategy::Rays, Strategy::Silhouettes, Strategy::Spheres, Strategy::ShadowMap] {
+        assert_eq!(Plan::new(Some(strategy), &scene).of(number as usize), Strategy::None);
     }
 }
