@@ -80,6 +80,13 @@ impl Grain {
         (Vec2::new(x, if xy < 0.0 { -y } else { y }), [2.0 * long, 2.0 * short.max(across * across)])
     }
 
+    /// By how much the highlight's least width is smaller than `2α_b`, for an `α_b` and the eye's cosine to the normal.
+    #[must_use]
+    pub fn narrowing(self, across: f32, cos: f32) -> f32 {
+        let [_, short] = self.highlight(across, cos).1;
+        short / (2.0 * across)
+    }
+
     /// The unit tangent along which it is rougher.
     #[must_use]
     pub fn direction(self, normal: Vec3, view: Vec3) -> Vec3 {
@@ -100,7 +107,7 @@ pub trait Facets: Copy {
 }
 
 /// [`Microfacets`] with a grain at a receiver, ready to be evaluated in many directions.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BrushedAt {
     normal: Vec3,
     /// The eye's direction; above the horizon.
@@ -132,6 +139,27 @@ impl BrushedAt {
             scale: FRAC_1_PI / (along * across),
             shadowing: (x * x + y * y + cos * cos).sqrt(),
         }
+    }
+
+    /// The square of the half vector's slope, in units of `α` along and across: `((h·t)²/α_t² + (h·b)²/α_b²)/(h·n)²`, of which alone the distribution
+    /// depends. In eight directions.
+    #[inline(always)]
+    pub fn slope_square_of_eight<S: Simd>(&self, simd: S, v: Vec3x8<S>) -> f32x8<S> {
+        let h = v.plus(self.view);
+        let up = h.dot_one(self.normal).max(f32x8::splat(simd, 1e-6));
+        let (x, y) = (h.dot_one(self.fine[0]), h.dot_one(self.fine[1]));
+        (x * x + y * y) / (up * up)
+    }
+
+    /// Whether this slope is larger than `slope`, and surely so, in all directions within chords of a length from any of eight.
+    #[inline(always)]
+    pub fn are_steeper<S: Simd>(&self, simd: S, v: Vec3x8<S>, slope: f32, chord: f32) -> bool {
+        let h = v.plus(self.view);
+        let up = h.dot_one(self.normal) * slope;
+        // By so much numbers change along a chord.
+        let [along, across] = self.fine.map(|fine| f32x8::splat(simd, (fine.length() + slope) * chord));
+        let along = (h.dot_one(self.fine[0]).abs() - up).simd_gt(along);
+        (along | (h.dot_one(self.fine[1]).abs() - up).simd_gt(across)).all_true()
     }
 }
 

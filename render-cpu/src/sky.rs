@@ -1,7 +1,9 @@
 use glam::Vec3;
 use lobe_core::{BrdfLobe, Lobe, Receiver, TileLobes, is_lambert};
 use shading::{Contribution, Observer, Stage, TileContributions};
-use visibility_mask::sky::{Horizon, SkyBlend, SkyBlockers, SkyResolution, SkyTable, SkyTile, SkyView, SkyWindow};
+use visibility_mask::sky::{
+    Horizon, SkyBlend, SkyBlockers, SkyHighlight, SkyResolution, SkyTable, SkyTile, SkyView, SkyWindow,
+};
 
 /// Lights that a shader sums at once: the patches of an environment.
 ///
@@ -138,8 +140,8 @@ struct LobeSum {
     receiver: usize,
     row: usize,
     lobe: BrdfLobe,
-    /// The axis about which finer tables look.
-    axis: Vec3,
+    /// About which finer tables look.
+    highlight: SkyHighlight,
     /// The first table that resolves it.
     level: usize,
     seen: Vec3,
@@ -208,14 +210,6 @@ impl Seen {
     }
 }
 
-/// The axis about which a lobe is high.
-fn axis(at: &Receiver, lobe: &BrdfLobe) -> Vec3 {
-    match lobe {
-        BrdfLobe::Cosine(lobe) => lobe.axis,
-        BrdfLobe::Microfacets(facets) => facets.at(at.normal).highlight().0,
-    }
-}
-
 impl<B: SkyBlockers> SkyShader<'_, B> {
     /// Adds to all lobes what one of the tables sums: the first table for all receivers of a tile, a finer one for those with narrow
     /// lobes. Returns `false`, and adds nothing, where the tile has too many outlines.
@@ -248,9 +242,9 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
             let number = own[0].receiver;
             let mut last = None;
             for sum in own.iter_mut().filter(|sum| sum.level >= level) {
-                let blend = SkyBlend::of_level(&self.resolutions[..=sum.level], level, sum.axis);
-                // All lobes see one whole sky; each axis has a window of its own.
-                let looks = (level > 0).then_some(sum.axis);
+                let blend = SkyBlend::of_level(&self.resolutions[..=sum.level], level, sum.highlight);
+                // All lobes see one whole sky; each highlight has a window of its own.
+                let looks = (level > 0).then_some(sum.highlight);
                 if last != Some(looks) {
                     last = Some(looks);
                     let window = self.window(level, &horizons[place], &blend);
@@ -349,8 +343,8 @@ impl<B: SkyBlockers> SkyLighting for SkyShader<'_, B> {
                     is_left = true;
                     continue;
                 };
-                let axis = axis(at, &lobe);
-                scratch.sums.push(LobeSum { receiver, row, lobe, axis, level, seen: Vec3::ZERO, all: Vec3::ZERO });
+                let highlight = SkyHighlight::new(&lobe, at.normal);
+                scratch.sums.push(LobeSum { receiver, row, lobe, highlight, level, seen: Vec3::ZERO, all: Vec3::ZERO });
             }
         }
         if !(0..self.tables.len()).all(|level| self.sum(level, at, scratch, observer)) {

@@ -92,6 +92,13 @@ impl SkyResolution {
         core::f32::consts::TAU / self.rows as f32
     }
 
+    /// The longest chord from the middle of so many samples of a row to any direction in them, and another such chord within one sample.
+    pub(super) fn chord(self, samples: usize) -> f32 {
+        // Twice as long as the mean, where a row or a height is half way between two axes.
+        let [along, across] = [4.0 / self.samples as f32, 8.0 / self.rows as f32];
+        0.5 * along * samples as f32 + along.hypot(across)
+    }
+
     /// Rows that are kept side by side.
     pub(crate) const fn blocks(self) -> usize {
         self.rows / LANES

@@ -1,5 +1,5 @@
 use super::view::Values;
-use super::{Pole, SkyBlend, SkyResolution};
+use super::{Pole, SkyBlend, SkyHighlight, SkyResolution};
 use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::Vec3;
 use lobe_core::Microfacets;
@@ -15,8 +15,14 @@ const MOST_ACROSS: usize = 16;
 fn across(samples: SkyResolution, facets: &Microfacets, normal: Vec3, angle: f32) -> f32 {
     let deviation = 1.0 / facets.exponent.sqrt();
     let turn = 0.5 * angle;
-    let height = facets.view.dot(normal).max(0.0) + turn.max(0.5 * deviation);
+    let height = narrowing(facets, normal) + turn.max(0.5 * deviation);
     2.0 * deviation.max(turn) * height / samples.pitch()
+}
+
+/// By how much a view makes the highlight's least width smaller than half vectors say.
+fn narrowing(facets: &Microfacets, normal: Vec3) -> f32 {
+    let cos = facets.view.dot(normal).max(0.0);
+    facets.grain.map_or(cos, |grain| grain.narrowing(facets.at(normal).highlight().1, cos))
 }
 
 /// Whether samples resolve microfacets across the streak that a low view makes of their highlight.
@@ -32,8 +38,8 @@ pub(super) struct Spread {
     pole: Pole,
     /// Of azimuth and elevation numbers.
     steps: [f32; 2],
-    /// The mirrored view, and the square of the chord to it beyond which the lobe is wide enough.
-    mirror: Vec3,
+    highlight: SkyHighlight,
+    /// The square of the chord to the highlight beyond which the lobe is wide enough.
     reach: f32,
 }
 
@@ -50,7 +56,7 @@ impl Spread {
         if across >= ACROSS {
             return None;
         }
-        let height = facets.view.dot(normal).max(0.0);
+        let height = narrowing(facets, normal);
         let reach = (height * height + 2.0 * ACROSS * samples.pitch()).sqrt() - height;
         let count = ((ACROSS / across).ceil() as usize).clamp(2, MOST_ACROSS);
         let places = core::array::from_fn(|k| {
@@ -58,14 +64,14 @@ impl Spread {
             [k / count as f32, (k * GOLDEN).fract()].map(|place| place - 0.5)
         });
         let steps = [4.0 / samples.rows() as f32, 2.0 / samples.samples() as f32];
-        let mirror = facets.at(normal).highlight().0;
-        Some(Self { places, count, pole, steps, mirror, reach: reach * reach })
+        let highlight = SkyHighlight::new(&(*facets).into(), normal);
+        Some(Self { places, count, pole, steps, highlight, reach: reach * reach })
     }
 
-    /// Whether any of eight directions is so near to the mirrored view that the lobe is narrow there.
+    /// Whether any of eight directions is so near to the highlight that the lobe is narrow there.
     #[inline(always)]
     pub(super) fn is_near<S: Simd>(&self, simd: S, v: Vec3x8<S>) -> bool {
-        v.minus(self.mirror).length_squared().simd_lt(f32x8::splat(simd, self.reach)).any_true()
+        self.highlight.square(simd, v).simd_lt(f32x8::splat(simd, self.reach)).any_true()
     }
 
     /// Steps along the circle of a height and along a meridian, in the world: those of azimuth and elevation numbers times

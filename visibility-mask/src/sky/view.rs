@@ -7,7 +7,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::Vec3;
 use lobe_core::special::{exp_of_eight, ln_1p_of_eight};
 use lobe_core::vec3x8::{LANES, Vec3x8};
-use lobe_core::{BrdfLobe, BrushedAt, Facets, Lobe, MicrofacetsAt, Receiver, Schlick, is_lambert};
+use lobe_core::{BrdfLobe, BrushedAt, Facets, Lobe, Microfacets, MicrofacetsAt, Receiver, Schlick, is_lambert};
 use shading::Coverage;
 
 /// The widest step between samples that a lobe's sum is good for: the factor by which the lobe's standard deviation is larger.
@@ -18,6 +18,10 @@ pub(crate) const LITTLE: f32 = 1.0 / 8.0;
 pub(crate) const CROWD_LITTLE: f32 = 1.0 / 64.0;
 /// Of a lobe what is below this part of its peak is left out.
 const NOTHING: f32 = 1e-5;
+/// Lobes with a grain may be narrower across it than other lobes by this factor.
+const GRAIN_PARTS: f32 = 8.0;
+/// So many samples are looked at together where a part of a lobe may be nothing.
+const GROUP: usize = 16;
 /// Below this cosine to the pole a normal's horizon may cross meridians near their beginning.
 pub(crate) const STEEP: f32 = 0.05;
 
@@ -152,20 +156,18 @@ impl SkyView {
         [sum(seen), sum(all)]
     }
 
-    /// Whether sums over the samples resolve a lobe. Others need finer masks.
+    /// Whether sums over the samples resolve a lobe, if need be by several directions for each sample. Others need finer masks.
     #[must_use]
     pub fn resolves(samples: SkyResolution, lobe: &BrdfLobe) -> bool {
-        let exponent = match lobe {
-            BrdfLobe::Cosine(lobe) => lobe.exponent,
-            // Directions turn twice as far as half vectors.
-            BrdfLobe::Microfacets(facets) => 0.25 * facets.exponent,
+        let part = match lobe {
+            BrdfLobe::Cosine(_) => 1.0,
+            BrdfLobe::Microfacets(facets) => grain_part(facets),
         };
-        let step = STEPS * samples.pitch();
-        exponent * step * step <= 1.0
+        is_wide_enough(samples, part * exponent(lobe))
     }
 
-    /// The same at a receiver. Where the eye is low over a surface, half vectors that turn sideways by an angle turn reflected directions by
-    /// `2 sin(height of the eye)` times it: the highlight is a streak, wide in height and narrow across.
+    /// The same at a receiver, by one direction for each sample. Where the eye is low over a surface, half vectors that turn sideways by an angle turn reflected
+    /// directions by `2 sin(height of the eye)` times it: the highlight is a streak, wide in height and narrow across. A grain makes streaks from any height.
     ///
     /// Tables that resolve a lobe but not its streak sum it by several directions for each sample, right for light that is constant between samples.
     #[must_use]
@@ -174,7 +176,7 @@ impl SkyView {
             BrdfLobe::Cosine(_) => true,
             BrdfLobe::Microfacets(facets) => is_wide(samples, facets, normal),
         };
-        is_wide_across && Self::resolves(samples, lobe)
+        is_wide_across && is_wide_enough(samples, exponent(lobe))
     }
 
     /// The integrals of sky's radiance times a lobe, over what is seen and over all above the receiver's horizon, for a flux of 1: what
@@ -279,6 +281,7 @@ impl SkyView {
         let samples = resolution.samples();
         let local = horizon.pole().local(normal);
         let [start, finish] = self.window.columns();
+        let chord = resolution.chord(GROUP);
         for block in self.window.blocks() {
             // Where the receiver's own horizon is, and its facet's.
             let end = if local.z > STEEP { Some(table.meridians().crossing(simd, block, local)) } else { None };
@@ -287,34 +290,31 @@ impl SkyView {
                 if horizon.is_facet() { Some(table.meridians().crossing(simd, block, horizon.local())) } else { None };
             let is_crossed = !self.is_dark && self.buffer.is_crossed(block);
             let part = f32x8::splat(simd, if self.is_dark { 0.0 } else { self.buffer.open_part() });
-            for (column, cell) in table.block(horizon.pole(), block)[..last].iter().enumerate().skip(start) {
-                let v = cell.direction(simd);
-                let part_of_lobe = blend.of_eight(simd, v);
-                if part_of_lobe.is_some_and(|part| !part.simd_gt(zero).any_true()) {
+            let cells = table.block(horizon.pole(), block).get(start..last).unwrap_or_default();
+            for (group, cells) in cells.chunks(GROUP).enumerate() {
+                if blend.is_nothing(simd, cells[cells.len() / 2].direction(simd), chord) {
                     continue;
                 }
-                let spread = spread.filter(|spread| spread.is_near(simd, v));
-                let values = match spread {
-                    None => lobe.values(simd, v),
-                    Some(spread) => spread.values(simd, lobe, blend, v),
-                };
-                let Some(values) = values else { continue };
-                let inside = match end {
-                    Some(end) => above(simd, end, column),
-                    None => v.dot_one(normal).simd_gt(zero).select(f32x8::splat(simd, 1.0), zero),
-                };
-                let mut seen = if is_crossed { self.buffer.seen(simd, block, column) } else { part };
-                if let Some(facet) = facet {
-                    seen *= above(simd, facet, column);
-                }
-                let mut light = cell.light(simd);
-                if let (Some(part), None) = (part_of_lobe, spread) {
-                    light = light * part;
-                }
-                for (sums, value) in sums.iter_mut().zip(values) {
-                    let whole = light * (f32x8::simd_from(simd, value) * inside);
-                    sums[0] = sums[0] + whole * seen;
-                    sums[1] = sums[1] + whole;
+                for (column, cell) in (start + group * GROUP..).zip(cells) {
+                    let v = cell.direction(simd);
+                    let Some((values, part_of_lobe)) = part_of(simd, (lobe, spread), blend, v) else { continue };
+                    let inside = match end {
+                        Some(end) => above(simd, end, column),
+                        None => v.dot_one(normal).simd_gt(zero).select(f32x8::splat(simd, 1.0), zero),
+                    };
+                    let mut seen = if is_crossed { self.buffer.seen(simd, block, column) } else { part };
+                    if let Some(facet) = facet {
+                        seen *= above(simd, facet, column);
+                    }
+                    let mut light = cell.light(simd);
+                    if let Some(part) = part_of_lobe {
+                        light = light * part;
+                    }
+                    for (sums, value) in sums.iter_mut().zip(values) {
+                        let whole = light * (f32x8::simd_from(simd, value) * inside);
+                        sums[0] = sums[0] + whole * seen;
+                        sums[1] = sums[1] + whole;
+                    }
                 }
             }
         }
@@ -348,10 +348,56 @@ fn open_sky<S: Simd>(simd: S, table: &SkyTable, normal: Vec3, horizon: &Horizon)
     sums.map(|s| Vec3::new(sum(s.x), sum(s.y), sum(s.z)))
 }
 
+/// Of a lobe, or of both parts of microfacets, in eight directions.
+type Numbers<const P: usize> = [[f32; LANES]; P];
+
+/// The values of a part of a lobe in eight directions, and the part by which they are still to be multiplied. None where all are nothing.
+#[inline(always)]
+fn part_of<S: Simd, const P: usize>(
+    simd: S,
+    (lobe, spread): (&impl Values<P>, Option<&Spread>),
+    blend: &SkyBlend,
+    v: Vec3x8<S>,
+) -> Option<(Numbers<P>, Option<f32x8<S>>)> {
+    let part = blend.of_eight(simd, v);
+    if let Some(part) = part
+        && !part.simd_gt(f32x8::splat(simd, 0.0)).any_true()
+    {
+        return None;
+    }
+    if let Some(spread) = spread
+        && spread.is_near(simd, v)
+    {
+        return Some((spread.values(simd, lobe, blend, v)?, None));
+    }
+    Some((lobe.values(simd, v)?, part))
+}
+
 /// The parts of eight samples of a column that lie before the ends of their rows.
 #[inline(always)]
 fn above<S: Simd>(simd: S, end: f32x8<S>, column: usize) -> f32x8<S> {
     (end - column as f32).max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, 1.0))
+}
+
+/// The exponent of a cosine lobe that is as narrow.
+fn exponent(lobe: &BrdfLobe) -> f32 {
+    match lobe {
+        BrdfLobe::Cosine(lobe) => lobe.exponent,
+        // Directions turn twice as far as half vectors.
+        BrdfLobe::Microfacets(facets) => 0.25 * facets.exponent,
+    }
+}
+
+fn is_wide_enough(samples: SkyResolution, exponent: f32) -> bool {
+    let step = STEPS * samples.pitch();
+    exponent * step * step <= 1.0
+}
+
+/// The part of an exponent that samples are to resolve: along a grain lobes are wider, and several directions for each sample resolve them across.
+fn grain_part(facets: &Microfacets) -> f32 {
+    let Some(grain) = facets.grain else { return 1.0 };
+    let alpha = (2.0 / (facets.exponent + 2.0)).sqrt();
+    (alpha / grain.alpha(alpha)).max(1.0 / (GRAIN_PARTS * GRAIN_PARTS))
 }
 
 /// The values of a lobe of flux 1, or of the two parts of microfacets, in eight unit directions.

@@ -29,7 +29,7 @@ fn sky_resolves(at: Receiver, lobe: Lobe) -> bool {
     if (lobe.kind < LOBE_MICROFACETS_F0) {
         return lobe.exponent * SKY_STEP_SQ <= 1.0;
     }
-    // Directions turn twice as far as half vectors. From low views a highlight is narrow across.
+    // Directions turn twice as far as half vectors. From low views a highlight is narrow across; that of a grain at most as narrow.
     let deviation = 1.0 / sqrt(max(lobe.exponent, MIN_POSITIVE));
     let height = positive(dot(lobe.axis, at.normal)) + 0.5 * deviation;
     return 0.25 * lobe.exponent * SKY_STEP_SQ <= 1.0 && 2.0 * deviation * height >= SKY_ACROSS;
