@@ -88,9 +88,9 @@ impl KeptSky {
     }
 }
 
-/// Sines of the heights of the eye over a surface from which the first table is to resolve all lobes, and the second one. From lower views the
-/// last table sums them by several directions for each sample.
-const LOW: [f32; 2] = [0.25, 1.0];
+/// The sine of the height of the eye over a surface from which tables are to resolve all lobes. From lower views the last table sums them by several directions
+/// for each sample, which moves edges in reflections.
+const LOW: f32 = 0.25;
 
 /// Between copies of a mesh, from this number of triangles in all copies on, the sky is seen through openings of all sizes. For the same error of own radiance the
 /// tolerance is this part of that elsewhere (measured: 2000 spheres).
@@ -110,19 +110,12 @@ fn resolutions(scene: &Scene, frame: &Frame<'_>) -> Vec<SkyResolution> {
     }
     // Lobes that no table resolves are not summed over one.
     let is_summed = |lobe: &BrdfLobe| all.last().is_some_and(|finest| SkyView::resolves(*finest, lobe));
-    let lobes = LOW.map(|height| {
-        let view = Vec3::new((1.0 - height * height).sqrt(), 0.0, height);
-        let mut lobes = Vec::new();
-        let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, view);
-        frame.materials.iter().for_each(|material| material.brdf_lobes(&at, &mut lobes));
-        lobes.retain(is_summed);
-        lobes
-    });
-    let is_enough = |(place, table): (usize, &SkyResolution)| {
-        let lobes = &lobes[place.min(1)];
-        lobes.iter().all(|lobe| SkyView::resolves_at(*table, lobe, Vec3::Z))
-    };
-    let needed = all.iter().enumerate().position(is_enough).map_or(all.len(), |place| place + 1);
+    let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::new((1.0 - LOW * LOW).sqrt(), 0.0, LOW));
+    let mut lobes = Vec::new();
+    frame.materials.iter().for_each(|material| material.brdf_lobes(&at, &mut lobes));
+    lobes.retain(is_summed);
+    let is_enough = |table: &SkyResolution| lobes.iter().all(|lobe| SkyView::resolves_at(*table, lobe, Vec3::Z));
+    let needed = all.iter().position(is_enough).map_or(all.len(), |place| place + 1);
     all.truncate(needed.max(1 + usize::from(first.for_little().is_some())));
     all
 }

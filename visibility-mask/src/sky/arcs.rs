@@ -73,7 +73,9 @@ impl SkyArcs {
     ) -> mask32x8<S> {
         let zero = f32x8::splat(simd, 0.0);
         let (p, q) = (horizon.pole().local_of(a), horizon.pole().local_of(b));
-        let (first, last) = (meridians.rows_before(simd, p.x, p.y), meridians.rows_before(simd, q.x, q.y));
+        let lines = window.lines();
+        let (first, last) =
+            (meridians.lines_before(simd, p.x, p.y, lines), meridians.lines_before(simd, q.x, q.y, lines));
         let keep = keep & !first.simd_eq(last);
         if !keep.any_true() {
             return keep;
@@ -84,7 +86,7 @@ impl SkyArcs {
             return keep;
         }
         let plane = p.cross(q);
-        let all = f32x8::splat(simd, meridians.resolution().rows() as f32);
+        let all = f32x8::splat(simd, (meridians.resolution().rows() * lines) as f32);
         let half = all * 0.5;
         let rows = last - first;
         let rows = rows.simd_gt(half).select(rows - all, rows);

@@ -1,5 +1,6 @@
 use super::arcs::{FIRST, NORMAL, ROWS, STEP};
 use super::crowd::{Crowd, Part};
+use super::meridians::LINES;
 use super::{Horizon, Meridians, SkyArcs, SkyResolution, SkyWindow};
 use fearless_simd::{Simd, f32x8, i32x8, mask32x8, prelude::*};
 use glam::Vec3;
@@ -8,8 +9,11 @@ use lobe_core::vec3x8::LANES;
 /// Half a surface, which is also the number of places in a sample.
 pub(crate) const HALF: i32 = 1 << 11;
 const ONE: i32 = 2 * HALF;
-/// The lowest digits of a count say through how many outlines the sample is cut.
-pub(crate) const CUTS: u32 = 7;
+/// Half a surface on each line of a row, in sum [`HALF`]. No fewer of them come to whole halves, not even twice or four times: these would look as if no
+/// outline passed through the sample.
+const HALF_OF_LINES: [i32; LINES] = [503, 515, 508, 522];
+/// The lowest digits of a count say how often outlines cut the sample.
+pub(crate) const CUTS: u32 = 9;
 /// Samples whose lower end is so near to the horizon are not certain to be above it.
 pub(crate) const MARGIN: f32 = 0.01;
 /// The most samples of a row: the unit of runs.
@@ -26,7 +30,9 @@ pub(super) const WITNESSES: usize = 3;
 /// anyway. That is right where no other outline passes through the sample; else a fold takes half a surface back, since of blades as thin as
 /// a sample nothing else would be left (measured: half the error of none or of all). Where outlines cross rows very often,
 /// their crossings are put in order instead, and what is seen of a sample is exact along its row. All numbers are whole ones, in half surfaces, so that no order of drawing changes
-/// them. Up to 4000 surfaces behind each other are counted.
+/// them. Up to 1000 surfaces behind each other are counted.
+///
+/// Where a row has several lines, each adds its part of the step: a sample's count is a mean over its area.
 ///
 /// Eight rows stand side by side, their counts one after the other.
 #[derive(Clone, Debug, Default)]
@@ -43,6 +49,8 @@ pub struct SkyBuffer {
     crossed: Vec<u8>,
     firsts: Vec<u32>,
     blocks: usize,
+    /// Lines of a row: two to this power.
+    line_bits: u32,
     /// The samples that are drawn.
     window: SkyWindow,
     /// The fewest surfaces before any sample, as a count.
@@ -58,9 +66,10 @@ impl SkyBuffer {
         let [_, end] = self.window.columns();
         let last = core::mem::replace(&mut self.window, window);
         self.crossings = 0;
+        let last_bits = core::mem::replace(&mut self.line_bits, window.lines().trailing_zeros());
         if (self.columns, self.blocks) != (columns, blocks) {
-            let crowd = Crowd::new(self.crowd.is_on, blocks * LANES);
-            *self = Self { window, crowd, columns, blocks, ..Self::default() };
+            let crowd = Crowd::new(self.crowd.is_on, blocks * LANES * resolution.lines());
+            *self = Self { window, crowd, columns, blocks, line_bits: self.line_bits, ..Self::default() };
             self.counts.resize(columns * blocks, [0; LANES]);
             self.folds.resize(columns * blocks, [0; LANES]);
             self.crossed.resize(blocks, 0);
@@ -81,7 +90,7 @@ impl SkyBuffer {
                 }
                 if self.crowd.is_on {
                     self.counts[block * columns..(block + 1) * columns].fill([0; LANES]);
-                    (block * LANES..(block + 1) * LANES).for_each(|row| self.crowd.clear(row));
+                    lines_of(block, last_bits).for_each(|line| self.crowd.clear(line));
                 }
             }
         }
@@ -95,7 +104,7 @@ impl SkyBuffer {
 
     /// Whether outlines cross rows as often as those of a crowd, and are not counted as one, or the reverse.
     pub(super) fn is_to_begin_again(&self, resolution: SkyResolution) -> bool {
-        Crowd::is_of(self.crossings, resolution) != self.crowd.is_on
+        Crowd::is_of(self.crossings >> self.line_bits, resolution) != self.crowd.is_on
     }
 
     /// Whether it counts a crowd.
@@ -110,33 +119,36 @@ impl SkyBuffer {
         self.clear(resolution, self.window);
     }
 
-    /// Adds a step of so many half surfaces to a row, at `place` samples from the pole.
-    pub fn add(&mut self, row: usize, place: f32, step: i32) {
+    /// Adds a step of so many half surfaces to a line, at `place` samples from the pole.
+    pub fn add(&mut self, line: usize, place: f32, step: i32) {
         let column = place.floor();
-        self.put(row, column as usize, ((place - column) * HALF as f32 + 0.5) as i32, step);
+        self.put(line, column as usize, ((place - column) * HALF as f32 + 0.5) as i32, step);
     }
 
     #[inline(always)]
-    fn put(&mut self, row: usize, column: usize, fraction: i32, step: i32) {
+    fn put(&mut self, line: usize, column: usize, fraction: i32, step: i32) {
+        let row = line >> self.line_bits;
         self.crossings += 1;
         if column >= self.window.columns()[1] {
             return;
         }
         if self.crowd.is_on {
-            self.crowd.put(row, column as i32 * HALF + fraction, step);
+            self.crowd.put(line, column as i32 * HALF + fraction, step);
             return self.cross(row, column);
         }
         let (block, lane) = (row / LANES, row % LANES);
         let first = block * self.columns + column;
+        let half = if self.line_bits == 0 { HALF } else { HALF_OF_LINES[line % LINES] };
+        let fraction = (fraction * half + HALF / 2) / HALF;
         let shared = step.clamp(-2, 2);
-        let others = (step - shared) * HALF;
+        let others = (step - shared) * half;
         let [here, next] = if step > 0 { [0, others] } else { [others, 0] };
         let counts = &mut self.counts[first..first + 2];
-        add(&mut counts[0][lane], here + shared * (HALF - fraction), 1);
+        add(&mut counts[0][lane], here + shared * (half - fraction), 1);
         add(&mut counts[1][lane], next + shared * fraction, -1);
         if others != 0 {
             self.has_folds = true;
-            self.folds[first][lane] += if step > 0 { HALF - fraction } else { fraction };
+            self.folds[first][lane] += if step > 0 { half - fraction } else { fraction };
         }
         self.cross(row, column);
     }
@@ -152,7 +164,8 @@ impl SkyBuffer {
     /// Draws arcs.
     #[inline(always)]
     pub fn draw<S: Simd>(&mut self, simd: S, meridians: &Meridians, arcs: &SkyArcs) {
-        let all = meridians.resolution().rows() as i32;
+        let lines = self.window.lines();
+        let all = (meridians.resolution().rows() * lines) as i32;
         let zero = f32x8::splat(simd, 0.0);
         for index in (0..arcs.len()).step_by(LANES) {
             let normal = [
@@ -168,7 +181,7 @@ impl SkyBuffer {
             let mut counts: [i32; LANES] = rows.abs().to_int::<i32x8<S>>().into();
             if !self.window.is_whole() {
                 for (first, count) in firsts.iter_mut().zip(&mut counts) {
-                    [*first, *count] = self.window.clipped(*first, *count, all);
+                    [*first, *count] = self.window.clipped(*first, *count);
                 }
             }
             let across = normal[2].abs();
@@ -186,7 +199,7 @@ impl SkyBuffer {
                 let (mut cos, mut sin, mut row) = ([0.0; LANES], [0.0; LANES], [0; LANES]);
                 for lane in 0..LANES {
                     row[lane] = (firsts[lane] + done).rem_euclid(all) as usize;
-                    [cos[lane], sin[lane]] = meridians.row(row[lane]);
+                    [cos[lane], sin[lane]] = meridians.line(row[lane], lines);
                 }
                 let along = normal[0] * f32x8::simd_from(simd, cos) + normal[1] * f32x8::simd_from(simd, sin);
                 // Without a plane at the pole.
@@ -198,7 +211,7 @@ impl SkyBuffer {
                 while left != 0 {
                     let lane = left.trailing_zeros() as usize & (LANES - 1);
                     left &= left - 1;
-                    if self.window.has_row(row[lane]) {
+                    if self.window.has_row(row[lane] >> self.line_bits) {
                         self.put(row[lane], columns[lane] as usize, fractions[lane], steps[lane]);
                     }
                 }
@@ -215,8 +228,9 @@ impl SkyBuffer {
         let zero = f32x8::splat(simd, 0.0);
         // Decided once for all rows. Whoever holds a pole crosses each row once.
         let (has_pole, has_opposite) = (axis.z > cos, -axis.z > cos);
-        for block in self.window.blocks() {
-            let [cos_row, sin_row] = meridians.block(simd, block);
+        let lines = self.window.lines();
+        for (block, line) in self.window.blocks().flat_map(|block| (0..lines).map(move |line| (block, line))) {
+            let [cos_row, sin_row] = meridians.block_of(simd, block, (line, lines));
             // The height over the cone's plane along the row: along sin θ + axis.z cos θ = R cos(θ − θ₀).
             let along = cos_row * axis.x + sin_row * axis.y;
             let beside = along * along + (axis.z * axis.z - cos * cos);
@@ -238,7 +252,7 @@ impl SkyBuffer {
                 while left != 0 {
                     let lane = left.trailing_zeros() as usize & (LANES - 1);
                     left &= left - 1;
-                    self.add(block * LANES + lane, places[lane], step);
+                    self.add((block * LANES + lane) * lines + line, places[lane], step);
                 }
             }
         }
@@ -252,7 +266,7 @@ impl SkyBuffer {
         }
         let mut low = i32x8::splat(simd, i32::MAX);
         let mut any = i32x8::splat(simd, i32::MAX);
-        let (cuts, zero) = (i32x8::splat(simd, (1 << CUTS) - 1), i32x8::splat(simd, 0));
+        let (whole, zero) = (i32x8::splat(simd, (HALF << CUTS) - 1), i32x8::splat(simd, 0));
         let [start, finish] = self.window.columns();
         let mut is_open = false;
         for block in self.window.blocks() {
@@ -277,7 +291,7 @@ impl SkyBuffer {
                     continue;
                 }
                 let is_above = f32x8::splat(simd, column as f32).simd_le(sure);
-                let is_whole = (sum & cuts).simd_eq(zero);
+                let is_whole = (sum & whole).simd_eq(zero);
                 low = (is_above & is_whole).select(low.min(sum), low);
                 any = is_above.select(any.min(sum), any);
             }
@@ -299,9 +313,10 @@ impl SkyBuffer {
         let mut fewest = [i32::MAX; 2];
         for block in self.window.blocks() {
             let ends = ends(block);
-            for (row, end) in (block * LANES..).zip(ends) {
-                self.crowd.sort(row);
-                for part in self.crowd.parts(row, sure(end)) {
+            for line in lines_of(block, self.line_bits) {
+                let end = ends[(line >> self.line_bits) % LANES];
+                self.crowd.sort(line);
+                for part in self.crowd.parts(line, sure(end)) {
                     let kind = usize::from(!part.is_sure());
                     fewest[kind] = fewest[kind].min(part.number);
                 }
@@ -316,11 +331,13 @@ impl SkyBuffer {
                 continue;
             }
             let ends = ends(block);
-            for (lane, end) in ends.into_iter().enumerate() {
-                let row = block * LANES + lane;
+            for line in lines_of(block, self.line_bits) {
+                let row = line >> self.line_bits;
+                let lane = row % LANES;
+                let end = ends[lane];
                 let mut longest = None::<Part>;
                 let [from, to] = sure(end);
-                for part in self.crowd.parts(row, [start, finish]).filter(|part| part.number <= fewest) {
+                for part in self.crowd.parts(line, [start, finish]).filter(|part| part.number <= fewest) {
                     for column in part.from / HALF..=(part.to - 1) / HALF {
                         let seen = part.to.min((column + 1) * HALF) - part.from.max(column * HALF);
                         self.counts[block * self.columns + column as usize][lane] += 2 * seen;
@@ -365,11 +382,11 @@ impl SkyBuffer {
         let index = block * self.columns + column;
         let cut = i32x8::simd_from(simd, self.counts[index]);
         if self.crowd.is_on {
-            return cut.to_float::<f32x8<S>>() * (1.0 / ONE as f32);
+            return cut.to_float::<f32x8<S>>() * (1.0 / (ONE << self.line_bits) as f32);
         }
         let mut counts = cut >> CUTS;
         if self.has_folds {
-            let is_shared = (cut & ((1 << CUTS) - 1)).simd_gt(i32x8::splat(simd, 1));
+            let is_shared = (cut & ((1 << CUTS) - 1)).simd_gt(i32x8::splat(simd, 1 << self.line_bits));
             counts += is_shared.select(i32x8::simd_from(simd, self.folds[index]), i32x8::splat(simd, 0));
         }
         let seen = i32x8::splat(simd, (self.fewest >> CUTS) + ONE) - counts;
@@ -480,6 +497,12 @@ impl Witnesses {
     pub fn as_slice(&self) -> &[Vec3] {
         &self.directions[..self.len]
     }
+}
+
+/// The lines of a block of rows, of which each has two to a power.
+fn lines_of(block: usize, bits: u32) -> core::ops::Range<usize> {
+    let lines = LANES << bits;
+    block * lines..(block + 1) * lines
 }
 
 /// Adds to a count, and to the number of outlines through the sample.

@@ -25,14 +25,20 @@ pub struct Meridians {
     resolution: SkyResolution,
     /// Cosine and sine of each meridian's azimuth.
     circle: Vec<[f32; 2]>,
+    /// The same of the lines that stand for it.
+    lines: Vec<[f32; 2]>,
 }
 
-/// How many meridians there are, and how many samples on each.
+/// How many meridians there are, how many samples on each, and on how many half circles in the wedge of each outlines are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SkyResolution {
     rows: usize,
     samples: usize,
+    lines: usize,
 }
+
+/// The most lines of a meridian. Under narrow lobes an edge along meridians would move by whole wedges.
+pub(super) const LINES: usize = 4;
 
 /// The most meridians that are worth it.
 const ROWS_FOR_LITTLE: usize = 256;
@@ -44,14 +50,14 @@ impl SkyResolution {
     /// So many of both: multiples of 8 up to the [most](Self::MOST), to which other numbers are rounded.
     #[must_use]
     pub const fn new(rows: usize, samples: usize) -> Self {
-        Self { rows: even(rows, Self::MOST[0]), samples: even(samples, Self::MOST[1]) }
+        Self { rows: even(rows, Self::MOST[0]), samples: even(samples, Self::MOST[1]), lines: 1 }
     }
 
-    /// The next finer resolution, for narrow lobes: a quarter of the pitch. None from the finest on.
+    /// The next finer resolution, for narrow lobes: a quarter of the pitch, and four lines for each meridian. None from the finest on.
     #[must_use]
     pub fn finer(self) -> Option<Self> {
         let finer = Self::new(4 * self.rows, (2 * self.rows).max(2 * self.samples));
-        (finer.rows > self.rows).then_some(finer)
+        (finer.rows > self.rows).then_some(Self { lines: LINES, ..finer })
     }
 
     /// The finer one through which diffuse receivers look that see little of a sky. None where masks of its patches cost less.
@@ -78,6 +84,12 @@ impl SkyResolution {
     #[must_use]
     pub const fn rows(self) -> usize {
         self.rows
+    }
+
+    /// Half great circles on which outlines are drawn in the wedge of each meridian, evenly, through windows that are not whole.
+    #[must_use]
+    pub const fn lines(self) -> usize {
+        self.lines
     }
 
     /// Samples on each.
@@ -141,8 +153,8 @@ impl Meridians {
     /// Of a resolution.
     #[must_use]
     pub fn new(resolution: SkyResolution) -> Self {
-        let circle = |j: usize| circle(row_number(j as f64 + 0.5, resolution.rows)).map(|x| x as f32);
-        Self { resolution, circle: (0..resolution.rows).map(circle).collect() }
+        let all = |rows: usize| (0..rows).map(|j| circle(row_number(j as f64 + 0.5, rows)).map(|x| x as f32)).collect();
+        Self { resolution, circle: all(resolution.rows), lines: all(resolution.rows * resolution.lines()) }
     }
 
     /// Their number.
@@ -159,6 +171,12 @@ impl Meridians {
         DVec3::new(cos * across, sin * across, up).as_vec3()
     }
 
+    /// Cosine and sine of the azimuth of a line, of so many in each row.
+    #[inline(always)]
+    pub(super) fn line(&self, line: usize, lines: usize) -> [f32; 2] {
+        if lines == 1 { self.circle[line] } else { self.lines[line] }
+    }
+
     /// Cosine and sine of a row's azimuth.
     #[inline(always)]
     pub(crate) fn row(&self, row: usize) -> [f32; 2] {
@@ -168,36 +186,55 @@ impl Meridians {
     /// The same of the eight rows of a block.
     #[inline(always)]
     pub(crate) fn block<S: Simd>(&self, simd: S, block: usize) -> [f32x8<S>; 2] {
-        let rows = &self.circle[block * LANES..][..LANES];
+        self.block_of(simd, block, (0, 1))
+    }
+
+    /// The same of a line of each of these rows, of so many in each.
+    #[inline(always)]
+    pub(super) fn block_of<S: Simd>(&self, simd: S, block: usize, (line, lines): (usize, usize)) -> [f32x8<S>; 2] {
         let (mut cos, mut sin) = ([0.0; LANES], [0.0; LANES]);
-        for ((row, cos), sin) in rows.iter().zip(&mut cos).zip(&mut sin) {
-            [*cos, *sin] = *row;
+        for (lane, (cos, sin)) in cos.iter_mut().zip(&mut sin).enumerate() {
+            [*cos, *sin] = self.line((block * LANES + lane) * lines + line, lines);
         }
         [f32x8::simd_from(simd, cos), f32x8::simd_from(simd, sin)]
     }
 
-    /// How many rows lie before eight vectors, of which x and y in the pole's frame are given: from 0 to all, where 0 and all are the same
-    /// place.
+    /// How many lines lie before eight vectors, of which x and y in the pole's frame are given, of so many in each row: from 0 to all, where 0 and all are the
+    /// same place.
     #[inline(always)]
-    pub(crate) fn rows_before<S: Simd>(&self, simd: S, x: f32x8<S>, y: f32x8<S>) -> f32x8<S> {
-        let scale = self.resolution.rows as f32 * 0.25;
-        ((azimuth(simd, x, y) + 2.0) * scale - 0.5).ceil()
+    pub(crate) fn lines_before<S: Simd>(&self, simd: S, x: f32x8<S>, y: f32x8<S>, lines: usize) -> f32x8<S> {
+        self.before(simd, azimuth(simd, x, y), lines)
     }
 
-    /// Which of eight edges may cross a meridian for receivers that are within `off` of the place that the edges are seen from, at right angles
-    /// to the pole.
+    /// The same of azimuth numbers.
+    #[inline(always)]
+    fn before<S: Simd>(&self, _: S, azimuth: f32x8<S>, lines: usize) -> f32x8<S> {
+        let scale = (self.resolution.rows * lines) as f32 * 0.25;
+        ((azimuth + 2.0) * scale - 0.5).ceil()
+    }
+
+    /// Which of eight ranges of azimuth numbers hold a line of any kind of window.
+    #[inline(always)]
+    fn has_line<S: Simd>(&self, simd: S, low: f32x8<S>, high: f32x8<S>) -> mask32x8<S> {
+        let crosses = !self.before(simd, low, 1).simd_eq(self.before(simd, high, 1));
+        if self.resolution.lines == 1 {
+            return crosses;
+        }
+        let lines = self.resolution.lines;
+        crosses | !self.before(simd, low, lines).simd_eq(self.before(simd, high, lines))
+    }
+
+    /// Which of eight edges may cross a line, whatever the window, for receivers that are within `off` of the place that the edges are seen from, at right
+    /// angles to the pole.
     #[inline(always)]
     pub fn may_cross<S: Simd>(&self, simd: S, horizon: &Horizon, ends: [Vec3x8<S>; 2], off: f32x8<S>) -> mask32x8<S> {
-        let scale = self.resolution.rows as f32 * 0.25;
         let (p, s) = spread(simd, horizon.pole(), ends[0], off);
         let (q, t) = spread(simd, horizon.pole(), ends[1], off);
-        let first = (((p - s).min(q - t) + 2.0) * scale - 0.5).ceil();
-        let last = (((p + s).max(q + t) + 2.0) * scale - 0.5).ceil();
-        !first.simd_eq(last)
+        self.has_line(simd, (p - s).min(q - t), (p + s).max(q + t))
     }
 
-    /// Which of eight boxes may hold edges that cross a meridian of a window for receivers that are within `off` of the place from which their
-    /// middles are seen, at right angles to the pole; half the boxes' sides.
+    /// Which of eight boxes may hold edges that cross a line of a window for receivers that are within `off` of the place from which their middles are seen, at
+    /// right angles to the pole; half the boxes' sides. Of the whole window: or any line, whatever the window.
     #[inline(always)]
     pub fn may_cross_boxes<S: Simd>(
         &self,
@@ -206,14 +243,15 @@ impl Meridians {
         middle: Vec3x8<S>,
         (half, off): (Vec3x8<S>, f32),
     ) -> mask32x8<S> {
-        let scale = self.resolution.rows as f32 * 0.25;
         // No wider than a circle around the box, seen along the pole.
         let off = horizon.pole().reach_of(half) * AROUND + off;
         let (p, s) = spread(simd, horizon.pole(), middle, off);
-        let first = ((p - s + 2.0) * scale - 0.5).ceil();
-        let last = ((p + s + 2.0) * scale - 0.5).ceil();
-        let crosses = !first.simd_eq(last);
-        if window.is_whole() { crosses } else { crosses & window.meets(first, last) }
+        let (low, high) = (p - s, p + s);
+        if window.is_whole() {
+            return self.has_line(simd, low, high);
+        }
+        let [first, last] = [self.before(simd, low, window.lines()), self.before(simd, high, window.lines())];
+        !first.simd_eq(last) & window.meets(first, last)
     }
 
     /// Where on their rows eight directions are, in samples from the pole: z of the pole's frame, and the distance from its axis.
@@ -274,7 +312,7 @@ mod tests {
             let v = random.axis().as_vec3();
             let (rows, place) = dispatch!(Level::new(), simd => {
                 let [x, y, z] = v.to_array().map(|c| f32x8::splat(simd, c));
-                let rows: [f32; 8] = meridians.rows_before(simd, x, y).into();
+                let rows: [f32; 8] = meridians.lines_before(simd, x, y, 1).into();
                 let place: [f32; 8] = meridians.place(simd, z, (x * x + y * y).sqrt()).into();
                 (rows[0], place[0])
             });
@@ -312,7 +350,7 @@ mod tests {
                 between += 1;
                 let place = |v: Vec3| -> f32 {
                     let v = pole.local_of(Vec3x8::splat(simd, v));
-                    let rows: [f32; 8] = meridians.rows_before(simd, v.x, v.y).into();
+                    let rows: [f32; 8] = meridians.lines_before(simd, v.x, v.y, 1).into();
                     rows[0] % 64.0
                 };
                 for corner in 0..8 {

@@ -18,15 +18,14 @@ impl Tables {
         let all = core::iter::successors(Some(SkyResolution::new(64, 64)), |last| last.finer());
         let tables: Vec<SkyTable> = all.map(|resolution| SkyTable::new(resolution, 256, &sky)).collect();
         let resolutions: Vec<SkyResolution> = tables.iter().map(|table| table.meridians().resolution()).collect();
-        assert_eq!(
-            resolutions,
-            [(64, 64), (256, 128), (1024, 512)].map(|(rows, samples)| SkyResolution::new(rows, samples))
-        );
+        let steps = |resolution: &SkyResolution| (resolution.rows(), resolution.lines(), resolution.samples());
+        let steps: Vec<_> = resolutions.iter().map(steps).collect();
+        assert_eq!(steps, [(64, 1, 64), (256, 4, 128), (1024, 4, 512)]);
         let views = vec![SkyView::default(); tables.len()];
         Self { tables, resolutions, views }
     }
 
-    /// What is seen of a lobe beside a cone, and all of it: parts of it from the tables up to a level.
+    /// The part of a lobe that a cone does not hide, and all of it: parts of it from the tables up to a level.
     fn sum(&mut self, level: usize, at: &Receiver, lobe: &BrdfLobe, (axis, cos): (Vec3, f32)) -> [Vec3; 2] {
         let horizon = Horizon::new(at, false);
         let highlight = SkyHighlight::new(lobe, at.normal);
@@ -176,7 +175,7 @@ fn parts_of_brushed_lobes_come_to_them() {
         }
     }
     println!("mean errors of what is seen, and of all: {sums:.5?}, largest {worst:.4?}, at levels {levels:?}");
-    assert!(sums[0] < 4e-3 && sums[1] < 2.5e-3 && levels.iter().all(|level| *level > 10), "{sums:?} {levels:?}");
+    assert!(sums[0] < 4e-3 && sums[1] < 2.5e-3 && levels.iter().all(|level| *level > 3), "{sums:?} {levels:?}");
 }
 
 /// The integrals of light times microfacets over what is seen and over all, by half vectors as often as the distribution has them.

@@ -247,7 +247,7 @@ fn lobes_are_integrated() {
         let view = beside(&mut random, normal, 1.3);
         let at = Receiver::on_surface(Vec3::ZERO, normal.as_vec3(), view.as_vec3());
         let mirrored = (2.0 * normal.dot(view) * normal - view).as_vec3();
-        let exponent = random.log_uniform(1.0, 180.0) as f32;
+        let exponent = random.log_uniform(1.0, 45.0) as f32;
         let alpha = random.log_uniform(0.15, 0.9) as f32;
         let lobe: BrdfLobe = match case % 3 {
             0 => Lobe::with_flux(mirrored, exponent, Vec3::ONE).into(),

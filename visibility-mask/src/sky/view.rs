@@ -163,7 +163,7 @@ impl SkyView {
             BrdfLobe::Cosine(_) => 1.0,
             BrdfLobe::Microfacets(facets) => grain_part(facets),
         };
-        is_wide_enough(samples, part * exponent(lobe))
+        is_wide_enough(samples, lobe, part)
     }
 
     /// The same at a receiver, by one direction for each sample. Where the eye is low over a surface, half vectors that turn sideways by an angle turn reflected
@@ -176,7 +176,7 @@ impl SkyView {
             BrdfLobe::Cosine(_) => true,
             BrdfLobe::Microfacets(facets) => is_wide(samples, facets, normal),
         };
-        is_wide_across && is_wide_enough(samples, exponent(lobe))
+        is_wide_across && is_wide_enough(samples, lobe, 1.0)
     }
 
     /// The integrals of sky's radiance times a lobe, over what is seen and over all above the receiver's horizon, for a flux of 1: what
@@ -275,7 +275,7 @@ impl SkyView {
         (lobe, spread): (&impl Values<P>, Option<&Spread>),
     ) -> [[Vec3; 2]; P] {
         let Some(horizon) = &self.horizon else { return [[Vec3::ZERO; 2]; P] };
-        let zero = f32x8::splat(simd, 0.0);
+        let [zero, one] = [0.0, 1.0].map(|x| f32x8::splat(simd, x));
         let mut sums = [[Vec3x8::new(zero, zero, zero); 2]; P];
         let resolution = table.meridians().resolution();
         let samples = resolution.samples();
@@ -297,20 +297,21 @@ impl SkyView {
                 }
                 for (column, cell) in (start + group * GROUP..).zip(cells) {
                     let v = cell.direction(simd);
-                    let Some((values, part_of_lobe)) = part_of(simd, (lobe, spread), blend, v) else { continue };
+                    let Some(lobe) = part_of(simd, (lobe, spread), blend, v) else { continue };
                     let inside = match end {
+                        _ if lobe.is_spread => one,
                         Some(end) => above(simd, end, column),
-                        None => v.dot_one(normal).simd_gt(zero).select(f32x8::splat(simd, 1.0), zero),
+                        None => v.dot_one(normal).simd_gt(zero).select(one, zero),
                     };
                     let mut seen = if is_crossed { self.buffer.seen(simd, block, column) } else { part };
                     if let Some(facet) = facet {
                         seen *= above(simd, facet, column);
                     }
                     let mut light = cell.light(simd);
-                    if let Some(part) = part_of_lobe {
+                    if let Some(part) = lobe.part {
                         light = light * part;
                     }
-                    for (sums, value) in sums.iter_mut().zip(values) {
+                    for (sums, value) in sums.iter_mut().zip(lobe.values) {
                         let whole = light * (f32x8::simd_from(simd, value) * inside);
                         sums[0] = sums[0] + whole * seen;
                         sums[1] = sums[1] + whole;
@@ -348,17 +349,23 @@ fn open_sky<S: Simd>(simd: S, table: &SkyTable, normal: Vec3, horizon: &Horizon)
     sums.map(|s| Vec3::new(sum(s.x), sum(s.y), sum(s.z)))
 }
 
-/// Of a lobe, or of both parts of microfacets, in eight directions.
-type Numbers<const P: usize> = [[f32; LANES]; P];
+/// The values of a part of a lobe in eight directions.
+struct PartOfLobe<S: Simd, const P: usize> {
+    values: [[f32; LANES]; P],
+    /// By which they are still to be multiplied, if not by 1.
+    part: Option<f32x8<S>>,
+    /// Whether they are means over samples: 0 below the horizon.
+    is_spread: bool,
+}
 
-/// The values of a part of a lobe in eight directions, and the part by which they are still to be multiplied. None where all are nothing.
+/// None where all values are nothing.
 #[inline(always)]
 fn part_of<S: Simd, const P: usize>(
     simd: S,
     (lobe, spread): (&impl Values<P>, Option<&Spread>),
     blend: &SkyBlend,
     v: Vec3x8<S>,
-) -> Option<(Numbers<P>, Option<f32x8<S>>)> {
+) -> Option<PartOfLobe<S, P>> {
     let part = blend.of_eight(simd, v);
     if let Some(part) = part
         && !part.simd_gt(f32x8::splat(simd, 0.0)).any_true()
@@ -368,9 +375,9 @@ fn part_of<S: Simd, const P: usize>(
     if let Some(spread) = spread
         && spread.is_near(simd, v)
     {
-        return Some((spread.values(simd, lobe, blend, v)?, None));
+        return Some(PartOfLobe { values: spread.values(simd, lobe, blend, v)?, part: None, is_spread: true });
     }
-    Some((lobe.values(simd, v)?, part))
+    Some(PartOfLobe { values: lobe.values(simd, v)?, part, is_spread: false })
 }
 
 /// The parts of eight samples of a column that lie before the ends of their rows.
@@ -379,18 +386,17 @@ fn above<S: Simd>(simd: S, end: f32x8<S>, column: usize) -> f32x8<S> {
     (end - column as f32).max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, 1.0))
 }
 
-/// The exponent of a cosine lobe that is as narrow.
-fn exponent(lobe: &BrdfLobe) -> f32 {
-    match lobe {
+/// Whether samples resolve a lobe if `part` of its exponent is enough.
+fn is_wide_enough(samples: SkyResolution, lobe: &BrdfLobe, part: f32) -> bool {
+    let step = STEPS * samples.pitch();
+    let exponent = match lobe {
+        // Without tails, half of its light may lie beside an edge along the only line of a row, which moves by the row's whole width.
+        BrdfLobe::Cosine(lobe) if samples.lines() == 1 => 4.0 * lobe.exponent,
         BrdfLobe::Cosine(lobe) => lobe.exponent,
         // Directions turn twice as far as half vectors.
         BrdfLobe::Microfacets(facets) => 0.25 * facets.exponent,
-    }
-}
-
-fn is_wide_enough(samples: SkyResolution, exponent: f32) -> bool {
-    let step = STEPS * samples.pitch();
-    exponent * step * step <= 1.0
+    };
+    part * exponent * step * step <= 1.0
 }
 
 /// The part of an exponent that samples are to resolve: along a grain lobes are wider, and several directions for each sample resolve them across.

@@ -14,6 +14,8 @@ pub struct SkyWindow {
     count: usize,
     all: usize,
     columns: [usize; 2],
+    /// Lines of each row.
+    lines: usize,
     is_whole: bool,
 }
 
@@ -23,13 +25,14 @@ impl SkyWindow {
     pub const fn whole(resolution: SkyResolution) -> Self {
         // The end of the last sample is a place of its own.
         let columns = [0, resolution.samples() + 1];
-        Self { first: 0, count: resolution.blocks(), all: resolution.blocks(), columns, is_whole: true }
+        let count = resolution.blocks();
+        Self { first: 0, count, all: count, columns, lines: 1, is_whole: true }
     }
 
-    /// Those that are within an angle of a unit direction in the pole's frame, and some more.
+    /// Those that are within an angle of a unit direction in the pole's frame, and some more; each row by as many lines as the resolution has.
     #[must_use]
     pub fn around(resolution: SkyResolution, direction: Vec3, angle: f32) -> Self {
-        let whole = Self::whole(resolution);
+        let whole = Self { lines: resolution.lines(), is_whole: false, ..Self::whole(resolution) };
         let across = direction.truncate().length();
         let polar = across.atan2(direction.z);
         let place = |polar: f32| {
@@ -42,7 +45,7 @@ impl SkyWindow {
         ];
         let beside = angle.sin() / across;
         if angle >= FRAC_PI_2 || polar <= angle || polar >= PI - angle || beside >= 1.0 || beside.is_nan() {
-            return Self { columns, is_whole: false, ..whole };
+            return Self { columns, ..whole };
         }
         let (turn, azimuth) = (beside.asin(), direction.y.atan2(direction.x));
         let row = |azimuth: f32| {
@@ -59,15 +62,21 @@ impl SkyWindow {
         let first = begin.floor() as usize % whole.all;
         let count = (begin - begin.floor() + length).floor() as usize + 1;
         if count >= whole.all {
-            return Self { columns, is_whole: false, ..whole };
+            return Self { columns, ..whole };
         }
-        Self { first, count, all: whole.all, columns, is_whole: false }
+        Self { first, count, columns, ..whole }
     }
 
     /// Whether it is made as all samples.
     #[must_use]
     pub const fn is_whole(&self) -> bool {
         self.is_whole
+    }
+
+    /// On so many half circles of each row outlines are drawn.
+    #[inline(always)]
+    pub(super) const fn lines(&self) -> usize {
+        self.lines
     }
 
     /// Its blocks of rows.
@@ -89,20 +98,20 @@ impl SkyWindow {
         beyond < self.count
     }
 
-    /// Which of eight runs of rows hold any in the window. A run goes from its first row to before its end, whose numbers go on around the pole.
+    /// Which of eight runs of lines hold any in the window. A run goes from its first line to before its end, whose numbers go on around the pole.
     #[inline(always)]
     pub(super) fn meets<S: Simd>(&self, first: f32x8<S>, end: f32x8<S>) -> mask32x8<S> {
-        let [begin, len, all] = [self.first, self.count, self.all].map(|blocks| (blocks * LANES) as f32);
+        let [begin, len, all] = [self.first, self.count, self.all].map(|blocks| (blocks * LANES * self.lines) as f32);
         let start = first - begin;
         let start = start - (start / all).floor() * all;
         // Into the window, or round and into it again.
         start.simd_lt(len) | (start + (end - first)).simd_gt(all)
     }
 
-    /// Of so many rows from a first one on, counted around `all`, a run that holds those in the window: its first row and how many.
+    /// Of so many lines from a first one on, counted around the pole, a run that holds those in the window: its first line and how many.
     #[inline(always)]
-    pub(super) fn clipped(&self, first: i32, count: i32, all: i32) -> [i32; 2] {
-        let (begin, len) = ((self.first * LANES) as i32, (self.count * LANES) as i32);
+    pub(super) fn clipped(&self, first: i32, count: i32) -> [i32; 2] {
+        let [begin, len, all] = [self.first, self.count, self.all].map(|blocks| (blocks * LANES * self.lines) as i32);
         let start = (first - begin).rem_euclid(all);
         let end = start + count;
         match (start < len, end > all) {
@@ -152,43 +161,46 @@ mod tests {
         assert!(part < 1.0, "{part}");
     }
 
-    /// Runs of rows lose none in the window, and none are counted twice.
+    /// Runs of lines lose none in the window, and none are counted twice.
     #[test]
     fn runs_are_clipped_to_the_window() {
-        let all = 64;
-        for (first, count) in [(0, 3), (6, 4), (2, 8), (5, 1)] {
-            let window = SkyWindow { first, count, all: all / LANES, columns: [0, 1], is_whole: false };
-            for start in -70..70_i32 {
-                for len in 0..=all as i32 {
-                    let rows = |first: i32, count: i32| -> Vec<usize> {
-                        let rows = (first..first + count).map(|row| row.rem_euclid(all as i32) as usize);
-                        let mut rows: Vec<usize> = rows.filter(|row| window.has_row(*row)).collect();
-                        rows.sort_unstable();
-                        rows
-                    };
-                    let [a, b] = window.clipped(start, len, all as i32);
-                    assert_eq!(rows(a, b), rows(start, len), "{window:?} {start} {len}: {a} {b}");
-                }
+        for (window, all) in windows() {
+            for (start, len) in (-70..70).flat_map(|start| (0..=all).map(move |len| (start, len))) {
+                let kept = |first: i32, count: i32| -> Vec<i32> {
+                    let lines = (first..first + count).map(|line| line.rem_euclid(all));
+                    let mut lines: Vec<i32> =
+                        lines.filter(|line| window.has_row(*line as usize / window.lines)).collect();
+                    lines.sort_unstable();
+                    lines
+                };
+                let [a, b] = window.clipped(start, len);
+                assert_eq!(kept(a, b), kept(start, len), "{window:?} {start} {len}: {a} {b}");
             }
         }
     }
 
-    /// Runs meet the window if any of their rows is in it, whichever numbers they have.
+    /// Runs meet the window if any of their lines is in it, whichever numbers they have.
     #[test]
-    fn runs_that_meet_the_window_have_rows_in_it() {
-        let all = 64;
-        for (first, count) in [(0, 3), (6, 4), (2, 8), (5, 1)] {
-            let window = SkyWindow { first, count, all: all / LANES, columns: [0, 1], is_whole: false };
-            for start in -70..70_i32 {
-                for len in 1..=2 * all as i32 {
-                    let wanted = (start..start + len).any(|row| window.has_row(row.rem_euclid(all as i32) as usize));
-                    let meets = dispatch!(Level::new(), simd => {
-                        let [first, end] = [start, start + len].map(|row| f32x8::splat(simd, row as f32));
-                        window.meets(first, end).any_true()
-                    });
-                    assert_eq!(meets, wanted, "{window:?} {start} {len}");
-                }
+    fn runs_that_meet_the_window_have_lines_in_it() {
+        for (window, all) in windows() {
+            for (start, len) in (-70..70).flat_map(|start| (1..=2 * all).map(move |len| (start, len))) {
+                let is_in = |line: i32| window.has_row(line.rem_euclid(all) as usize / window.lines);
+                let wanted = (start..start + len).any(is_in);
+                let meets = dispatch!(Level::new(), simd => {
+                    let [first, end] = [start, start + len].map(|line| f32x8::splat(simd, line as f32));
+                    window.meets(first, end).any_true()
+                });
+                assert_eq!(meets, wanted, "{window:?} {start} {len}");
             }
         }
+    }
+
+    /// Windows of 64 rows, of one line each and of several, and how many lines there are.
+    fn windows() -> impl Iterator<Item = (SkyWindow, i32)> {
+        let all = [1, 4].map(|lines| [(0, 3), (6, 4), (2, 8), (5, 1)].map(|(first, count)| (first, count, lines)));
+        all.into_iter().flatten().map(|(first, count, lines)| {
+            let window = SkyWindow { first, count, all: 64 / LANES, columns: [0, 1], lines, is_whole: false };
+            (window, 64 * lines as i32)
+        })
     }
 }
