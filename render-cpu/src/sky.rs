@@ -199,10 +199,10 @@ impl Seen {
     }
 
     /// Whether lobes of so much light, seen and whole, are better left to patches. Narrow ones see little of a wide sky where they reflect something else;
-    /// their samples are fine enough for that.
-    fn leaves(self, is_narrow: bool, sum: &Contribution) -> bool {
+    /// their samples are fine enough for that, and patches are too coarse for a grain.
+    fn leaves(self, is_narrow: bool, has_grain: bool, sum: &Contribution) -> bool {
         let is_little = self.is_small || self.are_little([sum.radiance, sum.unshadowed]);
-        is_little && !self.is_shut && (!is_narrow || self.is_little)
+        is_little && !self.is_shut && (!is_narrow || self.is_little && !has_grain)
     }
 
     fn are_little(self, [seen, whole]: [Vec3; 2]) -> bool {
@@ -366,7 +366,8 @@ impl<B: SkyBlockers> SkyLighting for SkyShader<'_, B> {
                         observer.prune();
                     }
                 }
-                if scratch.seen[receiver].leaves(is_narrow, &sum) {
+                let has_grain = of_kind().any(|sum| sum.highlight.is_streak());
+                if scratch.seen[receiver].leaves(is_narrow, has_grain, &sum) {
                     is_left = true;
                     continue;
                 }

@@ -48,6 +48,12 @@ impl SkyHighlight {
         self.axis
     }
 
+    /// Whether it is one of a grain.
+    #[must_use]
+    pub const fn is_streak(&self) -> bool {
+        self.streak.is_some()
+    }
+
     /// The angle of the cone about the axis that holds all directions within an angle of it; within that of a streak.
     pub(super) fn reach(&self, angle: f32) -> f32 {
         self.streak.map_or(angle, |streak| 2.0 * (0.5 * angle * streak.length).atan())
