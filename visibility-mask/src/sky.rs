@@ -35,11 +35,12 @@ mod table;
 mod tests;
 pub(crate) mod view;
 mod window;
+mod witnesses;
 
 pub use self::arcs::SkyArcs;
 pub use self::blend::SkyBlend;
 pub use self::blockers::{SkyBlockers, SkyTile};
-pub use self::buffer::{SkyBuffer, Witnesses};
+pub use self::buffer::SkyBuffer;
 pub use self::highlight::SkyHighlight;
 pub use self::horizon::Horizon;
 pub use self::meridians::{Meridians, SkyResolution};
@@ -47,3 +48,4 @@ pub use self::pole::Pole;
 pub use self::table::SkyTable;
 pub use self::view::SkyView;
 pub use self::window::SkyWindow;
+pub use self::witnesses::Witnesses;

@@ -1,6 +1,7 @@
 use super::arcs::{FIRST, NORMAL, ROWS, STEP};
 use super::crowd::{Crowd, Part};
 use super::meridians::LINES;
+use super::witnesses::{WITNESSES, Witnesses};
 use super::{Horizon, Meridians, SkyArcs, SkyResolution, SkyWindow};
 use fearless_simd::{Simd, f32x8, i32x8, mask32x8, prelude::*};
 use glam::Vec3;
@@ -20,9 +21,6 @@ pub(crate) const MARGIN: f32 = 0.01;
 pub(crate) const RUN: usize = SkyResolution::MOST[1];
 /// The most half surfaces behind each other.
 const MOST: i32 = (i32::MAX >> CUTS) / HALF;
-/// The most rays that are traced.
-pub(super) const WITNESSES: usize = 3;
-
 /// How many surfaces lie before each sample of a receiver's meridians, up to one constant, which is 0 at the pole.
 ///
 /// Outlines add their steps where they cross a meridian: a step in the middle of a sample is shared between that and the next one. Of a
@@ -119,7 +117,7 @@ impl SkyBuffer {
         self.clear(resolution, self.window);
     }
 
-    /// Adds a step of so many half surfaces to a line, at `place` samples from the pole.
+    /// Adds a step of a number of half surfaces to a line, at `place` samples from the pole.
     pub fn add(&mut self, line: usize, place: f32, step: i32) {
         let column = place.floor();
         self.put(line, column as usize, ((place - column) * HALF as f32 + 0.5) as i32, step);
@@ -397,7 +395,7 @@ impl SkyBuffer {
     /// is always there.
     #[inline(always)]
     pub fn witnesses<S: Simd>(&mut self, simd: S, meridians: &Meridians, horizon: &Horizon) -> Witnesses {
-        let mut all = Witnesses { directions: [Vec3::Z; WITNESSES], len: 0 };
+        let mut all = Witnesses::default();
         let end =
             |row: usize| <[f32; LANES]>::from(meridians.crossing(simd, row / LANES, horizon.local()))[row % LANES];
         if self.fewest == 0
@@ -431,7 +429,7 @@ impl SkyBuffer {
                 all.push(meridians.direction(row as f64 + 0.5, f64::from(last) + 1.0 - 0.5 * f64::from(length)));
             }
         }
-        if all.len == 0 {
+        if all.as_slice().is_empty() {
             all.push(horizon.local());
         }
         all
@@ -476,26 +474,6 @@ impl SkyBuffer {
             }
             self.runs[block * LANES..][..LANES].copy_from_slice(&<[i32; LANES]>::from(best));
         }
-    }
-}
-
-/// Directions to send rays in.
-#[derive(Clone, Copy, Debug)]
-pub struct Witnesses {
-    directions: [Vec3; WITNESSES],
-    len: usize,
-}
-
-impl Witnesses {
-    fn push(&mut self, direction: Vec3) {
-        self.directions[self.len] = direction;
-        self.len += 1;
-    }
-
-    /// The directions, the best first.
-    #[must_use]
-    pub fn as_slice(&self) -> &[Vec3] {
-        &self.directions[..self.len]
     }
 }
 

@@ -1,5 +1,6 @@
 use super::SkyResolution;
-use super::buffer::{HALF, WITNESSES};
+use super::buffer::HALF;
+use super::witnesses::WITNESSES;
 
 /// Outlines are a crowd if they cross more samples than one in this number: several in one sample hide parts of it that overlap.
 pub(crate) const SPARSE: usize = 4;

@@ -104,7 +104,7 @@ impl SkyResolution {
         core::f32::consts::TAU / self.rows as f32
     }
 
-    /// The longest chord from the middle of so many samples of a row to any direction in them, and another such chord within one sample.
+    /// The longest chord from the middle of a run of samples of a row to any direction in it, and another such chord within one sample.
     pub(super) fn chord(self, samples: usize) -> f32 {
         // Twice as long as the mean, where a row or a height is half way between two axes.
         let [along, across] = [4.0 / self.samples as f32, 8.0 / self.rows as f32];
@@ -171,7 +171,7 @@ impl Meridians {
         DVec3::new(cos * across, sin * across, up).as_vec3()
     }
 
-    /// Cosine and sine of the azimuth of a line, of so many in each row.
+    /// Cosine and sine of the azimuth of a line, for a number of lines in each row.
     #[inline(always)]
     pub(super) fn line(&self, line: usize, lines: usize) -> [f32; 2] {
         if lines == 1 { self.circle[line] } else { self.lines[line] }
@@ -189,7 +189,7 @@ impl Meridians {
         self.block_of(simd, block, (0, 1))
     }
 
-    /// The same of a line of each of these rows, of so many in each.
+    /// The same of one line of each of these rows, for a number of lines in each.
     #[inline(always)]
     pub(super) fn block_of<S: Simd>(&self, simd: S, block: usize, (line, lines): (usize, usize)) -> [f32x8<S>; 2] {
         let (mut cos, mut sin) = ([0.0; LANES], [0.0; LANES]);
@@ -199,7 +199,7 @@ impl Meridians {
         [f32x8::simd_from(simd, cos), f32x8::simd_from(simd, sin)]
     }
 
-    /// How many lines lie before eight vectors, of which x and y in the pole's frame are given, of so many in each row: from 0 to all, where 0 and all are the
+    /// How many lines lie before eight vectors, of which x and y in the pole's frame are given, for a number of lines in each row: from 0 to all, where 0 and all are the
     /// same place.
     #[inline(always)]
     pub(crate) fn lines_before<S: Simd>(&self, simd: S, x: f32x8<S>, y: f32x8<S>, lines: usize) -> f32x8<S> {
