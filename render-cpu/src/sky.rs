@@ -163,9 +163,6 @@ struct Seen {
     is_for_second: bool,
 }
 
-/// Less than this part of a sky is seen through few samples of the second table, too.
-const LITTLE_FOR_SECOND: f32 = 1.0 / 32.0;
-
 impl Seen {
     /// By a receiver, whose lobes have been summed over one of the first two tables; from which part of the light on that has enough samples, and the next one, if there is one.
     fn of(
@@ -187,13 +184,13 @@ impl Seen {
         let is_unsaid = table.is_uneven() || !are_diffuse;
         let is_smaller = |part: f32| may_be_small && is_unsaid && view.is_small(part, table, at.normal);
         seen.is_small = is_smaller(little);
-        let is_less = |part: f32| lit.max_element() < part * whole.max_element();
         // Of glossy lobes, which see an edge of a window, the second table errs by up to 9 %.
-        let is_for = |part: f32| are_diffuse && !is_less(part) && !is_smaller(part);
-        seen.is_for_second = !seen.is_shut && (seen.is_small || is_less(little)) && of_second.is_some_and(is_for);
+        let is_for = |part: f32| are_diffuse && !is_less([lit, whole], part) && !is_smaller(part);
+        seen.is_for_second =
+            !seen.is_shut && (seen.is_small || is_less([lit, whole], little)) && of_second.is_some_and(is_for);
         if sums.iter().any(|sum| sum.level > 0) {
             let lambert = Lobe::new(at.normal, 1.0, Vec3::ONE).into();
-            seen.is_little = seen.are_little(view.integrals(table, at, &lambert));
+            seen.is_little = is_less(view.integrals(table, at, &lambert), little);
         }
         seen
     }
@@ -201,13 +198,14 @@ impl Seen {
     /// Whether lobes of so much light, seen and whole, are better left to patches. Narrow ones see little of a wide sky where they reflect something else;
     /// their samples are fine enough for that, and patches are too coarse for a grain.
     fn leaves(self, is_narrow: bool, has_grain: bool, sum: &Contribution) -> bool {
-        let is_little = self.is_small || self.are_little([sum.radiance, sum.unshadowed]);
+        let is_little = self.is_small || is_less([sum.radiance, sum.unshadowed], self.little);
         is_little && !self.is_shut && (!is_narrow || self.is_little && !has_grain)
     }
+}
 
-    fn are_little(self, [seen, whole]: [Vec3; 2]) -> bool {
-        seen.max_element() < self.little * whole.max_element()
-    }
+/// Whether light that is seen is less than a part of the whole.
+fn is_less([seen, whole]: [Vec3; 2], part: f32) -> bool {
+    seen.max_element() < part * whole.max_element()
 }
 
 impl<B: SkyBlockers> SkyShader<'_, B> {
@@ -266,7 +264,7 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
                 for sum in own.iter_mut().filter(|sum| sum.level == 0) {
                     [sum.seen, sum.all] = view.integrals_of(table, at, &sum.lobe, SkyBlend::ALL);
                 }
-                all_seen[number] = Seen::of(own, at, (table, view), (LITTLE_FOR_SECOND, None));
+                all_seen[number] = Seen::of(own, at, (table, view), (SkyView::LITTLE_FOR_SECOND, None));
             }
             observer.end(Stage::Integration);
         }
@@ -276,7 +274,7 @@ impl<B: SkyBlockers> SkyShader<'_, B> {
     /// From which part of the sky's light on the second table has enough samples; none where it is not [for little](SkyResolution::for_little).
     fn for_second(&self) -> Option<f32> {
         let second = self.resolutions.first()?.for_little();
-        (second.is_some() && second == self.resolutions.get(1).copied()).then_some(LITTLE_FOR_SECOND)
+        (second.is_some() && second == self.resolutions.get(1).copied()).then_some(SkyView::LITTLE_FOR_SECOND)
     }
 
     /// Draws what a receiver of a tile sees through a window.

@@ -51,6 +51,8 @@ pub struct SkyView {
 }
 
 impl SkyView {
+    /// Less than this part of a sky is seen through few samples of the second table, too.
+    pub const LITTLE_FOR_SECOND: f32 = 1.0 / 32.0;
     /// Where this part of a sky's light is seen, it does not matter how [small](Self::is_small) the visible part of the sky is.
     pub const MUCH: f32 = 0.8;
 
